@@ -4,6 +4,7 @@
 // No new tetrahedron is flat although coordinates are never perturbed: if p lay in the plane of a boundary
 // facet, p would have equal power to both spheres through that facet (the plane is their radical plane,
 // weights included), so both tetrahedra would be in conflict or none.
+#include <algorithm>
 #include <bit>
 
 #include "common/base/random.hpp"
@@ -21,7 +22,7 @@ constexpr std::uint32_t kEmpty = 0xffffffffu;
 
 IncrementalDelaunay::Insertion IncrementalDelaunay::insert(const Vec3d& p) {
   return insert_with(p, [this](TetVertexId v, const Located& at) {
-    grow_cavity(position(v), at.tet);
+    grow_cavity(query(position(v)), at.tet);
     fill_cavity(v);
   });
 }
@@ -35,85 +36,95 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert_in_part(const Vec3d& 
   } else {
     for (const TetId t : ids<TetId>(tets_.size())) {
       poll_in_large_cavity(t);
-      if (tets_[t].v[0] == kNoVertex || !in_conflict(tets_[t], position(v))) continue;
+      if (tets_[t].v[0] == kNoVertex || !in_conflict(tets_[t], query(position(v)))) continue;
       start = t;
       break;
     }
     if (start == kNoTet) throw InternalError("a site is in conflict with no tetrahedron of its part");
   }
-  grow_cavity(position(v), start);
+  grow_cavity(query(position(v)), start);
   fill_cavity(v);
   last_ = vertices_[v].tet;
   return {Status::kInserted, v};
 }
 
-// Whether a tetrahedron is in conflict is a coin toss to the branch predictor, so nothing branches on it:
-// both outcomes are written and the counters advanced by the result.
-void IncrementalDelaunay::grow_cavity(const Vec3d& p, TetId start) {
+// Whether a tetrahedron is in conflict is a coin toss to the branch predictor, and whether it was met before is hardly
+// better, so nothing branches on either: one met again is tested again, both outcomes are written and the counters
+// advanced by the result.
+void IncrementalDelaunay::grow_cavity(const Query& q, TetId start) {
   next_visit();
   const std::uint32_t in = visit_, out = visit_ + 1;
-  std::size_t cavity = 0, boundary = 0;
   if (cavity_.size() < 8) cavity_.resize(64);
   if (boundary_.size() < 8) boundary_.resize(64);
+  // Copies, for what is written below might be the pointers themselves for all that the compiler knows.
+  Tet* const tets = tets_.data();
+  Link* cavity = cavity_.data();
+  Facet* boundary = boundary_.data();
+  std::size_t cavity_count = 0, boundary_count = 0;
 
   // Called thrice for each tetrahedron of the cavity: outlined it takes a third more instructions.
   const auto test = [&](const Tet& t, unsigned k) __attribute__((always_inline)) {
     const Link link = t.n[k];
     const std::uint8_t* f = kFacet[k];
-    boundary_[boundary] = {{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, link};
+    boundary[boundary_count] = {{t.v[f[0]], t.v[f[1]], t.v[f[2]]}, link};
     if (link == kNoLink) [[unlikely]] {
-      ++boundary;
+      ++boundary_count;
       return;
     }
-    Tet& neighbour = tets_[link.tet()];
-    if (neighbour.mark == in) return;
-    if (neighbour.mark == out) {
-      ++boundary;
-      return;
-    }
-    const bool conflict = in_conflict(neighbour, p);
-    cavity_[cavity] = link;
-    cavity += conflict;
-    boundary += !conflict;
+    Tet& neighbour = tets[link.tet()];
+    const bool met_inside = neighbour.mark == in;
+    auto [conflict, certain] = filter(neighbour, q);
+    if (!certain) [[unlikely]]
+      conflict = met_inside || (neighbour.mark != out && in_conflict_exact(neighbour, q.p));
+    cavity[cavity_count] = link;
+    cavity_count += conflict & !met_inside;
+    boundary_count += !conflict;
     neighbour.mark = out - conflict;
   };
 
-  tets_[start].mark = in;
-  cavity_[cavity++] = Link(start, 0);
-  test(tets_[start], 0);
-  for (std::size_t i = 0; i < cavity; ++i) {
+  tets[start].mark = in;
+  cavity[cavity_count++] = Link(start, 0);
+  test(tets[start], 0);
+  for (std::size_t i = 0; i < cavity_count; ++i) {
     poll_in_large_cavity(i);
-    if (cavity + 4 > cavity_.size()) cavity_.resize(2 * cavity_.size());
-    if (boundary + 4 > boundary_.size()) boundary_.resize(2 * boundary_.size());
-    const Tet& t = tets_[cavity_[i].tet()];
-    const unsigned entry = cavity_[i].facet();
+    if (cavity_count + 4 > cavity_.size()) {
+      cavity_.resize(2 * cavity_.size());
+      cavity = cavity_.data();
+    }
+    if (boundary_count + 4 > boundary_.size()) {
+      boundary_.resize(2 * boundary_.size());
+      boundary = boundary_.data();
+    }
+    const Tet& t = tets[cavity[i].tet()];
+    const unsigned entry = cavity[i].facet();
     test(t, (entry + 1) & 3);
     test(t, (entry + 2) & 3);
     test(t, (entry + 3) & 3);
   }
-  cavity_count_ = cavity;
-  boundary_count_ = boundary;
-  counters_.sphere_tests += cavity + boundary - 1;
+  cavity_count_ = cavity_count;
+  boundary_count_ = boundary_count;
+  counters_.sphere_tests += cavity_count + boundary_count - 1;
 }
 
 void IncrementalDelaunay::fill_cavity(TetVertexId v) {
   take_slots();
   const std::uint32_t locals = make_tets(v);
-  if (locals <= kTableSide) [[likely]]
-    join_by_table();
-  else
+  measure_edges(v, locals);
+  if (locals <= kTableSide) [[likely]] {
+    finish_tets<true>(v);
+  } else {
+    finish_tets<false>(v);
     join_by_hash();
-  for (std::uint32_t i = 0; i < locals; ++i) vertices_[local_[i]].local = kNoLocal;
-  vertices_[v].tet = slots_[0];
+  }
+  vertices_[v].tet = slot(0);
 }
 
 // One slot for each boundary facet: those of the cavity first, they are in the cache.
 void IncrementalDelaunay::take_slots() {
   const std::size_t count = boundary_count_;
-  if (slots_.size() < count) slots_.resize(2 * count);
+  if (cavity_.size() < count) cavity_.resize(2 * count);
   while (cavity_count_ > count) free_tet(cavity_[--cavity_count_].tet());
-  for (std::size_t i = 0; i < cavity_count_; ++i) slots_[i] = cavity_[i].tet();
-  for (std::size_t i = cavity_count_; i < count; ++i) slots_[i] = new_tet();
+  while (cavity_count_ < count) cavity_[cavity_count_++] = Link(new_tet(), 0);
 }
 
 // Each new tetrahedron is (p, a, b, c) over the boundary facet abc. Its facet opposite a holds the edge bc;
@@ -121,28 +132,32 @@ void IncrementalDelaunay::take_slots() {
 // new ones to what lies outside, numbers the vertices of the cavity and returns how many they are. As long
 // as there are few, it enters the facets in the table, by their edges.
 std::uint32_t IncrementalDelaunay::make_tets(TetVertexId v) {
-  const Vec3d p = position(v);
   const std::size_t count = boundary_count_;
   if (local_.size() < count + 8) local_.resize(2 * count + 8);
   if (fresh_.size() < 3 * count) fresh_.resize(6 * count);
   if (edge_table_.empty()) edge_table_.resize(kTableSide * kTableSide);
+  Tet* const tets = tets_.data();
+  Vertex* const vertices = vertices_.data();
+  TetVertexId* const local_vertices = local_.data();
+  std::uint32_t* fresh = fresh_.data();
+  Link* const table = edge_table_.data();
   std::uint32_t locals = 0;
-  const auto number = [&](Vertex& vertex, TetVertexId w, TetId t) {
+  const auto number = [&](TetVertexId w, TetId t) {
+    Vertex& vertex = vertices[w];
     const bool is_new = vertex.local == kNoLocal;
     const std::uint32_t local = is_new ? locals : vertex.local;
-    local_[locals] = w;
+    local_vertices[locals] = w;
     locals += is_new;
     vertex.local = local;
     vertex.tet = t;
     return local;
   };
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count; ++i, fresh += 3) {
     poll_in_large_cavity(i);
-    const Facet& f = boundary_[i];
-    const TetId id = slots_[i];
-    Vertex &va = vertices_[f.v[0]], &vb = vertices_[f.v[1]], &vc = vertices_[f.v[2]];
-    const std::uint32_t a = number(va, f.v[0], id), b = number(vb, f.v[1], id), c = number(vc, f.v[2], id);
-    Tet& t = tets_[id];
+    const Facet f = boundary_[i];
+    const TetId id = slot(i);
+    const std::uint32_t a = number(f.v[0], id), b = number(f.v[1], id), c = number(f.v[2], id);
+    Tet& t = tets[id];
     t.v[0] = v;
     t.v[1] = f.v[0];
     t.v[2] = f.v[1];
@@ -150,31 +165,67 @@ std::uint32_t IncrementalDelaunay::make_tets(TetVertexId v) {
     t.n[0] = f.outer;
     t.mark = 0;
     if (f.outer != kNoLink) [[likely]]
-      link_back(f.outer) = Link(id, 0);
-    fresh_[3 * i] = a;
-    fresh_[3 * i + 1] = b;
-    fresh_[3 * i + 2] = c;
+      tets[f.outer.tet()].n[f.outer.facet()] = Link(id, 0);
+    fresh[0] = a;
+    fresh[1] = b;
+    fresh[2] = c;
     if (locals <= kTableSide) [[likely]] {
-      edge_table_[b * kTableSide + c] = Link(id, 1);
-      edge_table_[c * kTableSide + a] = Link(id, 2);
-      edge_table_[a * kTableSide + b] = Link(id, 3);
+      table[b * kTableSide + c] = Link(id, 1);
+      table[c * kTableSide + a] = Link(id, 2);
+      table[a * kTableSide + b] = Link(id, 3);
     }
-    const Vec3d da = Vec3d{va.x, va.y, va.z} - p, db = Vec3d{vb.x, vb.y, vb.z} - p,
-                dc = Vec3d{vc.x, vc.y, vc.z} - p;
-    set_sphere(t, da, db, dc, dot(da, da), dot(db, db), dot(dc, dc));
   }
   counters_.tets_created += count;
   return locals;
 }
 
-void IncrementalDelaunay::join_by_table() {
+// The last use of the vertices' local numbers: they are as before afterwards.
+void IncrementalDelaunay::measure_edges(TetVertexId v, std::uint32_t locals) {
+  const Vec3d p = position(v);
+  if (edges_.size() < locals) edges_.resize(2 * locals);
+  for (std::uint32_t i = 0; i < locals; ++i) {
+    Vertex& vertex = vertices_[local_[i]];
+    vertex.local = kNoLocal;
+    const Vec3d to = Vec3d{vertex.x, vertex.y, vertex.z} - p;
+    edges_[i] = {{to.x, to.y, to.z}, dot(to, to)};
+  }
+}
+
+// The spheres of the new tetrahedra, two at a time, and their neighbours among each other where the table has them.
+template <bool kJoin>
+void IncrementalDelaunay::finish_tets(TetVertexId v) {
+  using delaunay_detail::Two;
+  const Vec3d normalized_p = normalized(position(v));
   const std::size_t count = boundary_count_;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t a = fresh_[3 * i], b = fresh_[3 * i + 1], c = fresh_[3 * i + 2];
-    Tet& t = tets_[slots_[i]];
-    t.n[1] = edge_table_[c * kTableSide + b];
-    t.n[2] = edge_table_[a * kTableSide + c];
-    t.n[3] = edge_table_[b * kTableSide + a];
+  Tet* const tets = tets_.data();
+  const Link* const slots = cavity_.data();
+  const std::uint32_t* const fresh = fresh_.data();
+  const Edge* const edges = edges_.data();
+  const Link* const table = edge_table_.data();
+  for (std::size_t i = 0; i < count; i += 2) {
+    poll_in_large_cavity(i + 1);
+    const std::size_t j = std::min(i + 1, count - 1);
+    const std::uint32_t *const of_i = fresh + 3 * i, *const of_j = fresh + 3 * j;
+    const auto both = [&](int k) __attribute__((always_inline)) {
+      const Edge &e = edges[of_i[k]], &f = edges[of_j[k]];
+      return delaunay_detail::Edge<Two>{{Two{e.to.x, f.to.x}, Two{e.to.y, f.to.y}, Two{e.to.z, f.to.z}},
+                                        Two{e.lift, f.lift}};
+    };
+    const auto sphere =
+        delaunay_detail::circumsphere<Two>(normalized_p, inverse_half_, both(0), both(1), both(2));
+    const auto put = [&](Tet & t, const std::uint32_t* local, int lane) __attribute__((always_inline)) {
+      t.center[0] = sphere.center.x[lane];
+      t.center[1] = sphere.center.y[lane];
+      t.center[2] = sphere.center.z[lane];
+      t.radius2 = static_cast<float>(sphere.radius2[lane]);
+      if (!kJoin) return;
+      const std::uint32_t a = local[0], b = local[1], c = local[2];
+      t.n[1] = table[c * kTableSide + b];
+      t.n[2] = table[a * kTableSide + c];
+      t.n[3] = table[b * kTableSide + a];
+    };
+    put(tets[slots[i].tet()], of_i, 0);
+    put(tets[slots[j].tet()], of_j, 1);
   }
 }
 
@@ -205,7 +256,7 @@ void IncrementalDelaunay::join_by_hash() {
     const auto [from, to] = edge(entry);
     std::size_t s = slot_of(to, from);
     while (edge(table[s]) != std::array{to, from}) s = (s + 1) & (size - 1);
-    tets_[slots_[entry / 3]].n[1 + entry % 3] = Link(slots_[table[s] / 3], 1 + table[s] % 3);
+    tets_[slot(entry / 3)].n[1 + entry % 3] = Link(slot(table[s] / 3), 1 + table[s] % 3);
   }
 }
 

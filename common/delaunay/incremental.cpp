@@ -1,6 +1,8 @@
 #include "common/delaunay/incremental.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "common/base/pacer.hpp"
 #include "common/delaunay/incremental_detail.hpp"
@@ -18,7 +20,7 @@ double orient_bound(const BigTetrahedron& big) {
 }  // namespace
 
 IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options)
-    : big_(big), options_(options), orient_bound_(orient_bound(big)) {
+    : big_(big), options_(options), orient_bound_(orient_bound(big)), inverse_half_(1 / big.half) {
   const std::array<Vec3d, 4> corners = big.corners();
   for (const Vec3d& c : corners) new_vertex(c);
   make_tet(TetVertexId{0}, TetVertexId{1}, TetVertexId{2}, TetVertexId{3});
@@ -26,7 +28,7 @@ IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options opti
 
 IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options options,
                                          const Tetrahedralization& finished)
-    : big_(big), options_(options), orient_bound_(orient_bound(big)) {
+    : big_(big), options_(options), orient_bound_(orient_bound(big)), inverse_half_(1 / big.half) {
   const std::uint32_t sites = finished.site_count();
   vertices_.reserve(finished.points.size());
   for (std::uint32_t k = 0; k < 4; ++k) new_vertex(finished.points[sites + k]);
@@ -56,7 +58,15 @@ IncrementalDelaunay::IncrementalDelaunay(const BigTetrahedron& big, Options opti
 
 void IncrementalDelaunay::reserve(std::size_t sites) {
   vertices_.reserve(sites + 4);
-  tets_.reserve(sites * 7 + 64);
+  tets_.reserve(reserved_tets(sites));
+  if (!reserves_much(sites)) return;
+  constexpr std::size_t kAtOnce = std::size_t{1} << 24;  // bytes, a few milliseconds
+  const std::size_t bytes = tets_.capacity() * sizeof(Tet);
+  auto* const memory = reinterpret_cast<std::byte*>(tets_.data());
+  for (std::size_t at = 0; at < bytes; at += kAtOnce) {
+    options_.execution->poll();
+    populate_pages(memory + at, std::min(kAtOnce, bytes - at));
+  }
 }
 
 TetVertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
@@ -99,8 +109,16 @@ TetId IncrementalDelaunay::make_tet(TetVertexId a, TetVertexId b, TetVertexId c,
 
 void IncrementalDelaunay::set_sphere(Tet& t) const {
   const Vec3d o = position(t.v[0]);
-  const Vec3d b = position(t.v[1]) - o, c = position(t.v[2]) - o, d = position(t.v[3]) - o;
-  set_sphere(t, b, c, d, dot(b, b), dot(c, c), dot(d, d));
+  const auto edge = [&](TetVertexId v) {
+    const Vec3d to = position(v) - o;
+    return delaunay_detail::Edge<double>{{to.x, to.y, to.z}, dot(to, to)};
+  };
+  const auto [center, radius2] = delaunay_detail::circumsphere<double>(
+      normalized(o), inverse_half_, edge(t.v[1]), edge(t.v[2]), edge(t.v[3]));
+  t.center[0] = center.x;
+  t.center[1] = center.y;
+  t.center[2] = center.z;
+  t.radius2 = static_cast<float>(radius2);
 }
 
 void IncrementalDelaunay::next_visit() {
@@ -112,8 +130,8 @@ void IncrementalDelaunay::next_visit() {
 }
 
 bool IncrementalDelaunay::in_conflict_exact(const Tet& t, const Vec3d& p) const {
-  return exact::in_sphere_exact(position(t.v[0]), position(t.v[1]), position(t.v[2]), position(t.v[3]), p,
-                                scale_, &counters_.in_sphere) > 0;
+  return exact::in_sphere(position(t.v[0]), position(t.v[1]), position(t.v[2]), position(t.v[3]), p, scale_,
+                          &counters_.in_sphere) > 0;
 }
 
 // Remembering stochastic walk (Devillers, Pion & Teillaud 2001; the paper's Algorithm 2): through any facet
@@ -128,21 +146,29 @@ std::optional<IncrementalDelaunay::Located> IncrementalDelaunay::walk(const Vec3
     for (int k = 0; k < 4; ++k) q[k] = position(tet.v[k]) - p;
     walk_state_ = walk_state_ * 6364136223846793005ull + 1442695040888963407ull;
     const unsigned first = walk_state_ >> 62;
-    unsigned zeros = 0, left_by = 4;
-    for (unsigned i = 0; i < 4; ++i) {
-      const unsigned k = (first + i) & 3;
-      if (k == came) continue;
+    // Which facets separate is a coin toss to the branch predictor: all are looked at, and nothing branches on one.
+    unsigned beyond = 0, doubtful = 0, zeros = 0, left_by = 4;
+    for (unsigned k = 0; k < 4; ++k) {
       const std::uint8_t* f = kFacet[k];
       const double det = exact::det3(q[f[0]], q[f[1]], q[f[2]]);
-      if (det > orient_bound_) continue;
-      int side = -1;
-      if (det >= -orient_bound_)
-        side = orient3d(p, position(tet.v[f[0]]), position(tet.v[f[1]]), position(tet.v[f[2]]));
-      if (side < 0) {
-        left_by = k;
-        break;
+      beyond |= static_cast<unsigned>(det < -orient_bound_) << k;
+      doubtful |= static_cast<unsigned>(!(std::fabs(det) > orient_bound_)) << k;
+    }
+    const unsigned others = ~(1u << came) & 15;
+    beyond &= others;
+    if (doubtful & others) [[unlikely]] {
+      for (unsigned i = 0; i < 4 && left_by == 4; ++i) {
+        const unsigned k = (first + i) & 3;
+        if (!(others >> k & 1)) continue;
+        int side = beyond >> k & 1 ? -1 : 1;
+        if (doubtful >> k & 1)
+          side = orient3d(p, position(tet.v[kFacet[k][0]]), position(tet.v[kFacet[k][1]]),
+                          position(tet.v[kFacet[k][2]]));
+        if (side < 0) left_by = k;
+        if (side == 0) zeros |= 1u << k;
       }
-      if (side == 0) zeros |= 1u << k;
+    } else if (beyond) {
+      left_by = (first + static_cast<unsigned>(std::countr_zero(beyond * 17 >> first))) & 3;
     }
     if (left_by == 4) {
       counters_.walk_steps += steps;

@@ -25,7 +25,9 @@
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/base/pages.hpp"
 #include "common/delaunay/big_tetrahedron.hpp"
+#include "common/delaunay/circumsphere.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/exact/binary_scale.hpp"
 #include "common/exact/orient3d.hpp"
@@ -76,7 +78,11 @@ class IncrementalDelaunay {
   /// Goes on from a finished one of sites in `big`: site s is vertex 4 + s.
   IncrementalDelaunay(const BigTetrahedron& big, Options options, const Tetrahedralization& finished);
 
+  /// All of their memory; where that is much (reserves_much()), the system hands it out now. Throws Interrupted.
   void reserve(std::size_t sites);
+  static std::size_t reserved_tets(std::size_t sites) { return sites * 7 + 64; }  // random ones make 6.7 each
+  static constexpr std::size_t kTetBytes = 64;
+  static bool reserves_much(std::size_t sites) { return reserved_tets(sites) * kTetBytes >= kAlwaysFresh; }
   /// Adds a finite point: takes the tetrahedra in conflict with it out and joins their boundary to it.
   /// Expected constant time when near the last insertion, N^(1/3) steps of walk otherwise.
   Insertion insert(const Vec3d& p);
@@ -130,14 +136,14 @@ class IncrementalDelaunay {
   // Storage, location and predicates: also for the other ways to change it (reference/).
   static constexpr TetVertexId kNoVertex{0xffffffffu};
 
-  /// One cache line. The circumsphere's centre, kept with a bound of its error, turns in_sphere into a dot
-  /// product (the sub-determinants of Marot et al. 2019, divided by the volume):
-  ///   p is inside  <=>  |d|^2 < axis · d,  d = p - v[0],  axis = 2 (centre - v[0]).
+  /// One cache line. The circumsphere is kept as such, in units of K about the centre of the big tetrahedron
+  /// (normalized()), so that in_sphere is a squared distance and reads nothing else:
+  /// less than the squared radius: inside; where they differ by less than the kMargin-th of it, the exact path decides.
   struct alignas(64) Tet {
     TetVertexId v[4];
     Link n[4];
-    double axis[3];
-    float error;  ///< |computed axis component - true one| <= error; infinity: always ask the exact path
+    double center[3];
+    float radius2;       ///< NaN: always ask the exact path
     std::uint32_t mark;  ///< state of the running insertion, see visit_
   };
   struct alignas(32) Vertex {
@@ -146,6 +152,7 @@ class IncrementalDelaunay {
     std::uint32_t local;  ///< its number in the cavity of the running insertion, else kNoLocal
   };
   static constexpr std::uint32_t kNoLocal = 0xffffffffu;
+  static_assert(sizeof(Tet) == kTetBytes);
 
   struct Located {
     TetId tet;
@@ -167,11 +174,19 @@ class IncrementalDelaunay {
   int orient3d(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const {
     return exact::orient3d(a, b, c, d, scale_, &counters_.orient3d);
   }
-  bool in_conflict(const Tet& t, const Vec3d& p) const;
+  Vec3d normalized(const Vec3d& p) const { return inverse_half_ * (p - big_.center); }
+  /// A point, and the same in the units of the spheres.
+  struct Query {
+    Vec3d p, normalized;
+  };
+  Query query(const Vec3d& p) const { return {p, normalized(p)}; }
+  struct Filtered {
+    bool inside, certain;
+  };
+  static Filtered filter(const Tet& t, const Query& q);
+  bool in_conflict(const Tet& t, const Query& q) const;
   bool in_conflict_exact(const Tet& t, const Vec3d& p) const;
   void set_sphere(Tet& t) const;
-  static void set_sphere(Tet& t, const Vec3d& b, const Vec3d& c, const Vec3d& d, double lift_b, double lift_c,
-                         double lift_d);
   TetVertexId new_vertex(const Vec3d& p);
   TetId new_tet();
   TetId make_tet(TetVertexId a, TetVertexId b, TetVertexId c, TetVertexId d);
@@ -184,6 +199,7 @@ class IncrementalDelaunay {
   Options options_;
   exact::BinaryScale scale_;  ///< of all points so far
   double orient_bound_;       ///< filter of orient3d for any four points in the big tetrahedron
+  double inverse_half_;       ///< 1 / K, a power of two
 
   template <class AfterReading>
   Tetrahedralization snapshot(std::span<const SiteId> site_of_vertex,
@@ -200,11 +216,15 @@ class IncrementalDelaunay {
 
  private:
   // cavity.cpp
-  void grow_cavity(const Vec3d& p, TetId start);
+  void grow_cavity(const Query& q, TetId start);
   void fill_cavity(TetVertexId v);
   void take_slots();
+  TetId slot(std::size_t boundary_facet) const { return cavity_[boundary_facet].tet(); }
   std::uint32_t make_tets(TetVertexId v);
-  void join_by_table();
+  void measure_edges(TetVertexId v, std::uint32_t locals);
+  template <bool kJoin>
+  void finish_tets(TetVertexId v);
+  using Edge = delaunay_detail::Edge<double>;
   void join_by_hash();
   /// Within loops over one cavity, of which few have thousands of facets.
   void poll_in_large_cavity(std::size_t step) const {
@@ -213,13 +233,14 @@ class IncrementalDelaunay {
   }
 
   // Scratch of one insertion; kept to avoid allocation.
-  std::vector<Link> cavity_;  ///< each tetrahedron and the facet that it was reached by
+  /// Each tetrahedron and the facet that it was reached by; then where those go that are made over the boundary.
+  std::vector<Link> cavity_;
   std::vector<Facet> boundary_;
   std::size_t cavity_count_ = 0, boundary_count_ = 0;  ///< in use; the arrays only grow
-  std::vector<TetId> slots_;                           ///< per boundary facet: the tetrahedron made over it
   std::vector<TetVertexId> local_;                     ///< the vertices of the cavity
+  std::vector<Edge> edges_;                            ///< from the new vertex to each of them
   std::vector<std::uint32_t> fresh_;                   ///< three local numbers for each boundary facet
-  std::vector<Link> edge_table_;                       ///< join_by_table(): by directed edge
+  std::vector<Link> edge_table_;                       ///< by directed edge, where there are few vertices
   std::vector<std::uint32_t> edge_hash_;               ///< join_by_hash(): the same, see there
 };
 

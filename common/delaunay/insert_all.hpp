@@ -40,10 +40,15 @@ Expected<Tetrahedralization> insert_all(IncrementalDelaunay& delaunay, const Kep
                                         const Execution& execution, const Insert& insert) {
   using Status = IncrementalDelaunay::Status;
   const std::vector<Vec3d>& points = sites.points;
+  std::uint32_t counted = 0;
+  if (IncrementalDelaunay::reserves_much(points.size())) {  // then it is held from here on
+    counted = static_cast<std::uint32_t>(IncrementalDelaunay::reserved_tets(points.size()) *
+                                         IncrementalDelaunay::kTetBytes / bytes_of(Product::kTetrahedra));
+    execution.made(Product::kTetrahedra, counted);
+  }
   delaunay.reserve(points.size());
   const std::vector<std::uint32_t> order = spatial_order(points, execution);
   std::vector<TetVertexId> vertex_of(points.size());
-  std::uint32_t counted = 0;
   const auto count_new = [&] {
     if (delaunay.tet_count() <= counted) return;
     execution.made(Product::kTetrahedra, delaunay.tet_count() - counted);

@@ -206,14 +206,21 @@ int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
 }
 
 int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e) {
+  return in_sphere(a, b, c, d, e, {});
+}
+
+int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
+              const BinaryScale& scale, PredicateCounters* counters) {
   const Vec3d rb = b - a, rc = c - a, rd = d - a, re = e - a;
   const double lb = dot(rb, rb), lc = dot(rc, rc), ld = dot(rd, rd), le = dot(re, re);
-  const double f = in_sphere_doubles(rb, rc, rd, re, lb, lc, ld, le).f;
   const double r2 = larger(larger(lb, lc), larger(ld, le));
+  if (r2 * scale.factor() * scale.factor() <= kExactInDoubles * kExactInDoubles && scale.fits())
+    return in_sphere_exact(a, b, c, d, e, scale, counters);  // doubles without rounding are as quick
+  const double f = in_sphere_doubles(rb, rc, rd, re, lb, lc, ld, le).f;
   const double bound = kInSphereError * r2 * r2 * std::sqrt(r2) + kUnderflow;
   if (f > bound) return 1;
   if (f < -bound) return -1;
-  return in_sphere_exact(a, b, c, d, e, {});
+  return in_sphere_exact(a, b, c, d, e, scale, counters);
 }
 
 }  // namespace fracture::exact

@@ -19,8 +19,12 @@ namespace fracture::exact {
 
 int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e);
 
-/// The same without the filter, for callers that have evaluated their own. `scale` is that of a set that
-/// contains the five points, or a default-constructed one.
+/// The same for points of a set: `scale` is that of a set that contains the five points, or a default-constructed
+/// one.
+int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
+              const BinaryScale& scale, PredicateCounters* counters = nullptr);
+
+/// The same without the filter, for callers that have evaluated their own.
 int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e,
                     const BinaryScale& scale, PredicateCounters* counters = nullptr);
 

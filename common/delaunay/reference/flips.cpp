@@ -146,7 +146,7 @@ void ReferenceDelaunay::flip_around(TetVertexId p) {
     const TetId outer = link.tet();
     const Tet& o = tets_[outer];
     ++counters_.sphere_tests;
-    if (!in_conflict(o, site)) continue;
+    if (!in_conflict(o, query(site))) continue;
 
     const TetVertexId abc[3] = {t.v[1], t.v[2], t.v[3]};
     const TetVertexId d = o.v[link.facet()];
