@@ -1,99 +1,19 @@
 #include "common/clip/caps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
+#include "common/clip/facet_segments.hpp"
 #include "common/clip/triangulate.hpp"
 #include "common/clip/work_blocks.hpp"
 
 namespace fracture {
 namespace {
-
-/// The boundary pieces of all facets, by facet: a facet is (lo, hi, part).
-struct FacetSegments {
-  std::vector<CapSegment> all;
-  std::vector<std::uint32_t> begin;  ///< per facet, and the end of the last one
-};
-
-FacetSegments gather_segments(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
-                              const Winding& winding, const Execution& execution,
-                              const std::vector<char>* wanted) {
-  // Counting sort by lo, then a stable sort of each cell's few facets: the order inside a facet is that of
-  // gathering.
-  const std::uint32_t sites = diagram.dual().site_count();
-  std::vector<std::uint32_t> begin(sites + 1, 0);
-  Pacer pacer(execution);
-  const auto each = [&](const auto& visit) {
-    // Surface: the polygon of cell lo runs along the bisector one way, so the cap of cell lo runs the other
-    // way.
-    for (const CutPolygon& p : cuts.polygons) {
-      pacer.step(p.count);
-      for (std::uint32_t k = 0; k < p.count; ++k) {
-        const PolygonSide side = cuts.sides[p.first + k];
-        if (is_mesh_edge(side) || side < p.cell) continue;
-        const SiteId neighbor{side};
-        if (wanted && !(*wanted)[p.cell] && !(*wanted)[neighbor]) continue;
-        const CutVertexId from = cuts.vertices[p.first + k], to = cuts.vertices[p.first + (k + 1) % p.count];
-        visit(CapSegment{p.cell, neighbor, to, from, 1, solid.part[p.triangle]});
-      }
-    }
-    for (const CapSegment& s : winding.segments) {
-      pacer.step();
-      visit(s);
-    }
-  };
-  std::uint64_t count = 0;
-  each([&](const CapSegment& s) {
-    ++begin[s.lo + 1];
-    ++count;
-  });
-  execution.made(Product::kSegments, count - winding.segments.size());
-  if (count >= 0xffffffffu)
-    throw Interrupted(Error{ErrorCode::kTooComplex,
-                            "The caps have more than 2^32 boundary segments. Ask for fewer sites."});
-  for (std::uint32_t s = 0; s < sites; ++s) begin[s + 1] += begin[s];
-  std::vector<CapSegment> sorted;
-  resize_with_polls(execution, sorted, count);
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  each([&](const CapSegment& s) { sorted[next[s.lo]++] = s; });
-  const WorkBlocks blocks(execution, sites, 400'000,
-                          [&](std::size_t s) { return 10 + 50 * (begin[s + 1] - begin[s]); });
-  std::vector<std::vector<std::uint32_t>> facets(blocks.count());
-  parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t first, std::size_t last) {
-    Pacer own_pacer(execution);
-    struct Place {
-      std::uint64_t facet;
-      std::uint32_t from;
-      auto operator<=>(const Place&) const = default;
-    };
-    std::vector<Place> order;
-    std::vector<CapSegment> of_cell;
-    for (std::size_t s = first; s < last; ++s) {
-      const std::uint32_t from = begin[s], count = begin[s + 1] - from;
-      own_pacer.step(8 * count);
-      order.clear();
-      for (std::uint32_t k = 0; k < count; ++k)
-        order.push_back({static_cast<std::uint64_t>(sorted[from + k].hi) << 32 | sorted[from + k].part, k});
-      sort_with_polls(execution, order.begin(), order.end());
-      of_cell.assign(sorted.begin() + from, sorted.begin() + from + count);
-      for (std::uint32_t k = 0; k < count; ++k) {
-        sorted[from + k] = of_cell[order[k].from];
-        if (k == 0 || order[k].facet != order[k - 1].facet) facets[block].push_back(from + k);
-      }
-    }
-  });
-  FacetSegments out{std::move(sorted), {}};
-  for (const std::vector<std::uint32_t>& of_block : facets) {
-    pacer.step(of_block.size());
-    out.begin.insert(out.begin.end(), of_block.begin(), of_block.end());
-  }
-  out.begin.push_back(static_cast<std::uint32_t>(count));
-  return out;
-}
 
 /// Builds the caps of one facet after the other; keeps its buffers between them.
 class FacetBuilder {
