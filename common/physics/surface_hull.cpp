@@ -44,6 +44,44 @@ bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t 
   return six_volumes <= kRounding * largest(cross(grid[b] - grid[a], grid[apex] - grid[other]));
 }
 
+/// Four points at a time: the grid's, as floats, which is exact.
+void SurfaceHull::list_quads(const HullGrid& grid, Pacer& pacer) {
+  quads_.clear();
+  quads_.reserve((grid.size() + 3) / 4);
+  for (std::uint32_t p = 0; p < grid.size(); p += 4) {
+    Quad& quad = quads_.emplace_back();
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const Vec3d& at = grid[std::min(p + k, grid.size() - 1)];
+      quad.x[k] = static_cast<float>(at.x);
+      quad.y[k] = static_cast<float>(at.y);
+      quad.z[k] = static_cast<float>(at.z);
+    }
+  }
+  pacer.step(grid.size());
+}
+
+/// Whether a point is above the face by more than `most`. Floats find what is clear: with the normal's largest component
+/// made 1, products below 2^19 and sums below 3 * 2^19 round by less than half a step together, and so does the limit.
+bool SurfaceHull::anything_above(const HullGrid& grid, const Face& face, double most, Pacer& pacer) const {
+  const HullGrid::Plane& plane = face.plane;
+  const double size = largest(plane.normal);
+  const Vec3d normal = (1 / size) * plane.normal;
+  const auto x = static_cast<float>(normal.x), y = static_cast<float>(normal.y),
+             z = static_cast<float>(normal.z);
+  Quad::Four highest = x * quads_[0].x + y * quads_[0].y + z * quads_[0].z;
+  for (const Quad& q : quads_) {
+    const Quad::Four height = x * q.x + y * q.y + z * q.z;
+    highest = height > highest ? height : highest;
+  }
+  pacer.step(quads_.size());
+  const auto clear = static_cast<float>((plane.offset + most - HullGrid::kHeightError) / size - 1);
+  if (highest[0] < clear && highest[1] < clear && highest[2] < clear && highest[3] < clear) return false;
+  for (std::uint32_t p = 0; p < grid.size(); ++p)
+    if (grid.height(plane, p) > most) return true;
+  pacer.step(grid.size());
+  return false;
+}
+
 /// Bends that are small at each edge may add up, or be those of narrow strips between large faces.
 bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) {
   largest_.resize(faces_.size());
@@ -55,22 +93,10 @@ bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) 
                      const double a = faces_[f].rounding, b = faces_[g].rounding;
                      return a != b ? a > b : f < g;
                    });
-  struct Limit {
-    HullGrid::PlanePair planes;
-    HullGrid::PlanePair::Pair most;
-  };
-  std::array<Limit, (kLargest + 1) / 2> limits;
-  for (std::size_t k = 0; k < 2 * limits.size(); ++k) {
-    const Face& face = faces_[largest_[std::min(k, count - 1)]];
-    limits[k / 2].planes.set(k % 2, face.plane);
-    limits[k / 2].most[k % 2] = kMostAbove * face.rounding;
-  }
-  for (std::uint32_t p = 0; p < grid.size(); ++p) {
-    pacer.step();
-    const Vec3d& at = grid[p];
-    auto above = limits[0].planes.heights(at) > limits[0].most;
-    for (std::size_t k = 1; k < limits.size(); ++k) above |= limits[k].planes.heights(at) > limits[k].most;
-    if ((above[0] | above[1]) != 0) return false;
+  for (std::size_t k = 0; k < count; ++k) {
+    Face& face = faces_[largest_[k]];
+    if (anything_above(grid, face, kMostAbove * face.rounding, pacer)) return false;
+    face.bent = false;  // nothing_above_the_bent() would allow more
   }
   return true;
 }
@@ -86,10 +112,7 @@ bool SurfaceHull::nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) con
       longest = std::max(longest, largest(grid[corners_[h + 1]] - grid[corners_[h]]));
     const double turned =
         HullGrid::kSide * longest / largest(face.plane.normal);  // by a step, at the far end
-    const double most = (kMostAbove + turned) * face.rounding;
-    for (std::uint32_t p = 0; p < grid.size(); ++p)
-      if (grid.height(face.plane, p) > most) return false;
-    pacer.step(grid.size());
+    if (anything_above(grid, face, (kMostAbove + turned) * face.rounding, pacer)) return false;
   }
   return true;
 }
@@ -175,9 +198,10 @@ SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid, const BodySurface
     summits += !p.climbs;
   }
   if (summits != 1) return Shape::kOther;
-  const bool hull = grid.size() <= max_points && blunt <= points_.size() / kFewBlunt &&
-                    nothing_above_the_largest(grid, pacer) && nothing_above_the_bent(grid, pacer);
-  return hull ? Shape::kHull : Shape::kConvex;
+  if (grid.size() > max_points || blunt > points_.size() / kFewBlunt) return Shape::kConvex;
+  list_quads(grid, pacer);
+  return nothing_above_the_largest(grid, pacer) && nothing_above_the_bent(grid, pacer) ? Shape::kHull
+                                                                                       : Shape::kConvex;
 }
 
 void SurfaceHull::list_sharp(std::vector<std::uint32_t>& out) const {

@@ -55,8 +55,8 @@ class SurfaceHull {
   /// After shape_of(): all extreme points, and few others.
   void list_sharp(std::vector<std::uint32_t>& out) const;
 
-  std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_, largest_); }
-  void release() { release_vectors(faces_, points_, corners_, after_, largest_); }
+  std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_, largest_, quads_); }
+  void release() { release_vectors(faces_, points_, corners_, after_, largest_, quads_); }
 
  private:
   /// 4 f + k leads from corner k of face f to the next one, which stands at 4 f + k + 1 (the first one twice).
@@ -74,8 +74,16 @@ class SurfaceHull {
     bool climbs;            ///< some neighbour is higher
   };
 
+  /// Four points of the grid.
+  struct Quad {
+    using Four = float __attribute__((vector_size(16)));  // g++ and clang++, of any processor
+    Four x, y, z;
+  };
+
   bool bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
   void look_at_cuts(const HullGrid& grid, const BodySurface& surface, Pacer& pacer);
+  void list_quads(const HullGrid& grid, Pacer& pacer);
+  bool anything_above(const HullGrid& grid, const Face& face, double most, Pacer& pacer) const;
   bool nothing_above_the_largest(const HullGrid& grid, Pacer& pacer);
   bool nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) const;
   bool add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, Face& left, Face& right);
@@ -85,6 +93,7 @@ class SurfaceHull {
   std::vector<std::uint32_t> corners_;
   std::vector<HalfEdge> after_;  // the next half-edge of the same point
   std::vector<std::uint32_t> largest_;
+  std::vector<Quad> quads_;
 };
 
 }  // namespace fracture
