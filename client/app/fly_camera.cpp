@@ -36,8 +36,17 @@ glm::dvec3 FlyCamera::aim_direction() const {
 }
 
 void FlyCamera::aim(const scenes::Scene& scene) {
-  eye_ = scene.eye;
-  const glm::vec3 d = glm::normalize(scene.target - scene.eye);
+  taken_ = false;
+  look_from({scene.eye, scene.target});
+}
+
+void FlyCamera::follow(const scenes::Scene& scene, double seconds) {
+  if (!taken_ && scene.closer) look_from(scenes::view_at(scene, seconds));
+}
+
+void FlyCamera::look_from(const scenes::View& view) {
+  eye_ = view.eye;
+  const glm::vec3 d = glm::normalize(view.target - view.eye);
   yaw_ = std::atan2(d.x, -d.z);
   pitch_ = std::asin(std::clamp(d.y, -1.f, 1.f));
 }
@@ -55,13 +64,17 @@ void FlyCamera::move(float seconds) {
   const auto axis = [&](int plus, int minus) {
     return static_cast<float>(down(plus)) - static_cast<float>(down(minus));
   };
-  eye_ += speed * (axis(GLFW_KEY_W, GLFW_KEY_S) * ahead + axis(GLFW_KEY_D, GLFW_KEY_A) * right +
-                   axis(GLFW_KEY_E, GLFW_KEY_Q) * glm::vec3(0, 1, 0));
+  const glm::vec3 step =
+      speed * (axis(GLFW_KEY_W, GLFW_KEY_S) * ahead + axis(GLFW_KEY_D, GLFW_KEY_A) * right +
+               axis(GLFW_KEY_E, GLFW_KEY_Q) * glm::vec3(0, 1, 0));
+  taken_ |= step != glm::vec3(0);
+  eye_ += step;
   eye_.y = std::max(eye_.y, 0.1f);
   double x = 0, y = 0;
   glfwGetCursorPos(window_, &x, &y);
   if (captured_ && had_cursor_) {
     constexpr float kRadiansPerPixel = 0.0025f;
+    taken_ |= x != cursor_x_ || y != cursor_y_;
     yaw_ += kRadiansPerPixel * static_cast<float>(x - cursor_x_);
     pitch_ = std::clamp(pitch_ - kRadiansPerPixel * static_cast<float>(y - cursor_y_), -1.5f, 1.5f);
   }

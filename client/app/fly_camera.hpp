@@ -15,6 +15,8 @@ class FlyCamera {
 
   /// As the scene has it.
   void aim(const scenes::Scene& scene);
+  /// The same as it is at that time of the game, in seconds; not once the player has moved or turned the view.
+  void follow(const scenes::Scene& scene, double seconds);
   /// A frame: W A S D, Q E, Shift, and the mouse while it looks.
   void move(float seconds);
   /// The mouse turns the view and has no pointer.
@@ -29,10 +31,12 @@ class FlyCamera {
   glm::dvec3 aim_direction() const;
 
  private:
+  void look_from(const scenes::View& view);
+
   GLFWwindow* window_;
   glm::vec3 eye_{0, 2, 8};
   float yaw_ = 0, pitch_ = 0;
-  bool captured_ = false, had_cursor_ = false;
+  bool captured_ = false, had_cursor_ = false, taken_ = false;
   double cursor_x_ = 0, cursor_y_ = 0;
 };
 

@@ -74,8 +74,10 @@ class Recorder {
     settings.debris = debris;
     const std::vector<game::Game::Coming> coming = game.coming();
     settings.coming = &coming;
-    const auto figures = view_->draw(scene, game::moment_of(game, settings.tier == render::Tier::kHigh),
-                                     view::look_at(scene.eye, scene.target, aspect), settings,
+    const game::Moment moment = game::moment_of(game, settings.tier == render::Tier::kHigh);
+    const scenes::View from =
+        scenes::view_at(scene, static_cast<double>(moment.step) * game.world().settings().step);
+    const auto figures = view_->draw(scene, moment, view::look_at(from.eye, from.target, aspect), settings,
                                      target_->framebuffer(), options_.width, options_.height);
     if (!figures) return tl::unexpected(figures.error());
     return *figures;

@@ -257,6 +257,11 @@ class Session {
 
   void frame(double seconds) {
     camera_.move(static_cast<float>(seconds));
+    if (const LiveGame* seen = game_.seen()) {
+      const game::Moment& moment = game_.past() != nullptr ? *game_.past() : seen->playback.moment();
+      camera_.follow(seen->simulation.scene(),
+                     static_cast<double>(moment.step) * seen->simulation.step_length());
+    }
     state_.gravity_held = down(GLFW_KEY_X);
     if (Clock::now() > note_until_) state_.note.clear();
     int width = 0, height = 0;

@@ -35,6 +35,14 @@ constexpr BuiltIn kBuiltIn[] = {
 
 }  // namespace
 
+View view_at(const Scene& scene, double seconds) {
+  if (!scene.closer) return {scene.eye, scene.target};
+  const CameraMove& move = *scene.closer;
+  const double share = std::clamp((seconds - move.from) / (move.until - move.from), 0.0, 1.0);
+  const auto smooth = static_cast<float>(share * share * (3 - 2 * share));
+  return {glm::mix(scene.eye, move.to.eye, smooth), glm::mix(scene.target, move.to.target, smooth)};
+}
+
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const BuiltIn& scene : kBuiltIn) names.emplace_back(scene.name);

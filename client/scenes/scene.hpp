@@ -68,6 +68,17 @@ struct TimedBlast {
   world::Blast blast;
 };
 
+/// From where, and at what, in metres.
+struct View {
+  glm::vec3 eye{0}, target{0};
+};
+
+/// The view comes closer by itself, as in a film, until a player takes it.
+struct CameraMove {
+  double from = 0, until = 1;  ///< seconds
+  View to;
+};
+
 struct Scene {
   std::string name, title;
   std::vector<SceneObject> objects;
@@ -76,9 +87,13 @@ struct Scene {
   std::vector<TimedBlast> blasts;  ///< in the order of their times
   double ball_radius = 0.12, ball_density = 7800, ball_speed = 16;
   glm::vec3 eye{0, 2, 8}, target{0, 1, 0};
+  std::optional<CameraMove> closer;
   render::Sphere bounds{{0, 1, 0}, 5};  ///< what light and shadows cover
   std::vector<std::string> warnings;
 };
+
+/// At a time of the game in seconds.
+View view_at(const Scene& scene, double seconds);
 
 /// In the order of the menu.
 std::vector<std::string> scene_names();

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 
 #include "client/scenes/scene.hpp"
@@ -82,6 +83,37 @@ TEST_P(Scenes, StandOnTheGroundWithinTheirBounds) {
 
 INSTANTIATE_TEST_SUITE_P(All, Scenes, testing::ValuesIn(scene_names()),
                          [](const auto& scene) { return scene.param; });
+
+TEST(View, ComesCloserAndStaysThere) {
+  Scene scene;
+  scene.eye = {0, 2, 8};
+  scene.target = {0, 1, 0};
+  EXPECT_EQ(view_at(scene, 5).eye, scene.eye);
+  scene.closer = {1, 3, {{0, 1, 4}, {1, 0, 0}}};
+  EXPECT_EQ(view_at(scene, 0.9).eye, scene.eye);
+  EXPECT_EQ(view_at(scene, 2).eye, glm::vec3(0, 1.5f, 6));
+  EXPECT_EQ(view_at(scene, 2).target, glm::vec3(0.5f, 0.5f, 0));
+  EXPECT_EQ(view_at(scene, 30).eye, glm::vec3(0, 1, 4));
+  EXPECT_EQ(view_at(scene, 30).target, glm::vec3(1, 0, 0));
+}
+
+// As the picture has it: 50 degrees high, 16 to 9.
+TEST(View, HasAllOfTheMonkeyUntilItLands) {
+  const Scene scene = make_scene("monkey").value();
+  const SceneObject& monkey = scene.objects.at(0);
+  const glm::mat4 projection = glm::perspective(glm::radians(50.f), 16.f / 9, 0.05f, 300.f);
+  for (double t = 0; t <= 0.72; t += 0.04) {
+    const View view = view_at(scene, t);
+    const glm::mat4 matrix = projection * glm::lookAt(view.eye, view.target, glm::vec3(0, 1, 0));
+    for (const world::Hull& hull : monkey.mesh->hulls)  // all of them hold all of the mesh
+      for (const glm::dvec3& point : hull) {
+        const glm::dvec3 fallen = monkey.pose.point(point) - glm::dvec3(0, 0.5 * 9.81 * t * t, 0);
+        const glm::vec4 seen = matrix * glm::vec4(glm::vec3(fallen), 1);
+        EXPECT_LT(std::fabs(seen.x / seen.w), 1) << t;
+        EXPECT_LT(std::fabs(seen.y / seen.w), 1) << t;
+      }
+  }
+}
 
 TEST(Scene, AnUnknownOneIsRefusedByName) {
   const Expected<Scene> scene = make_scene("castle");
