@@ -1,5 +1,4 @@
 // fracture-server serve: starts, waits for a signal, drains.
-#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
@@ -10,6 +9,7 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "common/allocator/allocator.hpp"
 #include "server/cli/import_workers.hpp"
 #include "server/cli/memory_metrics.hpp"
 #include "server/cli/options.hpp"
@@ -55,28 +55,14 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   spdlog::info("token-file {} was read again: {} names", path, names);  // when it is in force
 }
 
-/// Blocks of this size are mapped, each by itself, and go back to the system when they are freed. By default
-/// glibc raises the size to that of the largest block freed so far, up to 32 MiB, and what was once needed
-/// stays.
-constexpr int kMappedBlock = 4 << 20;
-
-/// Arenas beyond the threads that compute only scatter what is free.
-void set_up_allocator(int threads) {
-  ::mallopt(M_ARENA_MAX, threads + 2);
-  ::mallopt(M_MMAP_THRESHOLD, kMappedBlock);
-  ::mallopt(M_TRIM_THRESHOLD, kMappedBlock);
-}
-
-/// What large meshes leave behind in the allocator's arenas goes back to the system: soon where it is much,
-/// else while nothing is computed. Called a few times a second.
-void trim_memory(const WorkerPool& pool, std::uint64_t memory) {
-  constexpr std::uint64_t kLittle = 8u << 20, kMuch = 32u << 20;
-  static std::uint64_t trimmed_at = 0;
-  const bool idle = pool.running() + pool.queued() == 0;
-  const std::uint64_t free = ::mallinfo2().fordblks;
-  if (free < (idle ? kLittle : std::max(kMuch, memory / 32)) || free == trimmed_at) return;
-  ::malloc_trim(0);
-  trimmed_at = ::mallinfo2().fordblks;
+/// What large meshes leave behind goes back to the system: soon where it is much, else when nobody has asked for it again in
+/// seconds. Called a few times a second.
+void trim_memory(std::uint64_t memory) {
+  constexpr std::uint64_t kMuch = 32u << 20;
+  if (free_memory() > std::max(kMuch, memory / 32))
+    return_free_memory();
+  else
+    return_old_free_memory();
 }
 
 /// Serves until a signal and drains. An exit code.
@@ -87,7 +73,6 @@ int serve_until_stopped(const ServeOptions& options) {
   sigset_t stopping = signals;  // one that asks for a reload cuts no waiting short
   if (!terminal) sigdelset(&stopping, SIGHUP);
   const int threads = options.threads > 0 ? options.threads : available_cores();
-  set_up_allocator(threads);
   std::shared_ptr<ImportPool> imports;
   try {
     imports = start_import_workers(options);
@@ -145,7 +130,7 @@ int serve_until_stopped(const ServeOptions& options) {
         reload_tokens(options.token_file, server);
       else
         serving = number == 0;
-      trim_memory(pool, options.memory);
+      trim_memory(options.memory);
     }
     spdlog::info("draining: not ready; {} requests in progress", server.requests_in_progress());
     api.set_draining();

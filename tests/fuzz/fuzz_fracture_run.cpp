@@ -24,7 +24,6 @@
 #include <string>
 #include <vector>
 
-#include "common/base/allocator.hpp"
 #include "common/base/random.hpp"
 #include "tests/fuzz/fracture_case.hpp"
 
@@ -187,7 +186,4 @@ int main_of(int argc, char** argv) {
 }  // namespace
 }  // namespace fracture::fuzz
 
-int main(int argc, char** argv) {
-  fracture::join_small_blocks_when_freed();  // as the server does
-  return fracture::fuzz::main_of(argc, argv);
-}
+int main(int argc, char** argv) { return fracture::fuzz::main_of(argc, argv); }

@@ -18,6 +18,7 @@ ELSEWHERE = {
     "boost/": ("Boost::headers",), "nlohmann/": ("nlohmann_json::nlohmann_json",), "openssl/": ("OpenSSL::Crypto", "OpenSSL::SSL"),
     "spdlog/": ("spdlog::spdlog",), "prometheus/": ("${FRACTURE_PROMETHEUS}",), "CLI/": ("CLI11::CLI11",),
     "zstd.h": ("${FRACTURE_ZSTD}", "PkgConfig::zstd"), "zlib.h": ("ZLIB::ZLIB",), "hiredis/": ("PkgConfig::hiredis",),
+    "jemalloc/": ("PkgConfig::jemalloc",),
     "xxhash.h": ("PkgConfig::xxhash",), "seccomp.h": ("${FRACTURE_SECCOMP}",), "assimp/": ("assimp::assimp",),
     "draco/": ("draco::draco",), "meshoptimizer.h": ("meshoptimizer::meshoptimizer",), "tiny_gltf.h": ("fracture_tinygltf",),
     "libqhull_r/": ("${FRACTURE_QHULL_LIBRARY}",), "glm/": ("glm::glm",), "epoxy/": ("PkgConfig::FRACTURE_EPOXY",),

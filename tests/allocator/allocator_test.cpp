@@ -1,0 +1,97 @@
+#include "common/allocator/allocator.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/eventually.hpp"
+
+namespace fracture {
+namespace {
+
+constexpr std::uint64_t kMiB = 1u << 20;
+
+std::uint64_t resident() {
+  std::uint64_t all = 0, pages = 0;
+  std::ifstream("/proc/self/statm") >> all >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// Of this process's memory, the bytes in large pages.
+std::uint64_t in_large_pages() {
+  std::ifstream rollup("/proc/self/smaps_rollup");
+  std::string word;
+  std::uint64_t kib = 0;
+  while (rollup >> word)
+    if (word == "AnonHugePages:") rollup >> kib;
+  return kib * 1024;
+}
+
+/// Not where the system has none, or gives them to nobody who asks.
+bool large_pages_on_request() {
+  std::string modes;
+  std::getline(std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled"), modes);
+  return modes.find("[madvise]") != std::string::npos || modes.find("[always]") != std::string::npos;
+}
+
+/// 96 MiB, written, in blocks of half a page to 32 KiB, and freed again.
+void use_and_free() {
+  std::vector<std::unique_ptr<char[]>> blocks;
+  std::uint64_t sum = 0;
+  for (std::size_t size = 2048; sum < 96 * kMiB; size = size < 32768 ? 2 * size : 2048, sum += size) {
+    blocks.push_back(std::make_unique_for_overwrite<char[]>(size));
+    std::memset(blocks.back().get(), 1, size);
+  }
+}
+
+class Allocator : public testing::Test {
+ protected:
+  void SetUp() override {
+#if defined(FRACTURE_SANITIZED)
+    GTEST_SKIP() << "the sanitizer's allocator";
+#endif
+    return_free_memory();
+  }
+};
+
+TEST_F(Allocator, WhatWasFreedIsKeptAndUsedAgain) {
+  use_and_free();
+  EXPECT_GE(free_memory(), 64 * kMiB);
+  const std::uint64_t once = resident();
+  for (int k = 0; k < 5; ++k) use_and_free();
+  EXPECT_LE(resident(), once + 64 * kMiB) << "five times 96 MiB were used";
+}
+
+TEST_F(Allocator, GivesBackWhenAsked) {
+  use_and_free();
+  const std::uint64_t before = resident();
+  return_free_memory();
+  EXPECT_LE(free_memory(), 8 * kMiB);
+  EXPECT_LE(resident() + 64 * kMiB, before);
+}
+
+TEST_F(Allocator, GivesBackWhatNobodyAskedForInSeconds) {
+  use_and_free();
+  return_old_free_memory();
+  EXPECT_GE(free_memory(), 32 * kMiB) << "before it is old";
+  EXPECT_TRUE(test::eventually(test::kPatience, "old free memory to go back", [] {
+    return_old_free_memory();
+    return free_memory() <= 8 * kMiB;
+  }));
+}
+
+TEST_F(Allocator, PagesAreLarge) {
+  if (!large_pages_on_request()) GTEST_SKIP() << "this system hands out no large pages on request";
+  const std::uint64_t before = in_large_pages();
+  const auto block = std::make_unique_for_overwrite<char[]>(64 * kMiB);
+  std::memset(block.get(), 1, 64 * kMiB);
+  EXPECT_GE(in_large_pages(), before + 16 * kMiB);  // as many as are free in one piece
+}
+
+}  // namespace
+}  // namespace fracture
