@@ -10,7 +10,7 @@
 #include "common/base/stamped_map.hpp"
 #include "common/clip/facet_segments.hpp"
 #include "common/clip/triangulate.hpp"
-#include "common/clip/work_blocks.hpp"
+#include "common/base/work_blocks.hpp"
 
 namespace fracture {
 namespace {

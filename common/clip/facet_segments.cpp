@@ -7,7 +7,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
-#include "common/clip/work_blocks.hpp"
+#include "common/base/work_blocks.hpp"
 
 namespace fracture {
 namespace {

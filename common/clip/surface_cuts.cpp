@@ -8,7 +8,7 @@
 #include "common/clip/cell_filter.hpp"
 #include "common/clip/edge_walk.hpp"
 #include "common/clip/polygon_clipper.hpp"
-#include "common/clip/work_blocks.hpp"
+#include "common/base/work_blocks.hpp"
 
 namespace fracture {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/base/pacer.hpp"
-#include "common/clip/work_blocks.hpp"
+#include "common/base/work_blocks.hpp"
 #include "common/fragment/outline.hpp"
 
 namespace fracture {

@@ -5,23 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "common/gltf/accessors.hpp"
+#include "common/gltf/buffer_contents.hpp"
 #include "common/gltf/json_text.hpp"
 
 namespace fracture {
 
-/// Writes the member bufferViews; returns the length of the buffer they lie in, each 4-byte aligned.
-std::size_t write_views(JsonText& json, const std::vector<Accessors::View>& views);
+/// Writes the member bufferViews, where there are any.
+void write_views(JsonText& json, const BufferContents& contents);
 
 /// Where the text begins in a GLB: behind its header and that of the chunk (glTF 2.0, section 4.4).
 inline constexpr std::size_t kGlbText = 20;
 
-/// Completes the document that `json` holds (its object is still open) with the member buffers and wraps both
-/// up. The views are emptied. Throws InternalError beyond 4 GiB, Interrupted.
-std::vector<std::uint8_t> pack_glb(JsonText json, std::vector<Accessors::View>& views, std::size_t buffer,
-                                   const Execution& execution);
+/// Completes the document that `json` holds (its object is still open) with the member buffers and writes the contents
+/// behind it. Throws InternalError beyond 4 GiB, Interrupted.
+std::vector<std::uint8_t> pack_glb(JsonText json, const BufferContents& contents, const Execution& execution);
 /// As pack_glb: the JSON text, the buffer as base64 (RFC 4648) inside it.
-std::vector<std::uint8_t> pack_gltf(JsonText json, std::vector<Accessors::View>& views, std::size_t buffer,
-                                    const Execution& execution);
+std::vector<std::uint8_t> pack_gltf(JsonText json, const BufferContents& contents, const Execution& execution);
 
 }  // namespace fracture

@@ -1,6 +1,7 @@
 #include "common/gltf/gltf_writer.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 #include "common/base/pacer.hpp"
@@ -20,31 +21,6 @@
 
 namespace fracture {
 namespace {
-
-void check(const Fragment& f, Pacer& pacer) {
-  const std::size_t count = f.positions.size();
-  const auto sized = [count](const auto& values) { return values.empty() || values.size() == count; };
-  bool good = count > 0 && !f.indices.empty() && sized(f.attributes.normals) && sized(f.attributes.tangents);
-  for (const auto& set : f.attributes.uvs) good = good && set.size() == count;
-  for (const auto& set : f.attributes.colors) good = good && set.size() == count;
-  constexpr std::size_t kBlock = 65536;
-  for (std::size_t begin = 0; begin < f.indices.size(); begin += kBlock) {
-    const std::size_t end = std::min(f.indices.size(), begin + kBlock);
-    std::uint32_t highest = 0;
-    for (std::size_t k = begin; k < end; ++k) highest = std::max(highest, f.indices[k]);
-    good = good && highest < count;
-    pacer.step((end - begin) / 16);
-  }
-  std::size_t covered = 0;
-  for (const FragmentPrimitive& p : f.primitives) {
-    good = good && p.first_index == covered && p.index_count > 0 && p.index_count % 3 == 0;
-    covered += p.index_count;
-  }
-  if (!good || covered != f.indices.size())
-    throw InternalError("fragment " + std::to_string(f.id) + " contradicts its own description: " +
-                        std::to_string(count) + " vertices, " + std::to_string(f.indices.size()) +
-                        " indices, primitives cover " + std::to_string(covered));
-}
 
 void check_companions(const FracturedSolid& fractured) {
   for (const std::size_t size : {fractured.hulls.of_fragment.size(), fractured.anchored.held.size(),
@@ -192,39 +168,45 @@ void write_materials(JsonText& json, const MaterialLibrary& library, const GltfO
   if (!library.samplers.empty()) json.member("samplers", library.samplers);
 }
 
-void write_image(JsonText& json, const Image& image, std::size_t index, Accessors& accessors) {
-  const std::size_t view = accessors.view("image " + std::to_string(index), 0, 0);
-  append_image(accessors.bytes(view), image);
+void write_image(JsonText& json, const std::string& name, std::string_view type, std::span<const std::uint8_t> bytes,
+                 std::size_t index, Accessors& accessors) {
+  BufferContents& contents = accessors.contents();
+  const std::size_t view = contents.view("image " + std::to_string(index), 0, 0);
+  Pacer pacer(accessors.execution());
+  for (const auto& piece : image_pieces(bytes, pacer))
+    contents.put<write_bytes>(view, piece.size(), piece.front(), /*next=*/true);
   json.begin_object();
-  if (!image.name.empty()) json.member("name", image.name);
-  json.member("mimeType", image.mime_type).member("bufferView", view).end_object();
+  if (!name.empty()) json.member("name", name);
+  json.member("mimeType", type).member("bufferView", view).end_object();
 }
 
 void write_images(JsonText& json, const MaterialLibrary& library, CutDetail detail, Accessors& accessors) {
   if (library.images.empty() && detail == CutDetail::kNone) return;
   json.key("images").begin_array();
   std::size_t index = 0;
-  for (const Image& image : library.images) write_image(json, image, index++, accessors);
+  for (const Image& image : library.images)
+    write_image(json, image.name, image.mime_type, image.bytes, index++, accessors);
   if (detail != CutDetail::kNone) {
     const DetailMaps& maps = detail_maps(detail);
-    write_image(json, {"Interior_normal", "image/png", maps.normal}, index++, accessors);
-    write_image(json, {"Interior_roughness", "image/png", maps.roughness}, index, accessors);
+    write_image(json, "Interior_normal", "image/png", maps.normal, index++, accessors);
+    write_image(json, "Interior_roughness", "image/png", maps.roughness, index, accessors);
   }
   json.end_array();
 }
 
-void write_meshes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
-                  const SceneLayout& layout, const std::vector<WholeNode>& whole, Accessors& accessors) {
+void write_meshes(JsonText& json, const FracturedSolid& fractured, const SceneLayout& layout,
+                  const std::vector<WholeNode>& whole, MeshWriter& writer, const Execution& execution) {
   const FragmentSet& set = fractured.set;
+  const std::vector<MeshFigures> figures = measure(set.fragments, execution);
+  Pacer pacer(execution);
   if (set.fragments.empty()) return;
-  MeshWriter writer(*set.source->library, options.interior, options.exterior, options.mesh_manifold,
-                    accessors);
   json.key("meshes").begin_array();
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) writer.write(json, set.fragments[k], layout.name(k));
+  for (std::size_t k = 0; k < set.fragments.size(); ++k)
+    writer.write(json, set.fragments[k], figures[k], layout.name(k));
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
-  for (const WholeNode& node : whole) writer.write_whole(json, node.mesh, node.name);
+  for (const WholeNode& node : whole) writer.write_whole(json, node.mesh, measure(node.mesh, pacer), node.name);
   json.end_array();
 }
 
@@ -243,18 +225,25 @@ std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& 
   return 4096 + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
 }
 
+/// About as many as there will be, rather more.
+std::size_t expected_accessors(const FragmentSet& set, const SceneLayout& layout) {
+  std::size_t sum = 0;
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    const Fragment& f = set.fragments[k];
+    sum += 6 + f.attributes.uvs.size() + f.attributes.colors.size() + f.primitives.size() + 2 * layout.hulls(k);
+  }
+  return sum;
+}
+
 }  // namespace
 
 GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
                     const Execution& execution) {
   const FragmentSet& set = fractured.set;
   const MaterialLibrary& library = *set.source->library;
-  Pacer pacer(execution);
-  for (const Fragment& f : set.fragments) check(f, pacer);
   check_companions(fractured);
   const SceneLayout layout(fractured, options, execution);
   const std::vector<WholeNode> whole = whole_nodes(set, layout, execution);
-  for (const WholeNode& node : whole) check(node.mesh, pacer);
 
   JsonText json(execution);
   json.reserve(expected_length(fractured, layout));
@@ -266,13 +255,16 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   TextRange figures = write_nodes(json, fractured, options, layout, whole, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
-  write_meshes(json, fractured, options, layout, whole, accessors);
+  accessors.expect(expected_accessors(set, layout));
+  MeshWriter meshes(library, options.interior, options.exterior, options.mesh_manifold, accessors);
+  write_meshes(json, fractured, layout, whole, meshes, execution);
   write_images(json, library, options.interior.detail, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
-  const std::size_t buffer = write_views(json, accessors.views());
+  const BufferContents& contents = accessors.contents();
+  write_views(json, contents);
   const bool glb = format == OutputFormat::kGlb;
   if (glb) figures.at += kGlbText;
-  return {(glb ? pack_glb : pack_gltf)(std::move(json), accessors.views(), buffer, execution), figures};
+  return {(glb ? pack_glb : pack_gltf)(std::move(json), contents, execution), figures};
 }
 
 std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,

@@ -31,24 +31,25 @@ bool to_be_ignored(std::string_view type, Bytes data) {
 
 }  // namespace
 
-void append_image(ViewBytes& view, const Image& image) {
-  const Bytes bytes(image.bytes);
-  std::size_t at = 8, kept = 0;  // [kept, at) is still to be copied
+std::vector<Bytes> image_pieces(Bytes bytes, Pacer& pacer) {
+  std::vector<Bytes> pieces;
+  std::size_t at = 8, kept = 0;  // [kept, at) is a piece
   if (bytes.size() >= at && std::equal(kSignature, kSignature + 8, bytes.begin()))
     while (bytes.size() - at >= 12) {  // length, type, data, checksum
-      view.pacer().step();
+      pacer.step();
       const std::size_t length = big_endian(bytes.subspan(at));
       if (length > bytes.size() - at - 12) break;
       const std::string_view type(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
       if (type == "IDAT") break;  // all of these stand before the pixels
       const std::size_t next = at + 12 + length;
       if (to_be_ignored(type, bytes.subspan(at + 8, length))) {
-        view.append(&bytes[kept], at - kept);
+        if (at > kept) pieces.push_back(bytes.subspan(kept, at - kept));
         kept = next;
       }
       at = next;
     }
-  view.append(bytes.data() + kept, bytes.size() - kept);
+  if (bytes.size() > kept) pieces.push_back(bytes.subspan(kept));
+  return pieces;
 }
 
 }  // namespace fracture

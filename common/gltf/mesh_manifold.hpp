@@ -9,11 +9,16 @@
 
 namespace fracture {
 
+/// How many corners of the fragment are at a vertex that is not the first of its topology. Throws InternalError where the
+/// topology names a vertex that is not there; Interrupted.
+std::size_t merged_corners(const Fragment& fragment, Pacer& pacer);
+
 /// What a fragment's mesh already has in the file.
 struct WrittenMesh {
   std::size_t index_view, indices_at;  ///< the run of indices of all primitives
   std::size_t positions;               ///< accessor
   bool wide;                           ///< 32-bit indices
+  std::size_t merged;                  ///< merged_corners()
 };
 
 /// The mesh's member "EXT_mesh_manifold": a primitive over the whole run of indices in which every corner at

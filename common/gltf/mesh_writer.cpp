@@ -53,71 +53,61 @@ std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const Frag
   return std::nullopt;
 }
 
-const std::vector<Vec2f>& MeshWriter::uvs_of(const Fragment& f, std::size_t set) {
-  const std::vector<Vec2f>& uvs = f.attributes.uvs[set];
-  const CutUvs& to = interior_.uvs;
-  if (to == CutUvs{}) return uvs;
-  uvs_ = uvs;
-  Pacer pacer(accessors_.execution());
-  for (const FragmentPrimitive& p : f.primitives) {
-    if (!is_of_cuts(p.material)) continue;
-    for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; ++k) {
-      pacer.step();
-      const std::uint32_t vertex = f.indices[k];  // of cut faces alone: the outside has vertices of its own
-      uvs_[vertex] = {static_cast<float>(to.scale * uvs[vertex].x + to.u),
-                      static_cast<float>(to.scale * uvs[vertex].y + to.v)};
-    }
-  }
-  return uvs_;
+std::size_t MeshWriter::put_positions(const std::vector<Vec3f>& positions, const Bounds& bounds) {
+  BufferContents& contents = accessors_.contents();
+  const std::size_t view = contents.view("POSITION", sizeof(Vec3f), kArrayBuffer);
+  const std::size_t at = contents.put<write_positions>(view, positions.size() * sizeof(Vec3f), positions);
+  return accessors_.add(view, at, component_type::kFloat, positions.size(), "VEC3", &bounds.min, &bounds.max);
 }
 
-std::size_t MeshWriter::write_positions(const std::vector<Vec3f>& positions) {
-  const std::size_t view = accessors_.view("POSITION", sizeof(Vec3f), kArrayBuffer);
-  const std::size_t at = accessors_.bytes(view).size();
-  Vec3f min, max;
-  append_positions(accessors_.bytes(view), positions, min, max);
-  return accessors_.add(view, at, component_type::kFloat, positions.size(), "VEC3", &min, &max);
+void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures, bool tangents) {
+  BufferContents& contents = accessors_.contents();
+  const std::size_t count = f.positions.size();
+  attributes_.clear();
+  attributes_.emplace_back("POSITION", put_positions(f.positions, figures.bounds));
+  const auto attribute = [&](const std::string& semantic, int stride, const char* type, const auto& put) {
+    const std::size_t view = contents.view(semantic, stride, kArrayBuffer);
+    const std::size_t at = put(view, count * static_cast<std::size_t>(stride));
+    attributes_.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
+  };
+  if (!f.attributes.normals.empty())
+    attribute("NORMAL", sizeof(Vec3f), "VEC3",
+              [&](std::size_t view, std::size_t bytes) { return contents.put<write_normals>(view, bytes, f); });
+  for (std::size_t set = 0; set < f.attributes.uvs.size(); ++set)
+    attribute("TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2", [&](std::size_t view, std::size_t bytes) {
+      if (interior_.uvs == CutUvs{}) return contents.put<write_uvs>(view, bytes, f.attributes.uvs[set]);
+      return contents.put<write_moved_uvs>(view, bytes, moved_uvs_.emplace_back(f, set, interior_.uvs));
+    });
+  for (std::size_t set = 0; set < f.attributes.colors.size(); ++set)
+    attribute("COLOR_" + std::to_string(set), sizeof(Vec4f), "VEC4", [&](std::size_t view, std::size_t bytes) {
+      return contents.put<write_colors>(view, bytes, f.attributes.colors[set]);
+    });
+  if (tangents)
+    attribute("TANGENT", sizeof(Vec4f), "VEC4",
+              [&](std::size_t view, std::size_t bytes) { return contents.put<write_tangents>(view, bytes, f); });
 }
 
-void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& name) {
-  write(json, f, name, exterior_);
+void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& figures, const std::string& name) {
+  write(json, f, figures, name, exterior_);
 }
 
-void MeshWriter::write_whole(JsonText& json, const Fragment& f, const std::string& name) {
-  write(json, f, name, {});
+void MeshWriter::write_whole(JsonText& json, const Fragment& f, const MeshFigures& figures, const std::string& name) {
+  write(json, f, figures, name, {});
 }
 
-void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& name,
+void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& figures, const std::string& name,
                        const ExteriorMaterials& exterior) {
   materials_.clear();
   for (const FragmentPrimitive& p : f.primitives) materials_.push_back(material_of(f, p, exterior));
   const auto needs_tangents = [&](const auto& material) { return material && normal_mapped_[*material]; };
-  const bool tangents =
-      !f.attributes.tangents.empty() && std::any_of(materials_.begin(), materials_.end(), needs_tangents);
-  attributes_.clear();
-  const std::size_t count = f.positions.size();
-  attributes_.emplace_back("POSITION", write_positions(f.positions));
-  const auto attribute = [&](const std::string& semantic, int stride, const char* type, auto&& append) {
-    const std::size_t view = accessors_.view(semantic, stride, kArrayBuffer);
-    const std::size_t at = accessors_.bytes(view).size();
-    append(accessors_.bytes(view));
-    attributes_.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
-  };
-  if (!f.attributes.normals.empty())
-    attribute("NORMAL", sizeof(Vec3f), "VEC3", [&](ViewBytes& view) { append_normals(view, f); });
-  for (std::size_t set = 0; set < f.attributes.uvs.size(); ++set)
-    attribute("TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2",
-              [&](ViewBytes& view) { append_uvs(view, uvs_of(f, set)); });
-  for (std::size_t set = 0; set < f.attributes.colors.size(); ++set)
-    attribute("COLOR_" + std::to_string(set), sizeof(Vec4f), "VEC4",
-              [&](ViewBytes& view) { append_colors(view, f.attributes.colors[set]); });
-  if (tangents)
-    attribute("TANGENT", sizeof(Vec4f), "VEC4", [&](ViewBytes& view) { append_tangents(view, f); });
+  put_attributes(f, figures, !f.attributes.tangents.empty() &&
+                                 std::any_of(materials_.begin(), materials_.end(), needs_tangents));
 
-  const bool wide = count > kMaxShortVertices;
-  const std::size_t index_view = accessors_.view(wide ? "indices32" : "indices16", 0, kElementArrayBuffer);
-  const std::size_t indices_at =
-      append_indices(accessors_.bytes(index_view), f.indices.data(), f.indices.size(), wide);
+  const bool wide = f.positions.size() > kMaxShortVertices;
+  BufferContents& contents = accessors_.contents();
+  const std::size_t index_view = contents.view(wide ? "indices32" : "indices16", 0, kElementArrayBuffer);
+  const std::size_t indices_at = wide ? contents.put<write_long_indices>(index_view, 4 * f.indices.size(), f.indices)
+                                      : contents.put<write_short_indices>(index_view, 2 * f.indices.size(), f.indices);
 
   json.begin_object().member("name", name).key("primitives").begin_array();
   for (std::size_t k = 0; k < f.primitives.size(); ++k) {
@@ -137,7 +127,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const std::string& nam
   json.end_array();
   if (mesh_manifold_ && !f.topology.empty()) {
     json.key("extensions").begin_object();
-    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().second, wide}, accessors_);
+    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().second, wide, figures.merged}, accessors_);
     json.end_object();
   }
   json.end_object();
@@ -149,11 +139,12 @@ void MeshWriter::write(JsonText& json, const CollisionHull& hull, const std::str
     for (const std::uint32_t point : triangle) good = good && point < hull.points.size();
   if (!good) throw InternalError(name + ": a collision hull contradicts its own description");
 
-  const std::size_t positions = write_positions(hull.points);
-  const std::size_t view = accessors_.view("indices16", 0, kElementArrayBuffer);
+  Pacer pacer(accessors_.execution());
+  const std::size_t positions = put_positions(hull.points, bounds_of(hull.points, pacer));
+  BufferContents& contents = accessors_.contents();
+  const std::size_t view = contents.view("indices16", 0, kElementArrayBuffer);
   const std::size_t count = 3 * hull.triangles.size();
-  const std::size_t at =
-      append_indices(accessors_.bytes(view), hull.triangles.front().data(), count, /*wide=*/false);
+  const std::size_t at = contents.put<write_short_triangles>(view, 2 * count, hull.triangles);
   json.begin_object().member("name", name).key("primitives").begin_array().begin_object();
   json.key("attributes").begin_object().member("POSITION", positions).end_object();
   json.member("indices", accessors_.add(view, at, component_type::kUnsignedShort, count, "SCALAR"));

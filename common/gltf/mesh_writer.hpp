@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,10 +12,13 @@
 #include "common/gltf/exterior_material.hpp"
 #include "common/gltf/interior_material.hpp"
 #include "common/gltf/json_text.hpp"
+#include "common/gltf/mesh_figures.hpp"
 #include "common/physics/collision_hulls.hpp"
 
 namespace fracture {
 
+/// Writes their JSON, and puts their arrays into the contents of the buffer; it and the meshes are needed until those are
+/// written.
 class MeshWriter {
  public:
   /// The file has the materials of the library, then those of the interior and its cavities, then those of the exterior.
@@ -22,22 +26,21 @@ class MeshWriter {
              const ExteriorMaterials& exterior, bool mesh_manifold, Accessors& accessors);
 
   /// Attribute accessors shared by the primitives, indices of all of them in one run.
-  void write(JsonText& json, const Fragment& fragment, const std::string& name);
+  void write(JsonText& json, const Fragment& fragment, const MeshFigures& figures, const std::string& name);
   /// The same of what was not fractured: it keeps the source's materials.
-  void write_whole(JsonText& json, const Fragment& mesh, const std::string& name);
+  void write_whole(JsonText& json, const Fragment& mesh, const MeshFigures& figures, const std::string& name);
   /// One primitive without a material. Throws InternalError when a triangle names a point that is not there.
   void write(JsonText& json, const CollisionHull& hull, const std::string& name);
 
  private:
-  void write(JsonText& json, const Fragment& fragment, const std::string& name,
+  void write(JsonText& json, const Fragment& fragment, const MeshFigures& figures, const std::string& name,
              const ExteriorMaterials& exterior);
   /// Index of a material of the file; none without a material.
   std::optional<std::size_t> material_of(const Fragment& fragment, const FragmentPrimitive& p,
                                          const ExteriorMaterials& exterior) const;
-  /// With those of cut faces where the interior has them. Until the next call.
-  const std::vector<Vec2f>& uvs_of(const Fragment& fragment, std::size_t set);
   /// Returns the accessor.
-  std::size_t write_positions(const std::vector<Vec3f>& positions);
+  std::size_t put_positions(const std::vector<Vec3f>& positions, const Bounds& bounds);
+  void put_attributes(const Fragment& fragment, const MeshFigures& figures, bool tangents);
 
   Accessors& accessors_;
   bool mesh_manifold_;
@@ -45,7 +48,7 @@ class MeshWriter {
   const ExteriorMaterials& exterior_;
   std::size_t first_interior_ = 0, first_exterior_ = 0;  ///< of the materials of the file
   std::vector<bool> normal_mapped_;
-  std::vector<Vec2f> uvs_;
+  std::deque<MovedUvs> moved_uvs_;
   // Of the mesh that is written: accessors, and the material of each primitive.
   std::vector<std::pair<std::string, std::size_t>> attributes_;
   std::vector<std::optional<std::size_t>> materials_;

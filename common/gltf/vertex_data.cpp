@@ -5,31 +5,36 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/solid/cut_materials.hpp"
+
 namespace fracture {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little-endian");
 
-constexpr std::size_t kLeastChunk = 1 << 16, kMostChunk = 1 << 22;  // bytes
-constexpr std::size_t kBlock = 4096;                                // values between two polls
+constexpr std::size_t kBlock = 4096;  // values between two polls
 
-template <class Vec>
-void append_raw(ViewBytes& view, const std::vector<Vec>& values) {
-  view.append(values.data(), values.size() * sizeof(Vec));
+template <class Value>
+void write_raw(const std::vector<Value>& values, Room out, Pacer& pacer) {
+  write_bytes(*reinterpret_cast<const std::uint8_t*>(values.data()), out, pacer);
 }
 
-/// Appends stored(value, its index) for each value.
-template <class Vec, class Stored>
-void append_each(ViewBytes& view, const std::vector<Vec>& values, const Stored& stored) {
+/// Writes stored(value, its index) for each value.
+template <class Value, class Stored>
+void write_each(std::span<const Value> values, Room out, Pacer& pacer, const Stored& stored) {
+  std::uint8_t* to = out.data();
   for (std::size_t begin = 0; begin < values.size(); begin += kBlock) {
     const std::size_t end = std::min(values.size(), begin + kBlock);
-    std::uint8_t* out = view.extend((end - begin) * sizeof(Vec));
-    for (std::size_t v = begin; v < end; ++v, out += sizeof(Vec)) {
-      const Vec value = stored(values[v], v);
-      std::memcpy(out, &value, sizeof(Vec));
+    pacer.step((end - begin) / 4);
+    for (std::size_t v = begin; v < end; ++v) {
+      const auto value = stored(values[v], v);
+      std::memcpy(to, &value, sizeof(value));
+      to += sizeof(value);
     }
   }
 }
+
+std::uint16_t narrow(std::uint32_t index, std::size_t) { return static_cast<std::uint16_t>(index); }
 
 /// Well inside what validators accept, well outside what rounding three floats does.
 bool is_unit(const Vec3d& v) { return std::abs(dot(v, v) - 1) < 1e-5; }
@@ -88,36 +93,32 @@ Vec3d perpendicular_to(const Vec3d& n) {
 
 }  // namespace
 
-void ViewBytes::add_chunk(std::size_t least) {
-  chunks_.emplace_back();
-  chunks_.back().reserve(std::max(least, std::clamp(size_, kLeastChunk, kMostChunk)));
+Bounds bounds_of(const std::vector<Vec3f>& positions, Pacer& pacer) {
+  Vec3f min = positions.front(), max = min;
+  pacer.each(0, positions.size(), [&](std::size_t v) {
+    const Vec3f& p = positions[v];
+    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
+  });
+  return {min, max};
 }
 
-void ViewBytes::append(const void* bytes, std::size_t count) {
-  const auto* from = static_cast<const std::uint8_t*>(bytes);
-  for (std::size_t size; count > 0; count -= size, from += size) {
-    size = std::min(count, kLeastChunk);
-    std::memcpy(extend(size), from, size);
+void write_bytes(const std::uint8_t& first, Room out, Pacer& pacer) {
+  const std::uint8_t* from = &first;
+  for (std::size_t at = 0; at < out.size(); at += kBytesBetweenPolls) {
+    const std::size_t size = std::min(out.size() - at, kBytesBetweenPolls);
+    pacer.step(size / 64);
+    std::memcpy(&out[at], from + at, size);
   }
 }
 
-void append_positions(ViewBytes& view, const std::vector<Vec3f>& positions, Vec3f& min, Vec3f& max) {
-  append_raw(view, positions);
-  min = max = positions.front();
-  for (std::size_t begin = 0; begin < positions.size(); begin += kBlock) {
-    const std::size_t end = std::min(positions.size(), begin + kBlock);
-    view.pacer().step((end - begin) / 8);
-    for (std::size_t v = begin; v < end; ++v) {
-      const Vec3f& p = positions[v];
-      min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
-      max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
-    }
-  }
+void write_positions(const std::vector<Vec3f>& positions, Room out, Pacer& pacer) {
+  write_raw(positions, out, pacer);
 }
 
-void append_normals(ViewBytes& view, const Fragment& fragment) {
-  TriangleNormals of_triangles(fragment, view.pacer());
-  append_each(view, fragment.attributes.normals, [&](const Vec3f& normal, std::size_t v) {
+void write_normals(const Fragment& fragment, Room out, Pacer& pacer) {
+  TriangleNormals of_triangles(fragment, pacer);
+  write_each(std::span(fragment.attributes.normals), out, pacer, [&](const Vec3f& normal, std::size_t v) {
     Vec3d n = to_double(normal);
     if (is_unit(n)) return normal;
     if (!normalise(n)) n = of_triangles.at(v);
@@ -125,8 +126,8 @@ void append_normals(ViewBytes& view, const Fragment& fragment) {
   });
 }
 
-void append_tangents(ViewBytes& view, const Fragment& fragment) {
-  append_each(view, fragment.attributes.tangents, [&](const Vec4f& tangent, std::size_t v) {
+void write_tangents(const Fragment& fragment, Room out, Pacer& pacer) {
+  write_each(std::span(fragment.attributes.tangents), out, pacer, [&](const Vec4f& tangent, std::size_t v) {
     Vec4f stored = tangent;
     if (Vec3d t{stored.x, stored.y, stored.z}; !is_unit(t)) {
       if (!normalise(t)) {
@@ -141,13 +142,40 @@ void append_tangents(ViewBytes& view, const Fragment& fragment) {
   });
 }
 
-void append_uvs(ViewBytes& view, const std::vector<Vec2f>& uvs) { append_raw(view, uvs); }
+void write_uvs(const std::vector<Vec2f>& uvs, Room out, Pacer& pacer) { write_raw(uvs, out, pacer); }
 
-void append_colors(ViewBytes& view, const std::vector<Vec4f>& colors) {
+void write_moved_uvs(const MovedUvs& moved, Room out, Pacer& pacer) {
+  const Fragment& f = moved.fragment;
+  const std::vector<Vec2f>& uvs = f.attributes.uvs[moved.set];
+  write_uvs(uvs, out, pacer);
+  for (const FragmentPrimitive& p : f.primitives) {
+    if (!is_of_cuts(p.material)) continue;
+    pacer.each(p.first_index, p.first_index + p.index_count, [&](std::size_t k) {
+      const std::uint32_t vertex = f.indices[k];  // of cut faces alone: the outside has vertices of its own
+      const Vec2f uv{static_cast<float>(moved.to.scale * uvs[vertex].x + moved.to.u),
+                     static_cast<float>(moved.to.scale * uvs[vertex].y + moved.to.v)};
+      std::memcpy(&out[vertex * sizeof(uv)], &uv, sizeof(uv));
+    });
+  }
+}
+
+void write_colors(const std::vector<Vec4f>& colors, Room out, Pacer& pacer) {
   const auto unit = [](float c) { return std::clamp(c, 0.0f, 1.0f); };
-  append_each(view, colors, [&](const Vec4f& c, std::size_t) {
+  write_each(std::span(colors), out, pacer, [&](const Vec4f& c, std::size_t) {
     return Vec4f{unit(c.x), unit(c.y), unit(c.z), unit(c.w)};
   });
+}
+
+void write_short_indices(const std::vector<std::uint32_t>& indices, Room out, Pacer& pacer) {
+  write_each(std::span(indices), out, pacer, narrow);
+}
+
+void write_long_indices(const std::vector<std::uint32_t>& indices, Room out, Pacer& pacer) {
+  write_raw(indices, out, pacer);
+}
+
+void write_short_triangles(const std::vector<std::array<std::uint32_t, 3>>& triangles, Room out, Pacer& pacer) {
+  write_each(std::span(triangles.front().data(), 3 * triangles.size()), out, pacer, narrow);
 }
 
 }  // namespace fracture
