@@ -8,9 +8,9 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/stamped_map.hpp"
+#include "common/base/work_blocks.hpp"
 #include "common/clip/facet_segments.hpp"
 #include "common/clip/triangulate.hpp"
-#include "common/base/work_blocks.hpp"
 
 namespace fracture {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "common/base/work_blocks.hpp"
 #include "common/clip/cell_filter.hpp"
 #include "common/clip/edge_walk.hpp"
 #include "common/clip/polygon_clipper.hpp"
-#include "common/base/work_blocks.hpp"
 
 namespace fracture {
 namespace {

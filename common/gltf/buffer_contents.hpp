@@ -38,9 +38,10 @@ class BufferContents {
   std::size_t put(std::size_t view, std::size_t bytes, const Source& source, bool next = false) {
     const std::size_t at = next ? views_[view].size : aligned(views_[view].size);
     views_[view].size = at + bytes;
-    pieces_.push_back({view, at, bytes, &source, [](const void* of, std::span<std::uint8_t> out, Pacer& pacer) {
-                         kWrite(*static_cast<const Source*>(of), out, pacer);
-                       }});
+    pieces_.push_back(
+        {view, at, bytes, &source, [](const void* of, std::span<std::uint8_t> out, Pacer& pacer) {
+           kWrite(*static_cast<const Source*>(of), out, pacer);
+         }});
     return at;
   }
 

@@ -28,7 +28,8 @@ void move_text(std::vector<std::uint8_t>& out, std::string text, const Execution
 }
 
 /// Appends base64 (RFC 4648) without line breaks.
-void append_base64(std::vector<std::uint8_t>& out, std::span<const std::uint8_t> bytes, const Execution& execution) {
+void append_base64(std::vector<std::uint8_t>& out, std::span<const std::uint8_t> bytes,
+                   const Execution& execution) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   constexpr std::size_t kBlock = kBytesBetweenPolls / 3 * 3;
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(kBlock, bytes.size()))) {
@@ -65,7 +66,8 @@ void write_views(JsonText& json, const BufferContents& contents) {
   json.end_array();
 }
 
-std::vector<std::uint8_t> pack_glb(JsonText document, const BufferContents& contents, const Execution& execution) {
+std::vector<std::uint8_t> pack_glb(JsonText document, const BufferContents& contents,
+                                   const Execution& execution) {
   const std::size_t buffer = contents.size();
   if (buffer > 0)
     document.key("buffers")
@@ -95,7 +97,8 @@ std::vector<std::uint8_t> pack_glb(JsonText document, const BufferContents& cont
   return glb;
 }
 
-std::vector<std::uint8_t> pack_gltf(JsonText document, const BufferContents& contents, const Execution& execution) {
+std::vector<std::uint8_t> pack_gltf(JsonText document, const BufferContents& contents,
+                                    const Execution& execution) {
   std::vector<std::uint8_t> buffer;
   if (contents.size() > std::numeric_limits<std::uint32_t>::max())
     throw InternalError("the buffer would be larger than 4 GiB");

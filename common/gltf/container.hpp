@@ -20,6 +20,7 @@ inline constexpr std::size_t kGlbText = 20;
 /// behind it. Throws InternalError beyond 4 GiB, Interrupted.
 std::vector<std::uint8_t> pack_glb(JsonText json, const BufferContents& contents, const Execution& execution);
 /// As pack_glb: the JSON text, the buffer as base64 (RFC 4648) inside it.
-std::vector<std::uint8_t> pack_gltf(JsonText json, const BufferContents& contents, const Execution& execution);
+std::vector<std::uint8_t> pack_gltf(JsonText json, const BufferContents& contents,
+                                    const Execution& execution);
 
 }  // namespace fracture

@@ -168,8 +168,8 @@ void write_materials(JsonText& json, const MaterialLibrary& library, const GltfO
   if (!library.samplers.empty()) json.member("samplers", library.samplers);
 }
 
-void write_image(JsonText& json, const std::string& name, std::string_view type, std::span<const std::uint8_t> bytes,
-                 std::size_t index, Accessors& accessors) {
+void write_image(JsonText& json, const std::string& name, std::string_view type,
+                 std::span<const std::uint8_t> bytes, std::size_t index, Accessors& accessors) {
   BufferContents& contents = accessors.contents();
   const std::size_t view = contents.view("image " + std::to_string(index), 0, 0);
   Pacer pacer(accessors.execution());
@@ -206,7 +206,8 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const SceneLa
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
-  for (const WholeNode& node : whole) writer.write_whole(json, node.mesh, measure(node.mesh, pacer), node.name);
+  for (const WholeNode& node : whole)
+    writer.write_whole(json, node.mesh, measure(node.mesh, pacer), node.name);
   json.end_array();
 }
 
@@ -230,7 +231,8 @@ std::size_t expected_accessors(const FragmentSet& set, const SceneLayout& layout
   std::size_t sum = 0;
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
     const Fragment& f = set.fragments[k];
-    sum += 6 + f.attributes.uvs.size() + f.attributes.colors.size() + f.primitives.size() + 2 * layout.hulls(k);
+    sum +=
+        6 + f.attributes.uvs.size() + f.attributes.colors.size() + f.primitives.size() + 2 * layout.hulls(k);
   }
   return sum;
 }

@@ -71,27 +71,33 @@ void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures, b
     attributes_.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
   };
   if (!f.attributes.normals.empty())
-    attribute("NORMAL", sizeof(Vec3f), "VEC3",
-              [&](std::size_t view, std::size_t bytes) { return contents.put<write_normals>(view, bytes, f); });
+    attribute("NORMAL", sizeof(Vec3f), "VEC3", [&](std::size_t view, std::size_t bytes) {
+      return contents.put<write_normals>(view, bytes, f);
+    });
   for (std::size_t set = 0; set < f.attributes.uvs.size(); ++set)
-    attribute("TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2", [&](std::size_t view, std::size_t bytes) {
-      if (interior_.uvs == CutUvs{}) return contents.put<write_uvs>(view, bytes, f.attributes.uvs[set]);
-      return contents.put<write_moved_uvs>(view, bytes, moved_uvs_.emplace_back(f, set, interior_.uvs));
-    });
+    attribute(
+        "TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2", [&](std::size_t view, std::size_t bytes) {
+          if (interior_.uvs == CutUvs{}) return contents.put<write_uvs>(view, bytes, f.attributes.uvs[set]);
+          return contents.put<write_moved_uvs>(view, bytes, moved_uvs_.emplace_back(f, set, interior_.uvs));
+        });
   for (std::size_t set = 0; set < f.attributes.colors.size(); ++set)
-    attribute("COLOR_" + std::to_string(set), sizeof(Vec4f), "VEC4", [&](std::size_t view, std::size_t bytes) {
-      return contents.put<write_colors>(view, bytes, f.attributes.colors[set]);
-    });
+    attribute("COLOR_" + std::to_string(set), sizeof(Vec4f), "VEC4",
+              [&](std::size_t view, std::size_t bytes) {
+                return contents.put<write_colors>(view, bytes, f.attributes.colors[set]);
+              });
   if (tangents)
-    attribute("TANGENT", sizeof(Vec4f), "VEC4",
-              [&](std::size_t view, std::size_t bytes) { return contents.put<write_tangents>(view, bytes, f); });
+    attribute("TANGENT", sizeof(Vec4f), "VEC4", [&](std::size_t view, std::size_t bytes) {
+      return contents.put<write_tangents>(view, bytes, f);
+    });
 }
 
-void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& figures, const std::string& name) {
+void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& figures,
+                       const std::string& name) {
   write(json, f, figures, name, exterior_);
 }
 
-void MeshWriter::write_whole(JsonText& json, const Fragment& f, const MeshFigures& figures, const std::string& name) {
+void MeshWriter::write_whole(JsonText& json, const Fragment& f, const MeshFigures& figures,
+                             const std::string& name) {
   write(json, f, figures, name, {});
 }
 
@@ -100,14 +106,16 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
   materials_.clear();
   for (const FragmentPrimitive& p : f.primitives) materials_.push_back(material_of(f, p, exterior));
   const auto needs_tangents = [&](const auto& material) { return material && normal_mapped_[*material]; };
-  put_attributes(f, figures, !f.attributes.tangents.empty() &&
-                                 std::any_of(materials_.begin(), materials_.end(), needs_tangents));
+  put_attributes(
+      f, figures,
+      !f.attributes.tangents.empty() && std::any_of(materials_.begin(), materials_.end(), needs_tangents));
 
   const bool wide = f.positions.size() > kMaxShortVertices;
   BufferContents& contents = accessors_.contents();
   const std::size_t index_view = contents.view(wide ? "indices32" : "indices16", 0, kElementArrayBuffer);
-  const std::size_t indices_at = wide ? contents.put<write_long_indices>(index_view, 4 * f.indices.size(), f.indices)
-                                      : contents.put<write_short_indices>(index_view, 2 * f.indices.size(), f.indices);
+  const std::size_t indices_at =
+      wide ? contents.put<write_long_indices>(index_view, 4 * f.indices.size(), f.indices)
+           : contents.put<write_short_indices>(index_view, 2 * f.indices.size(), f.indices);
 
   json.begin_object().member("name", name).key("primitives").begin_array();
   for (std::size_t k = 0; k < f.primitives.size(); ++k) {
@@ -127,7 +135,8 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
   json.end_array();
   if (mesh_manifold_ && !f.topology.empty()) {
     json.key("extensions").begin_object();
-    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().second, wide, figures.merged}, accessors_);
+    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().second, wide, figures.merged},
+                        accessors_);
     json.end_object();
   }
   json.end_object();

@@ -174,7 +174,8 @@ void write_long_indices(const std::vector<std::uint32_t>& indices, Room out, Pac
   write_raw(indices, out, pacer);
 }
 
-void write_short_triangles(const std::vector<std::array<std::uint32_t, 3>>& triangles, Room out, Pacer& pacer) {
+void write_short_triangles(const std::vector<std::array<std::uint32_t, 3>>& triangles, Room out,
+                           Pacer& pacer) {
   write_each(std::span(triangles.front().data(), 3 * triangles.size()), out, pacer, narrow);
 }
 

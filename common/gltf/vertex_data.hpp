@@ -41,6 +41,7 @@ void write_moved_uvs(const MovedUvs& uvs, Room out, Pacer& pacer);
 void write_colors(const std::vector<Vec4f>& colors, Room out, Pacer& pacer);
 void write_short_indices(const std::vector<std::uint32_t>& indices, Room out, Pacer& pacer);
 void write_long_indices(const std::vector<std::uint32_t>& indices, Room out, Pacer& pacer);
-void write_short_triangles(const std::vector<std::array<std::uint32_t, 3>>& triangles, Room out, Pacer& pacer);
+void write_short_triangles(const std::vector<std::array<std::uint32_t, 3>>& triangles, Room out,
+                           Pacer& pacer);
 
 }  // namespace fracture
