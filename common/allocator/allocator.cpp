@@ -6,8 +6,8 @@
 
 #include <string>
 
-// thp: large pages wherever the system hands them out on request. narenas_ratio: an arena for each processor; what more of
-// them keep, nobody else can use. dirty_decay_ms: what was freed stays for so long, since a page that comes back from the
+// thp: large pages wherever the system hands them out on request. narenas_ratio: at most one arena for each processor; what
+// more of them keep, nobody else can use. dirty_decay_ms: what was freed stays for so long, since a page that comes back from the
 // system costs more than what is computed in it; muzzy_decay_ms: and then it goes, at once and altogether.
 // The environment's MALLOC_CONF comes on top.
 extern "C" {

@@ -11,7 +11,7 @@ namespace fracture {
 /// Bytes that were freed and that this process keeps for what comes next.
 std::uint64_t free_memory();
 
-/// Gives all of that back to the system.
+/// Gives all of that back to the system, but for the few small blocks that each thread keeps at hand.
 void return_free_memory();
 
 /// Gives back what nobody has asked for again within seconds. Cheap; in a process that waits nobody else does it.

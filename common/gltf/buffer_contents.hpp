@@ -1,10 +1,11 @@
 // What will lie in the buffer of the file: bufferViews, and which array of which mesh is written where in them. The text of
-// the file stands before its buffer and says only how large everything is; so that is settled first, and then all of it is
-// written once, in place, on all threads.
+// the file stands before its buffer and says only how large everything is; so that is settled first, and then each array is
+// written where it will stay, on all threads.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <span>
 #include <string>
@@ -62,7 +63,7 @@ class BufferContents {
 
   std::map<std::string, std::size_t> number_;  // of views
   std::vector<View> views_;
-  std::vector<Piece> pieces_;
+  std::deque<Piece> pieces_;  // may be millions: nothing is moved while they grow
 };
 
 }  // namespace fracture

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <span>
 #include <string_view>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/pages.hpp"
@@ -15,37 +15,43 @@ void append_u32(std::vector<std::uint8_t>& out, std::size_t value) {
   for (const int shift : {0, 8, 16, 24}) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-/// Appends the text and lets its pages go on the way: what is as long as this would be in memory twice.
-void move_text(std::vector<std::uint8_t>& out, std::string text, const Execution& execution) {
-  constexpr std::size_t kBlock = std::size_t{4} << 20;
-  for (std::size_t at = 0; at < text.size(); at += kBlock) {
+/// Calls append(begin, size) for the whole of `large`, in blocks whose size is a multiple of three, and gives the pages of
+/// what is through with back, where there are many: else it would be in memory twice, as it was and as it has become.
+template <class Bytes, class Append>
+void consume(Bytes large, const Execution& execution, const Append& append) {
+  constexpr std::size_t kBlock = kBytesBetweenPolls / 3 * 3, kForget = std::size_t{4} << 20,
+                        kMany = std::size_t{32} << 20;
+  std::size_t forgotten = 0;
+  for (std::size_t at = 0; at < large.size(); at += kBlock) {
     execution.poll();
-    const std::size_t size = std::min(kBlock, text.size() - at);
-    const auto* const from = reinterpret_cast<const std::uint8_t*>(text.data()) + at;
-    out.insert(out.end(), from, from + size);
-    if (size == kBlock) forget_pages(text.data() + at, size);
+    append(reinterpret_cast<const std::uint8_t*>(large.data()) + at, std::min(kBlock, large.size() - at));
+    if (large.size() < kMany || at + kBlock < forgotten + kForget) continue;
+    forget_pages(large.data() + forgotten, kForget);
+    forgotten += kForget;
   }
 }
 
+void append_text(std::vector<std::uint8_t>& out, std::string text, const Execution& execution) {
+  consume(std::move(text), execution,
+          [&](const std::uint8_t* from, std::size_t size) { out.insert(out.end(), from, from + size); });
+}
+
 /// Appends base64 (RFC 4648) without line breaks.
-void append_base64(std::vector<std::uint8_t>& out, std::span<const std::uint8_t> bytes,
+void append_base64(std::vector<std::uint8_t>& out, std::vector<std::uint8_t> bytes,
                    const Execution& execution) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  constexpr std::size_t kBlock = kBytesBetweenPolls / 3 * 3;
-  for (; !bytes.empty(); bytes = bytes.subspan(std::min(kBlock, bytes.size()))) {
-    execution.poll();
-    const std::size_t size = std::min(kBlock, bytes.size());
+  consume(std::move(bytes), execution, [&](const std::uint8_t* from, std::size_t size) {
     std::size_t at = out.size();
     out.resize(at + (size + 2) / 3 * 4, '=');
     for (std::size_t k = 0; k < size; k += 3, at += 4) {
       const std::size_t here = std::min<std::size_t>(3, size - k);
-      unsigned bits = unsigned{bytes[k]} << 16;
-      if (here > 1) bits |= unsigned{bytes[k + 1]} << 8;
-      if (here > 2) bits |= bytes[k + 2];
+      unsigned bits = unsigned{from[k]} << 16;
+      if (here > 1) bits |= unsigned{from[k + 1]} << 8;
+      if (here > 2) bits |= from[k + 2];
       for (std::size_t digit = 0; digit <= here; ++digit)
         out[at + digit] = static_cast<std::uint8_t>(kDigits[bits >> (18 - 6 * digit) & 63]);
     }
-  }
+  });
 }
 
 }  // namespace
@@ -88,7 +94,7 @@ std::vector<std::uint8_t> pack_glb(JsonText document, const BufferContents& cont
   append_u32(glb, total);
   append_u32(glb, json.size());
   append_u32(glb, 0x4e4f534a);  // "JSON"
-  move_text(glb, std::move(json), execution);
+  append_text(glb, std::move(json), execution);
   if (buffer == 0) return glb;
   append_u32(glb, buffer);
   append_u32(glb, 0x004e4942);  // "BIN"
@@ -113,8 +119,8 @@ std::vector<std::uint8_t> pack_gltf(JsonText document, const BufferContents& con
   const std::string_view end = buffer.empty() ? "}" : "\"}]}";
   std::vector<std::uint8_t> out;
   out.reserve(json.size() + (buffer.size() + 2) / 3 * 4 + end.size());
-  move_text(out, std::move(json), execution);
-  append_base64(out, buffer, execution);
+  append_text(out, std::move(json), execution);
+  append_base64(out, std::move(buffer), execution);
   out.insert(out.end(), end.begin(), end.end());
   return out;
 }

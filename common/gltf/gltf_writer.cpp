@@ -194,12 +194,12 @@ void write_images(JsonText& json, const MaterialLibrary& library, CutDetail deta
   json.end_array();
 }
 
-void write_meshes(JsonText& json, const FracturedSolid& fractured, const SceneLayout& layout,
-                  const std::vector<WholeNode>& whole, MeshWriter& writer, const Execution& execution) {
+void write_meshes(JsonText& json, const FracturedSolid& fractured, const std::vector<MeshFigures>& figures,
+                  const SceneLayout& layout, const std::vector<WholeNode>& whole, MeshWriter& writer,
+                  const Execution& execution) {
   const FragmentSet& set = fractured.set;
-  const std::vector<MeshFigures> figures = measure(set.fragments, execution);
-  Pacer pacer(execution);
   if (set.fragments.empty()) return;
+  Pacer pacer(execution);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     writer.write(json, set.fragments[k], figures[k], layout.name(k));
@@ -207,7 +207,7 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const SceneLa
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
   for (const WholeNode& node : whole)
-    writer.write_whole(json, node.mesh, measure(node.mesh, pacer), node.name);
+    writer.write_whole(json, node.mesh, measure(node.mesh, /*mesh_manifold=*/true, pacer), node.name);
   json.end_array();
 }
 
@@ -243,6 +243,7 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
                     const Execution& execution) {
   const FragmentSet& set = fractured.set;
   const MaterialLibrary& library = *set.source->library;
+  const std::vector<MeshFigures> figures = measure(set.fragments, options.mesh_manifold, execution);
   check_companions(fractured);
   const SceneLayout layout(fractured, options, execution);
   const std::vector<WholeNode> whole = whole_nodes(set, layout, execution);
@@ -254,19 +255,19 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
   write_document_extensions(json, set, options, layout);
-  TextRange figures = write_nodes(json, fractured, options, layout, whole, execution);
+  TextRange root = write_nodes(json, fractured, options, layout, whole, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
   accessors.expect(expected_accessors(set, layout));
   MeshWriter meshes(library, options.interior, options.exterior, options.mesh_manifold, accessors);
-  write_meshes(json, fractured, layout, whole, meshes, execution);
+  write_meshes(json, fractured, figures, layout, whole, meshes, execution);
   write_images(json, library, options.interior.detail, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const BufferContents& contents = accessors.contents();
   write_views(json, contents);
   const bool glb = format == OutputFormat::kGlb;
-  if (glb) figures.at += kGlbText;
-  return {(glb ? pack_glb : pack_gltf)(std::move(json), contents, execution), figures};
+  if (glb) root.at += kGlbText;
+  return {(glb ? pack_glb : pack_gltf)(std::move(json), contents, execution), root};
 }
 
 std::vector<std::uint8_t> write_glb(const FracturedSolid& fractured, const GltfOptions& options,

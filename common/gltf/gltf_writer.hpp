@@ -79,7 +79,7 @@ struct GltfFile {
 };
 
 /// Throws InternalError when a fragment contradicts its own description (attribute lengths, index ranges,
-/// primitives that do not cover the indices), a companion has another number of
+/// primitives that do not cover the indices, a topology that names what is not there), a companion has another number of
 /// fragments than the set, or the file would pass 4 GiB; Interrupted.
 GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
                     const Execution& execution = {});

@@ -31,12 +31,14 @@ void check(const Fragment& f, Pacer& pacer) {
 
 }  // namespace
 
-MeshFigures measure(const Fragment& f, Pacer& pacer) {
+MeshFigures measure(const Fragment& f, bool mesh_manifold, Pacer& pacer) {
   check(f, pacer);
-  return {bounds_of(f.positions, pacer), f.topology.empty() ? 0 : merged_corners(f, pacer)};
+  const bool merges = mesh_manifold && !f.topology.empty();
+  return {bounds_of(f.positions, pacer), merges ? merged_corners(f, pacer) : 0};
 }
 
-std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, const Execution& execution) {
+std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, bool mesh_manifold,
+                                 const Execution& execution) {
   std::vector<MeshFigures> figures;
   resize_with_polls(execution, figures, fragments.size());
   constexpr std::uint64_t kBlock = 1u << 17;  // corners that are worth a thread
@@ -44,7 +46,7 @@ std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, const E
                           [&](std::size_t k) { return fragments[k].indices.size() + 32; });
   parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t begin, std::size_t end) {
     Pacer pacer(execution);
-    for (std::size_t k = begin; k < end; ++k) figures[k] = measure(fragments[k], pacer);
+    for (std::size_t k = begin; k < end; ++k) figures[k] = measure(fragments[k], mesh_manifold, pacer);
   });
   return figures;
 }

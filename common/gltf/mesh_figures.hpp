@@ -12,13 +12,14 @@ namespace fracture {
 
 struct MeshFigures {
   Bounds bounds;           ///< of the positions
-  std::size_t merged = 0;  ///< merged_corners() of a fragment with a topology
+  std::size_t merged = 0;  ///< merged_corners(), where they are written
 };
 
 /// Throws InternalError when the fragment contradicts its own description (attribute lengths, index ranges, primitives that
-/// do not cover the indices); Interrupted.
-MeshFigures measure(const Fragment& fragment, Pacer& pacer);
+/// do not cover the indices); Interrupted. `mesh_manifold`: where it has a topology, EXT_mesh_manifold will be written.
+MeshFigures measure(const Fragment& fragment, bool mesh_manifold, Pacer& pacer);
 /// One for each, on the threads of the execution. Throws as measure().
-std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, const Execution& execution);
+std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, bool mesh_manifold,
+                                 const Execution& execution);
 
 }  // namespace fracture

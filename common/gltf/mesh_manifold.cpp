@@ -1,5 +1,6 @@
 #include "common/gltf/mesh_manifold.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "common/base/error.hpp"

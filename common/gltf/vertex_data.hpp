@@ -29,6 +29,7 @@ struct MovedUvs {
 // For BufferContents::put(): all of them write the whole of `out` and throw Interrupted.
 
 using Room = std::span<std::uint8_t>;
+/// As many bytes as there is room for, from `first` on.
 void write_bytes(const std::uint8_t& first, Room out, Pacer& pacer);
 void write_positions(const std::vector<Vec3f>& positions, Room out, Pacer& pacer);
 /// Normals that are unit keep their bits, others are normalised; one without direction takes that of the

@@ -55,11 +55,10 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   spdlog::info("token-file {} was read again: {} names", path, names);  // when it is in force
 }
 
-/// What large meshes leave behind goes back to the system: soon where it is much, else when nobody has asked for it again in
-/// seconds. Called a few times a second.
+/// What large meshes leave behind goes back to the system when nobody has asked for it again in seconds; soon where it is
+/// more than a tenth of what the server may have. Called a few times a second.
 void trim_memory(std::uint64_t memory) {
-  constexpr std::uint64_t kMuch = 32u << 20;
-  if (free_memory() > std::max(kMuch, memory / 32))
+  if (free_memory() > memory / 10)
     return_free_memory();
   else
     return_old_free_memory();

@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
+
+#if !defined(FRACTURE_SANITIZED)
+#include <jemalloc/jemalloc.h>
+#endif
 
 #include "tests/support/eventually.hpp"
 
@@ -58,6 +64,25 @@ class Allocator : public testing::Test {
     return_free_memory();
   }
 };
+
+#if !defined(FRACTURE_SANITIZED)
+template <class Value>
+Value setting(const char* name) {
+  Value value{};
+  std::size_t size = sizeof(value);
+  EXPECT_EQ(mallctl(name, &value, &size, nullptr, 0), 0) << name;
+  return value;
+}
+
+// A name that jemalloc does not know it ignores.
+TEST_F(Allocator, ItsSettingsAreInForce) {
+  EXPECT_STREQ(setting<const char*>("opt.thp"), "always");
+  EXPECT_STREQ(setting<const char*>("opt.metadata_thp"), "auto");
+  EXPECT_EQ(setting<ssize_t>("opt.dirty_decay_ms"), 5000);
+  EXPECT_EQ(setting<ssize_t>("opt.muzzy_decay_ms"), 0);
+  EXPECT_LE(setting<unsigned>("opt.narenas"), std::max(1u, std::thread::hardware_concurrency()));
+}
+#endif
 
 TEST_F(Allocator, WhatWasFreedIsKeptAndUsedAgain) {
   use_and_free();

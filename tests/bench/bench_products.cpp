@@ -5,7 +5,6 @@
 //
 // Exits with 1 where more is resident than 1.3 times what was counted and 16 MiB: then an admitted
 // computation would take more than was set aside for it.
-#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "common/allocator/allocator.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "tests/support/growth_families.hpp"
 #include "tests/support/shapes.hpp"
@@ -63,7 +63,7 @@ double status(const char* field) {
 class Peak {
  public:
   Peak() {
-    ::malloc_trim(0);
+    return_free_memory();
     std::ofstream("/proc/self/clear_refs") << 5;
     before_ = status("VmRSS:");
   }
@@ -83,7 +83,6 @@ bool report(const char* name, const char* stage, double counted, double resident
 
 /// In the child.
 bool measure(const Case& c) {
-  ::mallopt(M_MMAP_THRESHOLD, 4 << 20);  // as the server has it
   const auto mesh = std::make_shared<const Mesh>(c.mesh());
   FractureParameters parameters;
   parameters.sites = c.sites;

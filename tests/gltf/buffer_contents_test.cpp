@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
+#include <span>
 #include <stop_token>
+#include <vector>
+
+#include "common/gltf/vertex_data.hpp"
 
 namespace fracture::test {
 namespace {
@@ -65,16 +70,21 @@ TEST(BufferContents, TheSameBytesFromAnyNumberOfThreads) {
   for (const int threads : {2, 3, 8}) EXPECT_EQ(written(contents, threads), one) << threads;
 }
 
-TEST(BufferContents, WritingCanBeInterrupted) {
+TEST(BufferContents, WritingCanBeInterruptedInTheMiddleOfAPiece) {
   BufferContents contents;
-  const Filled run{1, 10};
-  contents.put<write_run>(contents.view("a", 0, 0), 10, run);
+  const std::vector<std::uint8_t> bytes(8u << 20, 7);
+  contents.put<write_bytes>(contents.view("a", 0, 0), bytes.size(), bytes.front());
   std::stop_source source;
-  source.request_stop();
+  int polls = 0;
   Execution execution;
   execution.stop = source.get_token();
+  execution.watch = [&] {
+    if (++polls == 5) source.request_stop();
+  };
   std::vector<std::uint8_t> buffer(contents.size());
   EXPECT_THROW(contents.write(buffer.data(), execution), Interrupted);
+  EXPECT_EQ(buffer.front(), 7);
+  EXPECT_EQ(buffer.back(), 0);
 }
 
 }  // namespace

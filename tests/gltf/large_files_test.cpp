@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <string>
 
+#include "common/gltf/accessors.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "common/mesh/material_library.hpp"
 #include "tests/gltf/glb_file.hpp"
@@ -83,6 +84,24 @@ TEST(LargeFiles, HaveWhatWasGivenOverAllTheBlocksTheyAreWrittenIn) {
   }
   decoded.resize(document["buffers"][0]["byteLength"].get<std::size_t>());
   EXPECT_EQ(decoded, glb.binary);
+}
+
+TEST(LargeFiles, MergeCornersByNumbersOf32Bits) {
+  FracturedSolid made = two_halves();
+  Fragment& f = made.set.fragments[0] = band(150'000);
+  f.topology[299'999] = 150'001;
+  f.topology[299'998] = 3;
+  std::vector<std::uint32_t> corners, vertices;
+  for (std::uint32_t k = 0; k < f.indices.size(); ++k)
+    if (f.indices[k] >= 299'998) {
+      corners.push_back(k);
+      vertices.push_back(f.indices[k] == 299'999 ? 150'001 : 3);
+    }
+  ASSERT_GT(corners.back(), kMaxShortVertices);
+  const Glb glb(write_glb(made, {}));
+  const auto& extension = glb.document["meshes"][0]["extensions"]["EXT_mesh_manifold"];
+  EXPECT_EQ(glb.read<std::uint32_t>(extension["mergeIndices"]), corners);
+  EXPECT_EQ(glb.read<std::uint32_t>(extension["mergeValues"]), vertices);
 }
 
 TEST(LargeFiles, CanBeInterruptedAnywhere) {
