@@ -13,7 +13,7 @@
 extern "C" {
 extern const char* malloc_conf;
 const char* malloc_conf =
-    "thp:always,metadata_thp:auto,narenas_ratio:1.0,dirty_decay_ms:5000,muzzy_decay_ms:0,lg_tcache_max:16";
+    "thp:always,metadata_thp:auto,narenas_ratio:1.0,dirty_decay_ms:5000,muzzy_decay_ms:0";
 }
 
 namespace fracture {
@@ -27,9 +27,9 @@ std::string of_all_arenas(const char* head, const char* tail) {
 }  // namespace
 
 std::uint64_t free_memory() {
+  // Figures are those of the last time that this was written.
   std::uint64_t epoch = 1;
-  (void)mallctl("epoch", nullptr, nullptr, &epoch,
-                sizeof(epoch));  // figures are those of the last time this was written
+  (void)mallctl("epoch", nullptr, nullptr, &epoch, sizeof(epoch));
   static const std::string dirty = of_all_arenas("stats.arenas.", ".pdirty");
   std::size_t pages = 0, page = 0, size = sizeof(std::size_t);
   if (mallctl(dirty.c_str(), &pages, &size, nullptr, 0) != 0) return 0;
