@@ -75,11 +75,13 @@ void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures, b
       return contents.put<write_normals>(view, bytes, f);
     });
   for (std::size_t set = 0; set < f.attributes.uvs.size(); ++set)
-    attribute(
-        "TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2", [&](std::size_t view, std::size_t bytes) {
-          if (interior_.uvs == CutUvs{}) return contents.put<write_uvs>(view, bytes, f.attributes.uvs[set]);
-          return contents.put<write_moved_uvs>(view, bytes, moved_uvs_.emplace_back(f, set, interior_.uvs));
-        });
+    attribute("TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2",
+              [&](std::size_t view, std::size_t bytes) {
+                if (interior_.uvs == CutUvs{})
+                  return contents.put<write_uvs>(view, bytes, f.attributes.uvs[set]);
+                return contents.put<write_moved_uvs>(
+                    view, bytes, moved_uvs_.emplace_back(MovedUvs{f, set, interior_.uvs}));
+              });
   for (std::size_t set = 0; set < f.attributes.colors.size(); ++set)
     attribute("COLOR_" + std::to_string(set), sizeof(Vec4f), "VEC4",
               [&](std::size_t view, std::size_t bytes) {

@@ -62,7 +62,7 @@ TEST(BufferContents, TheSameBytesFromAnyNumberOfThreads) {
   std::deque<Filled> runs;
   const std::size_t views[] = {contents.view("a", 0, 0), contents.view("b", 0, 0)};
   for (std::size_t k = 0; k < 3000; ++k) {
-    const Filled& run = runs.emplace_back(static_cast<std::uint8_t>(k % 251 + 1), k % 1000 + 1);
+    const Filled& run = runs.emplace_back(Filled{static_cast<std::uint8_t>(k % 251 + 1), k % 1000 + 1});
     contents.put<write_run>(views[k % 2], run.count, run);
   }
   const std::vector<std::uint8_t> one = written(contents);
