@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace fracture {
@@ -21,5 +22,12 @@ void advise_pages(void* memory, std::size_t bytes, int advice) {
 void forget_pages(void* memory, std::size_t bytes) { advise_pages(memory, bytes, MADV_DONTNEED); }
 
 void populate_pages(void* memory, std::size_t bytes) { advise_pages(memory, bytes, MADV_POPULATE_WRITE); }
+
+void PagesBehind::through(std::size_t read) {
+  constexpr std::size_t kPiece = std::size_t{4} << 20, kMany = std::size_t{32} << 20;
+  if (bytes_ < kMany) return;
+  for (read = std::min(read, bytes_); forgotten_ + kPiece <= read; forgotten_ += kPiece)
+    forget_pages(memory_ + forgotten_, kPiece);
+}
 
 }  // namespace fracture

@@ -10,6 +10,19 @@ namespace fracture {
 /// nothing happens.
 void forget_pages(void* memory, std::size_t bytes);
 
+/// For who reads memory once from the beginning to the end: what is behind the reader goes as forget_pages() has it, piece by
+/// piece, where there are 32 MiB or more. Borrowed.
+class PagesBehind {
+ public:
+  PagesBehind(void* memory, std::size_t bytes) : memory_(static_cast<char*>(memory)), bytes_(bytes) {}
+  /// The first `read` bytes are not needed any more; what is beyond the end is not there.
+  void through(std::size_t read);
+
+ private:
+  char* memory_;
+  std::size_t bytes_, forgotten_ = 0;
+};
+
 /// What malloc gives is fresh from the system each time where it is at least so large: glibc maps it by itself (the largest
 /// M_MMAP_THRESHOLD there is), jemalloc gives back what had 8 MiB when it is freed.
 inline constexpr std::size_t kAlwaysFresh = std::size_t{32} << 20;

@@ -15,19 +15,16 @@ void append_u32(std::vector<std::uint8_t>& out, std::size_t value) {
   for (const int shift : {0, 8, 16, 24}) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-/// Calls append(begin, size) for the whole of `large`, in blocks whose size is a multiple of three, and gives the pages of
-/// what is through with back, where there are many: else it would be in memory twice, as it was and as it has become.
+/// Calls append(begin, size) for the whole of `large`, in blocks whose size is a multiple of three. What is through goes: it
+/// would be in memory twice, as it was and as it has become.
 template <class Bytes, class Append>
 void consume(Bytes large, const Execution& execution, const Append& append) {
-  constexpr std::size_t kBlock = kBytesBetweenPolls / 3 * 3, kForget = std::size_t{4} << 20,
-                        kMany = std::size_t{32} << 20;
-  std::size_t forgotten = 0;
+  constexpr std::size_t kBlock = kBytesBetweenPolls / 3 * 3;
+  PagesBehind behind(large.data(), large.size());
   for (std::size_t at = 0; at < large.size(); at += kBlock) {
     execution.poll();
     append(reinterpret_cast<const std::uint8_t*>(large.data()) + at, std::min(kBlock, large.size() - at));
-    if (large.size() < kMany || at + kBlock < forgotten + kForget) continue;
-    forget_pages(large.data() + forgotten, kForget);
-    forgotten += kForget;
+    behind.through(at + kBlock);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <memory>
@@ -36,6 +37,27 @@ TEST(ForgetPages, LessThanAPageStays) {
   forget_pages(memory.data(), memory.size());
   EXPECT_EQ(memory, std::vector<char>(1000, 1));
   forget_pages(nullptr, 0);
+}
+
+TEST(PagesBehind, GoAndNothingElseDoes) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20, kStep = 300'000;
+  // As much less than a whole piece that the reader's last step leads past the end of the piece.
+  constexpr std::size_t kRead = 36 * kMiB - 100'000, kAll = 40 * kMiB;
+  std::vector<char> memory(kAll, 1);
+  const std::size_t before = resident();
+  PagesBehind behind(memory.data(), kRead);
+  for (std::size_t at = 0; at < kRead; at += kStep) {
+    ASSERT_EQ(memory[at], 1) << "not read yet";
+    behind.through(at + kStep);
+  }
+  EXPECT_LT(resident() + 28 * kMiB, before);
+  EXPECT_EQ(std::count(memory.begin() + kRead, memory.end(), 1), static_cast<std::ptrdiff_t>(kAll - kRead));
+}
+
+TEST(PagesBehind, StayWhereTheyAreFew) {
+  std::vector<char> memory(std::size_t{31} << 20, 1);
+  PagesBehind(memory.data(), memory.size()).through(memory.size());
+  EXPECT_EQ(std::count(memory.begin(), memory.end(), 1), static_cast<std::ptrdiff_t>(memory.size()));
 }
 
 TEST(PopulatePages, HandsOutMemoryBeforeItIsWritten) {
