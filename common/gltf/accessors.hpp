@@ -22,7 +22,11 @@ class Accessors {
 
   const Execution& execution() const { return execution_; }
   BufferContents& contents() { return contents_; }
-  void expect(std::size_t accessors) { json_.reserve(accessors * 130); }
+  /// Almost all have an array of their own.
+  void expect(std::size_t accessors) {
+    json_.reserve(accessors * 130);
+    contents_.expect(accessors);
+  }
 
   /// Over what lies in the view from byte `offset` on; returns the accessor's index.
   std::size_t add(std::size_t view, std::size_t offset, int component, std::size_t count, const char* type,

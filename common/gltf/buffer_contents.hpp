@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <span>
 #include <string>
@@ -25,6 +24,9 @@ class BufferContents {
     int target = 0;  ///< 0 for images
     std::size_t size = 0;
   };
+
+  /// Makes room for so many arrays at once: there may be millions, and none moves while they become more.
+  void expect(std::size_t arrays) { pieces_.reserve(arrays); }
 
   /// The view of this name; made where there is none.
   std::size_t view(const std::string& name, int stride, int target) {
@@ -63,7 +65,7 @@ class BufferContents {
 
   std::map<std::string, std::size_t> number_;  // of views
   std::vector<View> views_;
-  std::deque<Piece> pieces_;  // may be millions: nothing is moved while they grow
+  std::vector<Piece> pieces_;
 };
 
 }  // namespace fracture
