@@ -17,7 +17,7 @@ async function source(...names) {
   });
   return import(pathToFileURL(path.join(out, 'out.mjs')));
 }
-const { Asker, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
+const { Asker, Gestures, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
   handlesOf, presetOf, readPreset, countRemark, warningsOf, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
   'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
 
@@ -82,28 +82,55 @@ describe('Asker', () => {
   });
 });
 
+describe('Gestures', () => {
+  test('ADragIsOneHoweverLongItTakes', () => {
+    const gestures = new Gestures(), first = gestures.of('keep_radius', false, 0);
+    assert.equal(gestures.of('keep_radius', false, 60_000), first);
+    assert.equal(gestures.of('keep_radius', true, 120_000), first);
+    assert.notEqual(gestures.of('keep_radius', false, 180_000), first, 'it was let go');
+  });
+  test('WhatFollowsAtOnceOnTheSameThingBelongsToIt', () => {
+    const gestures = new Gestures(), first = gestures.of('sites', true, 0);
+    assert.equal(gestures.of('sites', true, 500), first);
+    assert.equal(gestures.of('sites', true, 1000), first);
+    assert.notEqual(gestures.of('sites', true, 2500), first);
+  });
+  test('AKeyThatIsLetGoIsOver', () => {
+    const gestures = new Gestures(), first = gestures.of('sites', false, 0);
+    gestures.letGo();
+    assert.equal(gestures.of('sites', false, 500), first);
+    gestures.letGo();
+    assert.notEqual(gestures.of('sites', false, 5000), first);
+  });
+  test('AnotherThingIsAnother', () => {
+    const gestures = new Gestures(), first = gestures.of('sites', false, 0), second = gestures.of('seed', false, 1);
+    assert.notEqual(second, first);
+    assert.equal(new Set([first, second, gestures.of('sites', true, 2), gestures.of('', true, 3), gestures.of('', true, 3)]).size, 5);
+  });
+});
+
 describe('History', () => {
-  const step = (value, cause, at) => ({ settings: { value }, hits: [], answer: undefined, cause, at });
+  const step = (value, gesture) => ({ settings: { value }, hits: [], answer: undefined, gesture });
   test('OneDragIsOneStep', () => {
     const history = new History();
-    history.push(step(0, '', 0));
-    for (let k = 1; k <= 5; ++k) history.push(step(k, 'sites', 100 * k));
+    history.push(step(0, 1));
+    for (let k = 1; k <= 5; ++k) history.push(step(k, 2));
     assert.equal(history.move(-1).settings.value, 0);
     assert.equal(history.move(1).settings.value, 5);
     assert.equal(history.move(1), undefined);
   });
   test('ANewStepForgetsWhatWasUndone', () => {
     const history = new History();
-    for (const k of [0, 1, 2]) history.push(step(k, '', 10_000 * k));
+    for (const k of [0, 1, 2]) history.push(step(k, k));
     history.move(-1);
-    history.push(step(7, '', 90_000));
+    history.push(step(7, 7));
     assert.equal(history.canRedo, false);
     assert.equal(history.move(-1).settings.value, 1);
   });
   test('TheFirstStepIsNeverReplaced', () => {
     const history = new History();
-    history.push(step(0, 'sites', 0));
-    history.push(step(1, 'sites', 10));
+    history.push(step(0, 1));
+    history.push(step(1, 1));
     assert.equal(history.move(-1).settings.value, 0);
   });
 });

@@ -2,7 +2,7 @@
 import { type Answer, FractureError, type ParameterValue, type Vector3 } from 'fracture-client';
 import { Asker } from '../service/asker';
 import { firstPlace, placesIn, withoutPlace } from '../state/places';
-import { type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
+import { Gestures, type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
 import type { App } from './app';
 import type { Shown } from './state';
 
@@ -11,13 +11,14 @@ const IMPATIENT = 6000;
 
 interface Question {
   wish: Wish;
-  cause: string;
+  gesture: number;
   /** What the answer is a hit on: only what changes travels. */
   hitOn: { answer: Answer; hit: Hit } | undefined;
 }
 
 export class Breaking {
   readonly history = new History();
+  private readonly gestures = new Gestures();
   private readonly asker: Asker<Question, Answer>;
   private job: AbortController | undefined;
   /** What the page itself set for a sample, as long as nobody has touched it. */
@@ -34,7 +35,7 @@ export class Breaking {
 
   /** A mesh is there, and so is what is wanted of it. */
   ask(wish: Wish): void {
-    this.asker.put({ wish, cause: '', hitOn: undefined });
+    this.asker.put({ wish, gesture: this.alone(), hitOn: undefined });
   }
   owns(settings: Settings): void {
     this.own = settings;
@@ -57,9 +58,10 @@ export class Breaking {
   wishFor(wish: Wish, cause: string, settled: boolean): void {
     // A slider that is let go says its last value again.
     if (JSON.stringify(wish) === JSON.stringify(this.app.state.wish) && (this.asker.busy || this.app.state.shown?.wish === this.app.state.wish)) {
-      if (settled) this.asker.settle();
+      if (settled) this.letGo();
       return;
     }
+    const gesture = this.gestures.of(cause, settled, performance.now());
     this.app.set({ wish });
     this.app.showPlaces();
     const { source } = this.app.state;
@@ -73,7 +75,15 @@ export class Breaking {
       else void this.app.bringing.known(source.mesh.id, source.label, wish);
       return;
     }
-    this.asker.put({ wish, cause, hitOn: undefined }, settled);
+    this.asker.put({ wish, gesture, hitOn: undefined }, settled);
+  }
+  /** Nobody drags any more, or holds a key: the last value is the one. */
+  letGo(): void {
+    this.gestures.letGo();
+    this.asker.settle();
+  }
+  private alone(): number {
+    return this.gestures.of('', true, performance.now());
   }
 
   /** A click with the tool that hits breaks what is near; the first one is the pattern's impact, too, where it knows of impacts. */
@@ -87,7 +97,7 @@ export class Breaking {
     }
     const next = { settings: wish.settings, hits: [...wish.hits, hit] };
     this.app.set({ wish: next });
-    this.asker.put({ wish: next, cause: '', hitOn: { answer: shown.answer, hit } });
+    this.asker.put({ wish: next, gesture: this.alone(), hitOn: { answer: shown.answer, hit } });
   }
   aimAt(point: Vector3): void {
     const { settings, hits } = this.app.state.wish, known = this.takesImpacts(settings);
@@ -114,11 +124,11 @@ export class Breaking {
     return mesh.fracture(parametersOf(wish), options);
   }
 
-  private async answered(answer: Answer, { wish, cause }: Question, at: number): Promise<void> {
+  private async answered(answer: Answer, { wish, gesture }: Question, at: number): Promise<void> {
     const toAnswer = performance.now() - at;
     if (this.app.state.source && !this.app.bringing.sourceOf(answer)) return;
     await this.showAnswer(answer, wish, toAnswer, at);
-    this.history.push({ ...wish, answer, cause, at: performance.now() });
+    this.history.push({ ...wish, answer, gesture });
   }
 
   async showAnswer(answer: Answer, wish: Wish, toAnswer: number, at: number): Promise<void> {
@@ -167,7 +177,7 @@ export class Breaking {
 
   // -- long work
 
-  private async runJob({ wish, cause }: Question): Promise<void> {
+  private async runJob({ wish, gesture }: Question): Promise<void> {
     const { source } = this.app.state;
     if (!source) return;
     this.cancelJob();
@@ -178,10 +188,10 @@ export class Breaking {
       const answer = await job.result({ signal, deadline: 1_800_000, onProgress: document => {
         if (!signal.aborted) this.app.set({ job: { ...document } });
       } });
-      if (!signal.aborted) await this.answered(answer, { wish, cause, hitOn: undefined }, at);
+      if (!signal.aborted) await this.answered(answer, { wish, gesture, hitOn: undefined }, at);
     } catch (error) {
       this.app.set({ unmet: wish });
-      if (!signal.aborted) this.app.failed(error, () => void this.runJob({ wish, cause, hitOn: undefined }));
+      if (!signal.aborted) this.app.failed(error, () => void this.runJob({ wish, gesture, hitOn: undefined }));
     } finally {
       if (this.job === abort) {
         this.job = undefined;
@@ -226,7 +236,7 @@ export class Breaking {
       if (this.app.state.wish === wish) await this.showAnswer(step.answer, wish, performance.now() - at, at);
     } catch (error) {
       this.app.set({ unmet: wish });
-      this.app.failed(error, () => void this.asker.put({ wish, cause: '', hitOn: undefined }));
+      this.app.failed(error, () => void this.asker.put({ wish, gesture: this.alone(), hitOn: undefined }));
     }
   }
 

@@ -36,6 +36,7 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
   });
   addEventListener('pointercancel', event => {
     pointers.delete(event.pointerId);
+    if (held) app.breaking.letGo();
     held = down = undefined;
     if (app.stage) app.stage.controls.enabled = true;
     app.physics?.release();

@@ -50,14 +50,33 @@ export function underPattern({ settings, hits }: Wish, pattern: string, paramete
 /** A wish and what came of it: what undo goes back to. */
 export interface Step extends Wish {
   answer: Answer | undefined;
-  /** What was changed, so that the values of one drag are one step. */
-  cause: string;
-  at: number;
+  /** Its number: the values of one drag are one step. */
+  gesture: number;
 }
 
 /** Answers that are kept; older ones are asked for again, and are the same. */
 const KEPT = 8;
-const ONE_GESTURE = 900;  // ms between two values of one drag
+const ONE_GESTURE = 900;  // ms between two presses of a key, or two drags, that belong together
+
+/** Which values belong together: those of one drag, however long their answers take, and what follows at once on the same thing. */
+export class Gestures {
+  private number = 0;
+  private cause = '';
+  private held = false;
+  private at = -Infinity;
+
+  /** The number of the gesture that gave a value at `now`, in ms. `cause`: what was changed, '' for what stands alone; `settled`: it is let go. */
+  of(cause: string, settled: boolean, now: number): number {
+    if (cause === '' || cause !== this.cause || !(this.held || now - this.at < ONE_GESTURE)) ++this.number;
+    this.cause = cause;
+    this.held = !settled;
+    this.at = now;
+    return this.number;
+  }
+  letGo(): void {
+    this.held = false;
+  }
+}
 
 export class History {
   private steps: Step[] = [];
@@ -85,7 +104,7 @@ export class History {
   push(step: Step): void {
     const top = this.steps[this.at];
     this.steps.length = this.at + 1;
-    if (top && this.at > 0 && step.cause !== '' && top.cause === step.cause && step.at - top.at < ONE_GESTURE) this.steps[this.at] = step;
+    if (top && this.at > 0 && top.gesture === step.gesture) this.steps[this.at] = step;
     else this.at = this.steps.push(step) - 1;
     this.steps.forEach((old, k) => {
       if (k < this.at - KEPT) old.answer = undefined;
