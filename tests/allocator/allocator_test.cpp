@@ -20,7 +20,7 @@
 namespace fracture {
 namespace {
 
-constexpr std::uint64_t kMiB = 1u << 20;
+constexpr std::uint64_t kMiB = 1u << 20, kUsed = 96 * kMiB;
 
 std::uint64_t resident() {
   std::uint64_t all = 0, pages = 0;
@@ -45,14 +45,15 @@ bool large_pages_on_request() {
   return modes.find("[madvise]") != std::string::npos || modes.find("[always]") != std::string::npos;
 }
 
-/// 96 MiB, written, in blocks of half a page to 32 KiB, and freed again.
-void use_and_free() {
+/// Memory of kUsed, written, in blocks of half a page to 32 KiB, and freed again. What is resident before that.
+std::uint64_t use_and_free() {
   std::vector<std::unique_ptr<char[]>> blocks;
   std::uint64_t sum = 0;
-  for (std::size_t size = 2048; sum < 96 * kMiB; size = size < 32768 ? 2 * size : 2048, sum += size) {
+  for (std::size_t size = 2048; sum < kUsed; size = size < 32768 ? 2 * size : 2048, sum += size) {
     blocks.push_back(std::make_unique_for_overwrite<char[]>(size));
     std::memset(blocks.back().get(), 1, size);
   }
+  return resident();
 }
 
 class Allocator : public testing::Test {
@@ -80,30 +81,31 @@ TEST_F(Allocator, ItsSettingsAreInForce) {
   EXPECT_STREQ(setting<const char*>("opt.metadata_thp"), "auto");
   EXPECT_EQ(setting<ssize_t>("opt.dirty_decay_ms"), 5000);
   EXPECT_EQ(setting<ssize_t>("opt.muzzy_decay_ms"), 0);
+  EXPECT_EQ(setting<std::size_t>("opt.lg_extent_max_active_fit"), 30u);
   EXPECT_LE(setting<unsigned>("opt.narenas"), std::max(1u, std::thread::hardware_concurrency()));
 }
 #endif
 
 TEST_F(Allocator, WhatWasFreedIsKeptAndUsedAgain) {
-  use_and_free();
-  EXPECT_GE(free_memory(), 64 * kMiB);
-  const std::uint64_t once = resident();
-  for (int k = 0; k < 5; ++k) use_and_free();
-  EXPECT_LE(resident(), once + 64 * kMiB) << "five times 96 MiB were used";
+  const std::uint64_t once = use_and_free();
+  // On a slow machine not all of it: what is freed just after a purge may be taken for older than it is.
+  EXPECT_GE(free_memory(), 16 * kMiB);
+  for (int k = 0; k < 5; ++k) EXPECT_LE(use_and_free(), once + 24 * kMiB) << "of 96 MiB used again";
 }
 
 TEST_F(Allocator, GivesBackWhenAsked) {
-  use_and_free();
   const std::uint64_t before = resident();
+  use_and_free();
+  EXPECT_GE(resident(), before + 16 * kMiB);
   return_free_memory();
   EXPECT_LE(free_memory(), 8 * kMiB);
-  EXPECT_LE(resident() + 64 * kMiB, before);
+  EXPECT_LE(resident(), before + 8 * kMiB);
 }
 
 TEST_F(Allocator, GivesBackWhatNobodyAskedForInSeconds) {
   use_and_free();
   return_old_free_memory();
-  EXPECT_GE(free_memory(), 32 * kMiB) << "before it is old";
+  EXPECT_GE(free_memory(), 16 * kMiB) << "before it is old";
   EXPECT_TRUE(test::eventually(test::kPatience, "old free memory to go back", [] {
     return_old_free_memory();
     return free_memory() <= 8 * kMiB;
