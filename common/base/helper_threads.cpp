@@ -20,11 +20,22 @@ namespace {
 /// A caller's loop, on the caller's stack.
 struct Loop {
   const std::function<void()>& work;
-  std::size_t wanted;      ///< helpers that may still come
-  std::size_t active = 0;  ///< helpers in it
-  double seconds = 0;      ///< of processor time that helpers have spent in it
+  std::size_t wanted;                  ///< helpers that may still come
+  std::atomic<std::size_t> active{0};  ///< helpers in it: changed with the lock held, read without it
+  double seconds = 0;                  ///< of processor time that helpers have spent in it
   std::condition_variable done{};
 };
+
+/// The loops of one fracture follow each other closely, and to wake a sleeping thread takes as long as a small one
+/// runs: so nobody sleeps at once who waits for a loop to begin or to end.
+constexpr std::chrono::microseconds kPatience{200};
+
+/// Until is_so(), or for as long as patience lasts.
+template <class Condition>
+void stay_awake(const Condition& is_so) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!is_so() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+}
 
 /// What helpers have spent in the loops of this thread.
 thread_local double helped_seconds = 0;
@@ -53,6 +64,11 @@ class HelperThreads {
       wanted_ -= loop.wanted;
       loops_.erase(std::find(loops_.begin(), loops_.end(), &loop));
       any_ = !loops_.empty();
+    }
+    if (loop.active > 0) {
+      lock.unlock();
+      stay_awake([&] { return loop.active.load(std::memory_order_relaxed) == 0; });
+      lock.lock();
     }
     loop.done.wait(lock, [&] { return loop.active == 0; });
     helped_seconds += loop.seconds;
@@ -92,9 +108,7 @@ class HelperThreads {
       }
       if (loops_.empty()) {
         lock.unlock();
-        const auto end = std::chrono::steady_clock::now() + kPatience;
-        while (!any_.load(std::memory_order_relaxed) && std::chrono::steady_clock::now() < end)
-          std::this_thread::yield();
+        stay_awake([&] { return any_.load(std::memory_order_relaxed); });
         lock.lock();
       }
       work_is_there_.wait(lock, [&] { return !loops_.empty() || trims != trims_; });
@@ -118,9 +132,6 @@ class HelperThreads {
   }
 
   static constexpr std::size_t kMost = 512;
-  /// The loops of one fracture follow each other closely, and to wake a sleeping thread takes as long as a
-  /// small one runs.
-  static constexpr std::chrono::microseconds kPatience{200};
 
   std::mutex mutex_;
   std::condition_variable work_is_there_;
