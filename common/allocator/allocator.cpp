@@ -10,13 +10,14 @@
 // more of them keep, nobody else can use. dirty_decay_ms: what was freed stays for so long, since a page that comes back from the
 // system costs more than what is computed in it; muzzy_decay_ms: and then it goes, at once and altogether.
 // lg_extent_max_active_fit: what was freed is used again by blocks of any size; by default, a piece that is more than 64 times as
-// large as what is asked for waits until it is old, and new memory is taken meanwhile.
+// large as what is asked for waits until it is old, and new memory is taken meanwhile. oversize_threshold: larger blocks go back
+// as soon as they are freed; by default those of 8 MiB do, which an answer with rough cuts has several of.
 // The environment's MALLOC_CONF comes on top.
 extern "C" {
 extern const char* malloc_conf;
 const char* malloc_conf =
     "thp:always,metadata_thp:auto,narenas_ratio:1.0,dirty_decay_ms:5000,muzzy_decay_ms:0,"
-    "lg_extent_max_active_fit:30";
+    "lg_extent_max_active_fit:30,oversize_threshold:33554432";
 }
 
 namespace fracture {

@@ -81,8 +81,8 @@ std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
 std::uint64_t base_memory(const ServeOptions& o) {
   const TiersConfig& tiers = o.service.tiers;
   const bool any_tier = !tiers.folder.empty() || !tiers.redis.address.empty();
-  // 16 MiB after the start; what a thread's arena keeps; a worker at rest 11 MiB, the one more that urgent work may have,
-  // and the zygote that forks them.
+  // 26 MiB after the start; what an arena keeps; a worker at rest 6 MiB, the one more that urgent work may have, and the zygote
+  // that forks them, 15.
   const std::uint64_t importers = 2 + static_cast<std::uint64_t>(o.import_workers);
   return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * importers +
          (any_tier ? tiers.max_pending_bytes : 0);
