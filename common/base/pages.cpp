@@ -24,10 +24,14 @@ void forget_pages(void* memory, std::size_t bytes) { advise_pages(memory, bytes,
 void populate_pages(void* memory, std::size_t bytes) { advise_pages(memory, bytes, MADV_POPULATE_WRITE); }
 
 void PagesBehind::through(std::size_t read) {
-  constexpr std::size_t kPiece = std::size_t{4} << 20, kMany = std::size_t{32} << 20;
+  constexpr std::size_t kPiece = std::size_t{4} << 20, kMany = std::size_t{32} << 20,
+                        kLargestPage = 64u << 10;
   if (bytes_ < kMany) return;
-  for (read = std::min(read, bytes_); forgotten_ + kPiece <= read; forgotten_ += kPiece)
-    forget_pages(memory_ + forgotten_, kPiece);
+  for (read = std::min(read, bytes_); forgotten_ + kPiece <= read; forgotten_ += kPiece) {
+    // A page that two pieces share is whole in neither: so each begins in the one before.
+    const std::size_t before = std::min(forgotten_, kLargestPage);
+    forget_pages(memory_ + forgotten_ - before, before + kPiece);
+  }
 }
 
 }  // namespace fracture

@@ -24,7 +24,7 @@ class PagesBehind {
 };
 
 /// What malloc gives is fresh from the system each time where it is at least so large: glibc maps it by itself (the largest
-/// M_MMAP_THRESHOLD there is), jemalloc gives back what had 8 MiB when it is freed.
+/// M_MMAP_THRESHOLD there is), jemalloc gives it back when it is freed (oversize_threshold, common/allocator).
 inline constexpr std::size_t kAlwaysFresh = std::size_t{32} << 20;
 
 /// The system hands out the whole pages of these bytes now, all at once, which takes half as long as a fault for each when

@@ -20,14 +20,10 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
 Tetrahedralization IncrementalDelaunay::take_snapshot(std::span<const SiteId> site_of_vertex) {
   // A compact tetrahedron takes half of the memory: what was read makes room for what is written. Where there are
   // few, the pages are worth more to the next tetrahedralization, which would have each faulted in and cleared.
-  constexpr std::size_t kAtOnce = std::size_t{1} << 14, kMany = std::size_t{1} << 20;
+  constexpr std::size_t kMany = std::size_t{1} << 20;
   if (tets_.size() < kMany) return snapshot(site_of_vertex);
-  std::size_t forgotten = 0;
-  return snapshot(site_of_vertex, [&](TetId read) {
-    if (read < forgotten + kAtOnce) return;
-    forget_pages(&tets_[forgotten], kAtOnce * sizeof(Tet));
-    forgotten += kAtOnce;
-  });
+  PagesBehind behind(tets_.data(), tets_.size() * sizeof(Tet));
+  return snapshot(site_of_vertex, [&](TetId read) { behind.through(read * sizeof(Tet)); });
 }
 
 template <class AfterReading>

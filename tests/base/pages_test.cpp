@@ -54,6 +54,20 @@ TEST(PagesBehind, GoAndNothingElseDoes) {
   EXPECT_EQ(std::count(memory.begin() + kRead, memory.end(), 1), static_cast<std::ptrdiff_t>(kAll - kRead));
 }
 
+TEST(PagesBehind, GoWithThoseThatTwoPiecesShare) {
+  constexpr std::size_t kAll = std::size_t{40} << 20;
+  std::vector<char> memory(kAll + 100, 1);
+  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  char* begin = memory.data();
+  if (reinterpret_cast<std::uintptr_t>(begin) % page == 0) begin += 16;
+  PagesBehind(begin, kAll).through(kAll);
+  const std::uintptr_t first = (reinterpret_cast<std::uintptr_t>(begin) + page - 1) / page * page;
+  std::vector<unsigned char> in_memory(kAll / page - 1);
+  ASSERT_EQ(mincore(reinterpret_cast<void*>(first), in_memory.size() * page, in_memory.data()), 0);
+  EXPECT_EQ(std::count_if(in_memory.begin(), in_memory.end(), [](unsigned char p) { return (p & 1) != 0; }),
+            0);
+}
+
 TEST(PagesBehind, StayWhereTheyAreFew) {
   std::vector<char> memory(std::size_t{31} << 20, 1);
   PagesBehind(memory.data(), memory.size()).through(memory.size());
