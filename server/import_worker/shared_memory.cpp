@@ -28,9 +28,8 @@ SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
   const bool sealed = seal(fd);
   struct stat status {};
   if (::fstat(fd, &status) != 0 || size > static_cast<std::uint64_t>(status.st_size)) return bytes;
-  if (sealed && size > 0) {
-    void* at = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0);
-    if (at == MAP_FAILED) return bytes;
+  void* const at = sealed && size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0) : MAP_FAILED;
+  if (at != MAP_FAILED) {
     bytes.mapping_ = at;
     bytes.view_ = {static_cast<const std::byte*>(at), static_cast<std::size_t>(size)};
   } else {

@@ -18,8 +18,8 @@ Descriptor make_shared_memory(const char* name);
 bool seal(int fd);
 
 /// The first `size` bytes, read-only: mapped where nobody can change them any more (the memory is sealed,
-/// which fails while somebody else may still write through a mapping), else copied, so that what was checked
-/// is what is used. Nothing where the memory is shorter.
+/// which fails while somebody else may still write through a mapping), else copied, as it is where there is no room for a
+/// mapping: so what was checked is what is used. Nothing where the memory is shorter.
 class SealedBytes {
  public:
   static SealedBytes take(int fd, std::uint64_t size);
