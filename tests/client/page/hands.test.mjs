@@ -246,6 +246,16 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     });
     await shown(page);
     assert.equal(await state(page, s => s.shown.answer.fragments.length), 25);
+    // The key is let go in another window, which tells this one nothing: what is pressed after that is a step of its own.
+    await page.getByRole('slider', { name: 'Fragments' }).evaluate(async slider => {
+      slider.dispatchEvent(new FocusEvent('blur'));
+      await new Promise(later => setTimeout(later, 1000));
+      slider.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true }));
+    });
+    await shown(page);
+    assert.equal(await state(page, s => s.shown.answer.fragments.length), 26);
+    await page.keyboard.press('Control+z');
+    await page.waitForFunction(() => globalThis.fracture.state.shown.answer.fragments.length === 25);
     assert.deepEqual(opened.complaints, []);
     await opened.close();
   });

@@ -34,16 +34,19 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
     down = undefined;
     if (moved <= (event.pointerType === 'touch' ? STILL_FINGER : STILL) && !dragged) use(app, event.clientX, event.clientY, event.shiftKey || event.ctrlKey);
   });
-  addEventListener('pointercancel', event => {
+  const cancelled = (event: PointerEvent) => {
     pointers.delete(event.pointerId);
+    if (held && held.pointer !== event.pointerId) return;  // another finger's
     if (held) app.breaking.letGo();
     held = down = undefined;
     if (app.stage) app.stage.controls.enabled = true;
     app.physics?.release();
-  });
+  };
+  addEventListener('pointercancel', cancelled);
   canvas.addEventListener('pointermove', event => {
     if (held?.pointer === event.pointerId) {
-      dragHandle(app, held.key, event, false);
+      if (event.buttons === 0) cancelled(event);  // let go where no window saw it: behind a locked screen
+      else dragHandle(app, held.key, event, false);
       return;
     }
     if (app.state.play) app.physics?.drag(event.clientX, event.clientY);

@@ -122,6 +122,6 @@ function numbers(app: App, parameter: ParameterDescription, id: string, value: n
     event.preventDefault();
     put(whole ? Math.max(low, Math.min(high, now + by)) : fromSlider(Math.max(0, Math.min(1000, toSlider(now) + 10 * by))), false);
   };
-  return html`<span class="row"><input type="range" class="grow" @keydown=${pressed} @keyup=${() => app.breaking.letGo()} min="0" max="1000" step="1" aria-label=${title(name)} aria-valuetext=${zero ?? digits(value ?? low)}
+  return html`<span class="row"><input type="range" class="grow" @keydown=${pressed} @keyup=${() => app.breaking.letGo()} @blur=${() => app.breaking.letGo()} min="0" max="1000" step="1" aria-label=${title(name)} aria-valuetext=${zero ?? digits(value ?? low)}
       .value=${live(String(Math.round(toSlider(value ?? low))))} @input=${(event: Event) => moved(event, false)} @change=${(event: Event) => moved(event, true)}>${box}</span>`;
 }
