@@ -7,6 +7,7 @@ namespace fracture {
 namespace {
 
 constexpr std::uint32_t kSteps = 16;  // along each axis
+constexpr std::size_t kBins = std::size_t{kSteps} * kSteps * kSteps;
 
 double root(double light) { return std::sqrt(light / 65535); }
 
@@ -73,29 +74,31 @@ std::size_t divide(std::vector<Item>& items, const Group& group) {
 
 std::uint32_t ColorGroups::of(const LinearColor& color) const { return of_bin[bin_of(color)]; }
 
-ColorHistogram::ColorHistogram() : sums_(std::size_t{kSteps} * kSteps * kSteps) {}
+ColorHistogram::ColorHistogram() : place_(kBins) {}
 
 void ColorHistogram::add(const LinearColor& color, double weight) {
   const std::uint32_t bin = bin_of(color);
-  Sum& sum = sums_[bin];
-  if (sum.weight == 0) used_.push_back(bin);
+  if (place_[bin] == 0) {
+    sums_.push_back({bin});
+    place_[bin] = static_cast<std::uint16_t>(sums_.size());
+  }
+  Sum& sum = sums_[place_[bin] - 1u];
   for (std::size_t k = 0; k < 3; ++k) sum.color[k] += weight * color[k];
   sum.weight += weight;
 }
 
 void ColorHistogram::clear() {
-  for (const std::uint32_t bin : used_) sums_[bin] = {};
-  used_.clear();
+  for (const Sum& sum : sums_) place_[sum.bin] = 0;
+  sums_.clear();
 }
 
 ColorGroups ColorHistogram::groups(std::size_t most, double alike) const {
   ColorGroups result;
-  result.of_bin.resize(sums_.size(), 0);
-  if (used_.empty()) return result;
+  result.of_bin.resize(kBins, 0);
+  if (sums_.empty()) return result;
   std::vector<Item> items;
-  for (const std::uint32_t bin : used_) {
-    const Sum& sum = sums_[bin];
-    Item& item = items.emplace_back(Item{{}, sum.weight, bin});
+  for (const Sum& sum : sums_) {
+    Item& item = items.emplace_back(Item{{}, sum.weight, sum.bin});
     for (std::size_t k = 0; k < 3; ++k) item.roots[k] = root(sum.color[k] / sum.weight);
   }
   std::vector<Group> groups{measured(items, 0, items.size(), alike)};
@@ -112,9 +115,9 @@ ColorGroups ColorHistogram::groups(std::size_t most, double alike) const {
     return a.weight != b.weight ? a.weight > b.weight : a.first < b.first;
   });
   for (const Group& group : groups) {
-    Sum all;
+    Sum all{};
     for (std::size_t k = group.first; k < group.last; ++k) {
-      const Sum& sum = sums_[items[k].bin];
+      const Sum& sum = sums_[place_[items[k].bin] - 1u];
       result.of_bin[items[k].bin] = static_cast<std::uint32_t>(result.means.size());
       for (std::size_t axis = 0; axis < 3; ++axis) all.color[axis] += sum.color[axis];
       all.weight += sum.weight;

@@ -24,7 +24,7 @@ class ColorHistogram {
   ColorHistogram();
   /// `weight` > 0.
   void add(const LinearColor& color, double weight);
-  bool empty() const { return used_.empty(); }
+  bool empty() const { return sums_.empty(); }
   void clear();
 
   /// At most `most` groups, and none is divided whose colours differ by at most `alike`, 0 … 1, along each axis.
@@ -34,11 +34,12 @@ class ColorHistogram {
 
  private:
   struct Sum {
+    std::uint32_t bin;
     std::array<double, 3> color{};
     double weight = 0;
   };
-  std::vector<Sum> sums_;            ///< [bin]
-  std::vector<std::uint32_t> used_;  ///< bins
+  std::vector<Sum> sums_;             ///< of the bins with colours, in the order in which they came
+  std::vector<std::uint16_t> place_;  ///< [bin]: 1 + its place in `sums_`; 0: without colours
 };
 
 }  // namespace fracture
