@@ -45,7 +45,7 @@ struct JsonDocument {
 tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits);
 
 /// Heap bytes behind the value, as glibc's malloc gives them out (measured: tests/base/json_reader_test.cpp). jemalloc's steps
-/// are up to a fifth coarser, which is within the 1.3 bytes that a server sets aside for each that it counts.
+/// are up to a quarter coarser, which is within the 1.3 bytes that a server sets aside for each that it counts.
 std::size_t json_bytes(const nlohmann::json& value);
 
 }  // namespace fracture

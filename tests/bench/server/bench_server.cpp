@@ -14,9 +14,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -93,8 +95,12 @@ Reply converse(RawClient& client, const std::string& text) {
   return *reply;
 }
 
-std::string store(std::uint16_t port, const std::string& mesh) {
-  const Reply stored = ask(port, "POST", "/meshes?format=blend", "", mesh);
+struct MeshFile {
+  std::string format, bytes;  ///< the format as the end of the file's name has it
+};
+
+std::string store(std::uint16_t port, const MeshFile& mesh) {
+  const Reply stored = ask(port, "POST", "/meshes?format=" + mesh.format, "", mesh.bytes);
   check(stored.status == 201, "POST /meshes: " + stored.body);
   return stored.header("location");
 }
@@ -105,7 +111,7 @@ std::string fracture_request(const std::string& mesh, int seed, const std::strin
   return request("POST", mesh + "/fracture", "{" + members + R"(, "seed": )" + std::to_string(seed) + "}");
 }
 
-void collision(const std::string& mesh, const std::string& members, int requests) {
+void collision(const MeshFile& mesh, const std::string& members, int requests) {
   Server server({"--all-formats"});
   const std::string path = store(server.process.port, mesh);
   GameClient client(server.process.port);
@@ -222,7 +228,7 @@ std::uint16_t free_port() {
   return ntohs(address.sin_port);
 }
 
-void cached(const std::string& mesh) {
+void cached(const MeshFile& mesh) {
   constexpr int kRounds = 5;
   constexpr std::chrono::milliseconds kTime{700};
   Server server({"--all-formats"});
@@ -266,7 +272,7 @@ void cold_start() {
 }
 
 /// Accepts and says nothing, as a Redis does that is stopped or cut off.
-void hanging_redis(const std::string& mesh) {
+void hanging_redis(const MeshFile& mesh) {
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -298,7 +304,7 @@ void hanging_redis(const std::string& mesh) {
 
 int main(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
-  const char* file = "/usr/share/assimp/models/BLEND/Suzanne_248.blend";
+  std::filesystem::path file = "/usr/share/assimp/models/BLEND/Suzanne_248.blend";
   std::string members;
   int requests = 400;
   for (int i = 1; i < argc; ++i) {
@@ -311,12 +317,16 @@ int main(int argc, char** argv) {
       file = argv[i];
   }
   std::ifstream stream(file, std::ios::binary);
-  const std::string mesh{std::istreambuf_iterator<char>(stream), {}};
-  check(!mesh.empty(), std::string("cannot read ") + file);
+  std::string format = file.extension().string();
+  std::transform(format.begin(), format.end(), format.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  const MeshFile mesh{format.empty() ? format : format.substr(1),
+                      {std::istreambuf_iterator<char>(stream), {}}};
+  check(!mesh.bytes.empty(), "cannot read " + file.string());
   double load[1] = {0};
   ::getloadavg(load, 1);
   std::printf("%u cores, load average %.2f before the start; mesh %s\n", std::thread::hardware_concurrency(),
-              load[0], file);
+              load[0], file.c_str());
   collision(mesh, members.empty() ? kFiftySites : members, requests);
   if (!members.empty()) return 0;
   cached(mesh);
