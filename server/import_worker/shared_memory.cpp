@@ -28,10 +28,10 @@ SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
   const bool sealed = seal(fd);
   struct stat status {};
   if (::fstat(fd, &status) != 0 || size > static_cast<std::uint64_t>(status.st_size)) return bytes;
-  void* const at = sealed && size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0) : MAP_FAILED;
-  if (at != MAP_FAILED) {
-    bytes.mapping_ = at;
-    bytes.view_ = {static_cast<const std::byte*>(at), static_cast<std::size_t>(size)};
+  void* const mapping = sealed && size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0) : MAP_FAILED;
+  if (mapping != MAP_FAILED) {
+    bytes.mapping_ = mapping;
+    bytes.view_ = {static_cast<const std::byte*>(mapping), static_cast<std::size_t>(size)};
   } else {
     bytes.copy_.resize(size);
     for (std::size_t at = 0; at < size;) {

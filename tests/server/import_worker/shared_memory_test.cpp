@@ -66,7 +66,7 @@ TEST(SealedBytesWithoutRoom, AreCopied) {
 #endif
   const std::vector<std::byte> bytes = numbered(50'000);
   const Descriptor memory = memory_with(bytes);
-  std::vector<std::byte>(100'000);  // room that the program keeps
+  numbered(100'000);  // room that the program keeps
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
   const rlimit none{1 << 20, before.rlim_max};
