@@ -21,6 +21,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -52,9 +53,7 @@ double percentile(std::vector<double> values, double p) {
 }
 
 void check(bool good, const std::string& what) {
-  if (good) return;
-  std::fprintf(stderr, "bench_server: %s\n", what.c_str());
-  std::exit(1);
+  if (!good) throw std::runtime_error(what);  // no exit(): servers have to be stopped
 }
 
 /// A server whose log is read (and thrown away), so that writing it costs what it costs.
@@ -159,17 +158,21 @@ double rate(std::uint16_t port, const std::string& target, std::size_t expected,
   constexpr int kConnections = 4;
   std::vector<std::thread> threads;
   std::atomic<long> answered{0};
+  std::atomic<bool> wrong{false};
   const Clock::time_point end = Clock::now() + time, start = Clock::now();
   for (int c = 0; c < kConnections; ++c)
     threads.emplace_back([&] {
-      GameClient client(port);
-      const std::string text = request("GET", target);
-      while (Clock::now() < end) {
-        check(client.ask(text).body.size() == expected, "a wrong answer from port " + std::to_string(port));
-        ++answered;
+      try {
+        GameClient client(port);
+        const std::string text = request("GET", target);
+        for (; Clock::now() < end && !wrong; ++answered)
+          if (client.ask(text).body.size() != expected) wrong = true;
+      } catch (const std::exception&) {
+        wrong = true;
       }
     });
   for (std::thread& thread : threads) thread.join();
+  check(!wrong, "a wrong answer from port " + std::to_string(port));
   return static_cast<double>(answered) / (milliseconds_since(start) / 1000);
 }
 
@@ -300,9 +303,7 @@ void hanging_redis(const MeshFile& mesh) {
       worst);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   ::signal(SIGPIPE, SIG_IGN);
   std::filesystem::path file = "/usr/share/assimp/models/BLEND/Suzanne_248.blend";
   std::string members;
@@ -333,4 +334,15 @@ int main(int argc, char** argv) {
   cold_start();
   hanging_redis(mesh);
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "bench_server: %s\n", e.what());
+    return 1;
+  }
 }

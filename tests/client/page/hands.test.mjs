@@ -239,6 +239,29 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('a drag ends with its own pointer, and where its end was not seen with the next movement', async () => {
+    const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":20}', width: 1024, height: 700 }), { page } = opened;
+    await place(page, 'Keep sphere').click();
+    await shown(page);
+    const height = async () => (await state(page, s => s.wish.settings)).keep_center[1];
+    const first = await height(), [x, y] = await dotOf(page, 'keep_center middle');
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x, y + 20);
+    const lower = await height();
+    assert.ok(lower < first);
+    await page.evaluate(() => dispatchEvent(new PointerEvent('pointercancel', { pointerId: 99 })));
+    await page.mouse.move(x, y + 40);
+    const lowest = await height();
+    assert.ok(lowest < lower, "another finger's cancel ends no drag");
+    await page.evaluate(([clientX, clientY]) => document.querySelector('#viewport canvas').dispatchEvent(new PointerEvent('pointermove', { pointerId: 1, buttons: 0, clientX, clientY })), [x, y + 60]);
+    await page.mouse.move(x, y + 80);
+    assert.equal(await height(), lowest, 'the button was let go unseen');
+    await page.mouse.up();
+    assert.deepEqual(opened.complaints, []);
+    await opened.close();
+  });
+
   test('a key that repeats more often than the panel is drawn counts each time', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"fragments":20}' }), { page } = opened;
     await page.getByRole('slider', { name: 'Fragments' }).evaluate(slider => {
