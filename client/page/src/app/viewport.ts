@@ -6,7 +6,9 @@ import type { App } from './app';
 const STILL = 5, STILL_FINGER = 12, HOLD = 13, HOLD_FINGER = 26;
 
 export function listen(app: App, canvas: HTMLCanvasElement): void {
-  let down: { x: number; y: number; pointer: number } | undefined, held: { key: string; pointer: number } | undefined, several = false, hover: { x: number; y: number } | undefined;
+  let down: { x: number; y: number; pointer: number } | undefined, several = false, hover: { x: number; y: number } | undefined;
+  // What is held, and by which pointer: a handle, or without a key a piece in play.
+  let held: { pointer: number; key?: string } | undefined;
   const pointers = new Set<number>();
   canvas.addEventListener('pointerdown', event => {
     pointers.add(event.pointerId);
@@ -17,18 +19,21 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
     if (key !== undefined) {
       held = { key, pointer: event.pointerId };
       canvas.setPointerCapture(event.pointerId);
-      app.stage!.controls.enabled = false;
-    }
-    if (app.state.play && event.button === 0 && app.physics?.grab(event.clientX, event.clientY)) app.stage!.controls.enabled = false;
+    } else if (!held && app.state.play && event.button === 0 && app.physics?.grab(event.clientX, event.clientY)) held = { pointer: event.pointerId };
+    if (held) app.stage!.controls.enabled = false;
   }, { capture: true });
   addEventListener('pointerup', event => {
     pointers.delete(event.pointerId);
+    let dragged = false;
     if (held?.pointer === event.pointerId) {
-      dragHandle(app, held.key, event, true);
-      held = down = undefined;
+      if (held.key === undefined) dragged = app.physics?.release() ?? false;
+      else {
+        dragHandle(app, held.key, event, true);
+        down = undefined;
+      }
+      held = undefined;
     }
-    if (app.stage) app.stage.controls.enabled = true;
-    const dragged = app.physics?.release() ?? false;
+    if (app.stage && !held) app.stage.controls.enabled = true;
     if (!down || down.pointer !== event.pointerId || several || event.target !== canvas) return;
     const moved = Math.hypot(event.clientX - down.x, event.clientY - down.y);
     down = undefined;
@@ -37,19 +42,20 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
   const cancelled = (event: PointerEvent) => {
     pointers.delete(event.pointerId);
     if (held && held.pointer !== event.pointerId) return;  // another finger's
-    if (held) app.breaking.letGo();
+    if (held?.key !== undefined) app.breaking.letGo();
+    else app.physics?.release();
     held = down = undefined;
     if (app.stage) app.stage.controls.enabled = true;
-    app.physics?.release();
+    if (canvas.hasPointerCapture(event.pointerId)) canvas.releasePointerCapture(event.pointerId);
   };
   addEventListener('pointercancel', cancelled);
   canvas.addEventListener('pointermove', event => {
     if (held?.pointer === event.pointerId) {
       if (event.buttons === 0) cancelled(event);  // let go where no window saw it: behind a locked screen
-      else dragHandle(app, held.key, event, false);
+      else if (held.key !== undefined) dragHandle(app, held.key, event, false);
+      else app.physics?.drag(event.clientX, event.clientY);
       return;
     }
-    if (app.state.play) app.physics?.drag(event.clientX, event.clientY);
     if (event.pointerType === 'touch' || event.buttons !== 0 || app.state.play) return;
     const first = hover === undefined;
     hover = { x: event.clientX, y: event.clientY };
