@@ -111,7 +111,9 @@ class IncrementalDelaunay {
   Tetrahedralization snapshot(std::span<const SiteId> site_of_vertex) const;
   /// The same with sites numbered by increasing vertex id.
   Tetrahedralization snapshot() const;
-  /// The same, in little more memory than the structure has, which is good for nothing afterwards.
+  /// The same, in little more memory than the structure has, which is good for nothing afterwards: from kManyTets on what
+  /// was read is forgotten.
+  static constexpr std::size_t kManyTets = std::size_t{1} << 20;
   Tetrahedralization take_snapshot(std::span<const SiteId> site_of_vertex);
 
   /// Calls visit(std::array<TetVertexId, 4>) for every tetrahedron, in storage order.

@@ -20,8 +20,7 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
 Tetrahedralization IncrementalDelaunay::take_snapshot(std::span<const SiteId> site_of_vertex) {
   // A compact tetrahedron takes half of the memory: what was read makes room for what is written. Where there are
   // few, the pages are worth more to the next tetrahedralization, which would have each faulted in and cleared.
-  constexpr std::size_t kMany = std::size_t{1} << 20;
-  if (tets_.size() < kMany) return snapshot(site_of_vertex);
+  if (tets_.size() < kManyTets) return snapshot(site_of_vertex);
   PagesBehind behind(tets_.data(), tets_.size() * sizeof(Tet));
   return snapshot(site_of_vertex, [&](TetId read) { behind.through(read * sizeof(Tet)); });
 }

@@ -145,17 +145,18 @@ TEST(IncrementalDelaunay, CanonicalNumberingDoesNotDependOnMethodOrHistory) {
   }
 }
 
-// More tetrahedra than are forgotten at once, and holes in their storage.
+// So many tetrahedra that those that were read are forgotten, and holes in their storage.
 TEST(IncrementalDelaunay, TheLastSnapshotIsLikeAnyOther) {
-  const std::vector<Vec3d> points = test::random_cube(20'000, 5);
+  const std::vector<Vec3d> points = test::random_cube(165'000, 5);
   IncrementalDelaunay delaunay(big_of(points));
   std::vector<SiteId> site_of_vertex(4, kNoSite);
-  for (const Vec3d& p : points) {
-    delaunay.insert(p);
-    site_of_vertex.push_back(SiteId{site_of_vertex.size() - 4});
+  for (const std::uint32_t k : spatial_order(points, {})) {
+    delaunay.insert(points[k]);
+    site_of_vertex.push_back(SiteId{k});
   }
   const Tetrahedralization copy = delaunay.snapshot(site_of_vertex),
                            last = delaunay.take_snapshot(site_of_vertex);
+  ASSERT_GT(copy.tets.size(), IncrementalDelaunay::kManyTets) << "none is forgotten";
   EXPECT_EQ(copy.points, last.points);
   EXPECT_EQ(copy.tet_of_site, last.tet_of_site);
   ASSERT_EQ(copy.tets.size(), last.tets.size());
