@@ -12,6 +12,7 @@
 #include "server/bake/run.hpp"
 #include "tests/gltf/two_halves.hpp"
 #include "tests/server/support/bake_folder.hpp"
+#include "tests/server/support/child_process.hpp"
 
 namespace fracture::bake {
 namespace {
