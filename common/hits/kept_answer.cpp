@@ -10,9 +10,9 @@
 
 namespace fracture {
 
-KeptUnions::KeptUnions(std::vector<Union> all, const Execution& execution) : all(std::move(all)) {
-  for (std::uint32_t k = 0; k < this->all.size(); ++k)
-    for (const PieceName& piece : this->all[k]) of_cell.emplace_back(piece.lowest, k);
+KeptUnions::KeptUnions(std::vector<Union> unions, const Execution& execution) : all(std::move(unions)) {
+  for (std::uint32_t k = 0; k < all.size(); ++k)
+    for (const PieceName& piece : all[k]) of_cell.emplace_back(piece.lowest, k);
   sort_with_polls(execution, of_cell.begin(), of_cell.end());
   of_cell.erase(std::unique(of_cell.begin(), of_cell.end()), of_cell.end());
 }

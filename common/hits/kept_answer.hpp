@@ -69,7 +69,7 @@ struct KeptUnions {
       of_cell;  ///< the lowest cells that have pieces in them; ascending
 
   KeptUnions() = default;
-  KeptUnions(std::vector<Union> all, const Execution& execution);
+  KeptUnions(std::vector<Union> unions, const Execution& execution);
   /// Calls visit(number) for each that a piece of the cell, or of those that it is the lowest of, belongs to.
   template <class Visit>
   void each_of(SiteId lowest, const Visit& visit) const {

@@ -29,7 +29,7 @@ namespace fracture::sites_detail {
 
 /// Coordinates across and along an axis: (u, v, axis) is right-handed.
 struct ColumnFrame {
-  explicit ColumnFrame(int axis) : u((axis + 1) % 3), v((axis + 2) % 3), axis(axis) {}
+  explicit ColumnFrame(int along) : u((along + 1) % 3), v((along + 2) % 3), axis(along) {}
   int u, v, axis;
 };
 
