@@ -1,7 +1,7 @@
 // Prints one hash a line over the bytes of whole answers: `<mesh> <request> t<threads> <sha256>`, for plain
 // requests and rough cuts on every mesh, and for every pattern, material, limit, region and hit on three of
 // them. `scripts/test --full` runs it in every build (g++ and clang++, debug and release) and compares the
-// outputs; nothing is ever compared with a stored value. Exits 1 when one and two threads of the same build already differ.
+// outputs. golden_bytes.py compares fewer answers with stored hashes. Exits 1 if one and two threads of a build differ.
 #include <cstdio>
 #include <string>
 #include <vector>
