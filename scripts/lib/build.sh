@@ -15,12 +15,13 @@ configure_and_build() {
 # folder warnings are errors (FRACTURE_WERROR: Debian 12's compilers are known, and scripts/test need not compile again
 # what scripts/run has), and a library's sources are compiled several at once (FRACTURE_UNITY); a folder that somebody
 # configured stays as it is.
-# FRACTURE_CONFIGURE: further arguments of cmake, with spaces between them.
+# FRACTURE_CONFIGURE: further arguments of cmake, with spaces between them; they win over these defaults.
 build_preset() {
-  local preset=$1 log targets=() configure=()
+  local preset=$1 log targets=() configure=() further=()
   shift
-  read -ra configure <<<"${FRACTURE_CONFIGURE:-}"
   [[ -f ${root:?}/build/$preset/CMakeCache.txt ]] || configure+=(-DFRACTURE_UNITY=ON -DFRACTURE_WERROR=ON)
+  read -ra further <<<"${FRACTURE_CONFIGURE:-}"
+  configure+=("${further[@]}")
   [[ $# -eq 0 ]] || targets=(--target "$@")
   log=${root:?}/build/$preset.log
   mkdir -p "$root/build"
