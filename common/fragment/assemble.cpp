@@ -9,6 +9,7 @@
 #include "common/fragment/closedness.hpp"
 #include "common/fragment/mass_properties.hpp"
 #include "common/fragment/mirror_sum.hpp"
+#include "common/fragment/repeated_edges.hpp"
 #include "common/fragment/vertex_attributes.hpp"
 #include "common/solid/cut_materials.hpp"
 
@@ -448,6 +449,7 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   Assembler(diagram, execution, out).run(piece, pivot);
   out.cap_sum = mirror_sum(out, execution);
   out.open_edges = open_edges(out, execution);
+  if (out.open_edges > 0 && split_repeated_edges(out, execution)) out.open_edges = open_edges(out, execution);
   return out;
 }
 

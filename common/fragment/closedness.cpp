@@ -59,6 +59,15 @@ Closedness count_edges(const Fragment& f, const std::vector<std::uint32_t>& at, 
   return c;
 }
 
+/// Edges by their lower vertex.
+struct EdgesByVertex {
+  std::vector<std::uint32_t> begin;  // per vertex
+  std::vector<std::uint32_t> higher;
+  std::vector<std::uint32_t> last;  // per vertex: the lower end of the last edge that was seen at it
+  std::size_t bytes() const { return bytes_of_vectors(begin, higher, last); }
+  void release() { release_vectors(begin, higher, last); }
+};
+
 struct VertexHash {
   std::uint64_t u, w;
 };
@@ -67,6 +76,45 @@ struct VertexHashes {
   std::size_t bytes() const { return bytes_of_vectors(at); }
   void release() { release_vectors(at); }
 };
+
+/// Uses of directed edges of a closed fragment that are not the first of their edge and direction, and triangles with two
+/// corners at one vertex.
+std::uint64_t count_repeated(const Fragment& f, Pacer& pacer) {
+  EdgesByVertex& edges = thread_scratch<EdgesByVertex>();
+  const std::size_t vertices = f.positions.size(), triangles = f.indices.size() / 3;
+  std::uint64_t repeated = 0;
+  // Of a closed fragment the uses from a lower to a higher vertex are as many as those back: these alone are looked at.
+  const auto each_edge = [&](const auto& visit) {
+    pacer.each(0, triangles, [&](std::size_t t) {
+      const std::uint32_t* const k = f.indices.data() + 3 * t;
+      const std::uint32_t a = f.topology[k[0]], b = f.topology[k[1]], c = f.topology[k[2]];
+      if (a < b) visit(a, b);
+      if (b < c) visit(b, c);
+      if (c < a) visit(c, a);
+    });
+  };
+  edges.begin.assign(vertices + 2, 0);
+  pacer.each(0, triangles, [&](std::size_t t) {
+    const std::uint32_t* const k = f.indices.data() + 3 * t;
+    const std::uint32_t a = f.topology[k[0]], b = f.topology[k[1]], c = f.topology[k[2]];
+    repeated += a == b || b == c || c == a;
+    edges.begin[a + 2] += a < b;
+    edges.begin[b + 2] += b < c;
+    edges.begin[c + 2] += c < a;
+  });
+  pacer.each(2, vertices + 2, [&](std::size_t v) { edges.begin[v] += edges.begin[v - 1]; });
+  edges.higher.resize(edges.begin[vertices + 1]);
+  each_edge([&](std::uint32_t low, std::uint32_t high) { edges.higher[edges.begin[low + 1]++] = high; });
+  edges.last.assign(vertices, kNoIndex);
+  pacer.each(0, vertices, [&](std::size_t low) {
+    for (std::uint32_t e = edges.begin[low]; e < edges.begin[low + 1]; ++e) {
+      std::uint32_t& last = edges.last[edges.higher[e]];
+      repeated += last == low;
+      last = static_cast<std::uint32_t>(low);
+    }
+  });
+  return repeated;
+}
 
 }  // namespace
 
@@ -94,7 +142,7 @@ std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
     const VertexHash &a = at[k[0]], &b = at[k[1]], &c = at[k[2]];
     sum += (b.u - a.u) * (c.w - a.w) - (c.u - a.u) * (b.w - a.w);
   });
-  if (sum == 0 && misplaced == 0) return 0;
+  if (sum == 0 && misplaced == 0) return count_repeated(f, pacer);
   return std::max(
       {misplaced, count_edges(f, f.topology, pacer).open_edges, closedness(f, execution).open_edges});
 }

@@ -54,7 +54,8 @@ struct Fragment {
   std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside
   std::vector<FragmentPrimitive>
       primitives;  ///< exterior ones in material order, then the interior, then the mortar
-  /// Per vertex: the index of the first vertex with the same position key (topology across attribute seams).
+  /// Per vertex: the index of the first vertex with the same position key (topology across attribute seams), or of the same
+  /// copy of it (repeated_edges.hpp). Between them each edge is used exactly once in each direction.
   std::vector<std::uint32_t> topology;
   MassProperties mass;  ///< from the unrounded positions
   /// Local points of each member cell's share, for fragments of several cells; empty when the fragment lies
@@ -80,7 +81,7 @@ struct Bond {
 /// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not
 /// given.
 struct Certificate {
-  std::uint64_t open_edges = 0;  ///< over all fragments, after welding equal positions: 0
+  std::uint64_t open_edges = 0;  ///< over all fragments, in their topology and welded (closedness.hpp): 0
   double volume_in = 0;          ///< m³, of the solid
   double volume_out = 0;         ///< m³, of all fragments, from the unrounded positions
   double volume_file = 0;        ///< m³, of all fragments, from the final rounded positions

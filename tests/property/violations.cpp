@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "common/solid/solid.hpp"
@@ -33,6 +34,19 @@ std::int64_t unbalanced_edges(const Fragment& f, const Name& name) {
     }
   std::int64_t n = 0;
   for (const auto& [edge, sum] : balance) n += sum != 0;
+  return n;
+}
+
+/// Uses of directed edges between the names of corners that are not the first, and triangles with two corners of one name.
+template <class Name>
+std::int64_t repeated_uses(const Fragment& f, const Name& name) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
+  std::int64_t n = 0;
+  for (std::size_t k = 0; k < f.indices.size(); k += 3)
+    for (int e = 0; e < 3; ++e) {
+      const std::uint32_t a = name(f.indices[k + e]), b = name(f.indices[k + (e + 1) % 3]);
+      n += a == b || !seen.emplace(a, b).second;
+    }
   return n;
 }
 
@@ -65,6 +79,9 @@ Violations closed_violations(const FragmentSet& set) {
     const Fragment& f = set.fragments[n];
     if (const auto open = unbalanced_edges(f, [&](std::uint32_t v) { return f.topology[v]; }))
       broken.add("fragment %zu: %lld open edges in its own topology", n, static_cast<long long>(open));
+    if (const auto uses = repeated_uses(f, [&](std::uint32_t v) { return f.topology[v]; }))
+      broken.add("fragment %zu: %lld directed edges used again in its own topology", n,
+                 static_cast<long long>(uses));
     std::map<Key, std::uint32_t> first;
     std::vector<std::uint32_t> weld;
     for (std::uint32_t v = 0; v < f.positions.size(); ++v)
