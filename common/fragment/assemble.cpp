@@ -45,7 +45,8 @@ struct Scratch {
   std::vector<CutVertexId> ids;
   std::vector<VertexSource> sources;
   std::vector<std::uint32_t> topology;
-  std::vector<std::uint32_t> next;  // another vertex at the same edge cut, or of the same wedge elsewhere
+  std::vector<std::uint32_t>
+      next;  // another one at the same edge cut, of the same wedge, or of the same face
   std::vector<Vec3d> points;
   std::vector<Run> runs;
   std::vector<IndexRange> caps;
@@ -183,10 +184,20 @@ class Assembler {
     return fresh;
   }
 
+  void put_before(std::uint32_t fresh, std::uint32_t first) {
+    s_.next.resize(fresh + 1, kNoIndex);
+    s_.next[fresh] = first;
+  }
+
+  /// Vertices of one face are shared; on rough cuts by corners with the same normal.
   std::uint32_t interior_vertex(CutVertexId v, FaceSource face, std::uint32_t corner) {
-    std::uint32_t& vertex = s_.on_face.slot(v);
-    if (vertex == kNoIndex) vertex = add(v, {VertexSource::kInterior, face, corner});
-    return vertex;
+    const bool by_normal = rough_ && is_cap(face);
+    std::uint32_t& first = s_.on_face.slot(v);
+    for (std::uint32_t k = first; k != kNoIndex; k = k < s_.next.size() ? s_.next[k] : kNoIndex)
+      if (!by_normal || d_.caps.normals[sources_[k].b] == d_.caps.normals[corner]) return k;
+    const std::uint32_t fresh = add(v, {VertexSource::kInterior, face, corner});
+    if (first != kNoIndex) put_before(fresh, first);
+    return first = fresh;
   }
 
   /// Where Caps::normals has corner k of the nth triangle of a cap region, as this side sees it.
@@ -213,10 +224,7 @@ class Assembler {
       for (std::uint32_t k = first; k != kNoIndex; k = k < s_.next.size() ? s_.next[k] : kNoIndex)
         if (ids_[k] == v) return k;
       const std::uint32_t fresh = add(v, {VertexSource::kWedge, wedge, 0});
-      if (first != kNoIndex) {
-        s_.next.resize(fresh + 1, kNoIndex);
-        s_.next[fresh] = first;
-      }
+      if (first != kNoIndex) put_before(fresh, first);
       return first = fresh;
     }
     if (v >= d_.cuts.first_c()) {  // inside this triangle and no other

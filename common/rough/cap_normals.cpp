@@ -15,6 +15,9 @@ namespace {
 constexpr std::size_t kMostAtOnePlace = 64;
 /// Cosine of the angle between two facets up to which they are one cut.
 constexpr double kOneCut = 0.94;
+/// Least cosine of the angle between the normal of a corner and that of its triangle as the file has it. More than 0, so
+/// that rounding the normal to floats leaves it in front.
+constexpr double kLeastCosine = 0.01;
 
 struct Corner {
   std::uint32_t region, corner;
@@ -57,6 +60,17 @@ class CornersByPlace {
   std::vector<Corner> corners_, sorted_;
 };
 
+Vec3f to_float(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// The normal of a corner, or that of its triangle if the mean of its neighbours points behind the triangle: a triangle
+/// that is steep on its cut is then lit as flat instead of as its own back. 0 has no front.
+Vec3d on_front(const Vec3d& normal, const Vec3d& of_triangle) {
+  const double l = length(of_triangle);
+  return l > 0 && dot(normal, of_triangle) < kLeastCosine * l ? (1 / l) * of_triangle : normal;
+}
+
 /// Per constructed vertex, one for all that lie at the same place of the seam lattice.
 std::vector<std::uint32_t> places_of(const VertexPositions& positions, const Execution& execution) {
   const auto& steps = positions.steps;
@@ -95,6 +109,15 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
   begin.push_back(cuts.size());
 
   const auto at = [&](CutVertexId v) { return positions.points[v - positions.first_constructed]; };
+  const auto normal_of = [&](std::uint32_t triangle, const auto& place) {
+    const auto& t = caps.triangles[triangle];
+    return cross(place(t[1]) - place(t[0]), place(t[2]) - place(t[0]));
+  };
+  const Vec3d step = positions.lattice.step();
+  const auto in_file = [&](CutVertexId v) -> Vec3d {
+    const auto& s = positions.steps[v - positions.first_constructed];
+    return {s[0] * step.x, s[1] * step.y, s[2] * step.z};
+  };
   // From the owner with the lower number to the other.
   const auto sign_of = [&](std::uint32_t r) {
     return owner_of_site[caps.regions[r].lo] < owner_of_site[caps.regions[r].hi] ? 1.0 : -1.0;
@@ -130,9 +153,7 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
             const Vec3d u = diagram.facet_normal(caps.regions[r].lo, caps.regions[r].hi);
             sums.push_back({r, k, k, (sign_of(r) / length(u)) * u, {}});
           }
-          const auto& t = caps.triangles[here[k].corner / 3];
-          sums.back().normal =
-              sums.back().normal + sign_of(r) * cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
+          sums.back().normal = sums.back().normal + sign_of(r) * normal_of(here[k].corner / 3, at);
           sums.back().last = k + 1;
         }
         const bool crowded = sums.size() > kMostAtOnePlace;
@@ -144,8 +165,7 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
           const double l = length(n);
           n = l > 0 ? (sign_of(own.region) / l) * n : sign_of(own.region) * own.facet;
           for (std::size_t m = own.first; m < own.last; ++m)
-            normals[here[m].corner] = {static_cast<float>(n.x), static_cast<float>(n.y),
-                                       static_cast<float>(n.z)};
+            normals[here[m].corner] = to_float(on_front(n, normal_of(here[m].corner / 3, in_file)));
         }
       }
     }

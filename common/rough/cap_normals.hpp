@@ -9,7 +9,8 @@
 namespace fracture {
 
 /// Per corner of every cap triangle the unit normal, outward for cell lo: the mean by area over the triangles
-/// there of the same cut, that is, of the regions between the same two owners whose facets face the same way.
+/// there of the same cut, that is, of the regions between the same two owners whose facets face the same way. Corners whose
+/// mean would point behind their triangle have the triangle's normal instead.
 std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                                const Caps& caps, const VertexPositions& positions,
                                const Execution& execution);

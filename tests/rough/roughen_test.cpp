@@ -196,6 +196,29 @@ TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
   }
 }
 
+// Where a cut is steep the mean of the triangles around a corner may point behind one of them.
+TEST(Roughen, NoCornerIsLitFromBehindItsTriangle) {
+  std::size_t corners = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    FractureParameters p = rough(60, 0.05, 12, 4);
+    p.seed = seed;
+    for (const Mesh& mesh : {cube_with_seams(), torus(48, 24)}) {
+      const FragmentSet set = fracture_roughly(mesh, p).set;
+      for (const Fragment& f : set.fragments)
+        for (const IndexRange& caps : f.caps)
+          for (std::uint32_t k = caps.first; k < caps.first + caps.count; k += 3) {
+            const std::uint32_t* const t = f.indices.data() + k;
+            const Vec3d a = to_double(f.positions[t[0]]);
+            const Vec3d n = cross(to_double(f.positions[t[1]]) - a, to_double(f.positions[t[2]]) - a);
+            if (!(length(n) > 0)) continue;
+            for (int c = 0; c < 3; ++c, ++corners)
+              EXPECT_GT(dot(to_double(f.attributes.normals[t[c]]), n), 0) << f.id << " " << k / 3;
+          }
+    }
+  }
+  EXPECT_GT(corners, 100000u);
+}
+
 TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
   const FractureParameters p = rough(40, 0.03, 5, 3);
   const FragmentSet one = fracture_roughly(sphere_with(2000), p, 1).set,
