@@ -39,7 +39,7 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
     sum = next;
     pacer.step();
   }
-  if (std::fabs(sum + lost) > n * 0x1.0p-46 * r + 1e-300) return {six / 6, sum + lost > 0 ? 1 : -1};
+  if (std::fabs(sum + lost) > n * 0x1.0p-46 * r + 1e-300) return {(sum + lost) / 6, sum + lost > 0 ? 1 : -1};
 
   exact::BinaryScale scale;
   for (const Vec3f& p : f.positions) scale.include(to_double(p));
@@ -52,7 +52,7 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
     exactly += dot(at(k), cross(at(k + 1), at(k + 2)));
     pacer.step(64);
   }
-  return {six / 6, exact::sign_of(exactly)};
+  return {std::ldexp(static_cast<double>(exactly), 3 * scale.lowest_bit()) / 6, exact::sign_of(exactly)};
 }
 
 }  // namespace fracture

@@ -6,8 +6,7 @@
 
 namespace fracture {
 
-/// Volume enclosed by the final rounded positions (float32, local): the value as computed, m³, and its exact
-/// sign.
+/// Volume enclosed by the final rounded positions (float32, local), m³, and its exact sign. The value has that sign, too.
 struct FileVolume {
   double volume = 0;
   int sign = 0;

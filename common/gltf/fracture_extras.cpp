@@ -117,11 +117,12 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   const Fragment& fragment = fractured.set.fragments[index];
   const Hierarchy& hierarchy = fractured.hierarchy;
   const MassProperties& mass = fragment.mass;
+  const double volume = body_volume(fragment);
   const std::size_t level = hierarchy.levels.size();
   json.begin_object()
       .member("id", fragment.id)
-      .member("volume", mass.volume)
-      .member("mass", body_volume(fragment) * options.density)
+      .member("volume", volume)
+      .member("mass", volume * options.density)
       .member("area", mass.area)
       .member("exterior_area", fragment.exterior_area)
       .member("center_of_mass", mass.center_of_mass)

@@ -5,6 +5,7 @@
 
 #include "common/base/heap_bytes.hpp"
 #include "common/base/pacer.hpp"
+#include "common/physics/principal_axes.hpp"
 
 namespace fracture {
 namespace {
@@ -33,7 +34,7 @@ FragmentFigures figures_of(const std::vector<KeptFragment>& fragments,
     pacer.step(8);
     ++f.first_of[kept.fragment.sites[0] + 1];
     f.append(kept);
-    f.sorted_volumes.push_back(kept.fragment.mass.volume);
+    f.sorted_volumes.push_back(body_volume(kept.fragment));
     f.sorted_ids.push_back(kept.fragment.id);
     f.count(kept, 1);
   }
@@ -104,7 +105,7 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
       take_until(s);
       for (const KeptFragment& kept : was(s).fragments) {
         after.count(kept, -1);
-        volumes_gone.push_back(kept.fragment.mass.volume);
+        volumes_gone.push_back(body_volume(kept.fragment));
         ids_gone.push_back(kept.fragment.id);
       }
       after.cells -= was(s).pieces > 0;
@@ -117,7 +118,7 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
     for (const KeptFragment& kept : is(s).fragments) {
       after.append(kept);
       after.count(kept, 1);
-      volumes_new.push_back(kept.fragment.mass.volume);
+      volumes_new.push_back(body_volume(kept.fragment));
       ids_new.push_back(kept.fragment.id);
     }
     after.cells += is(s).pieces > 0;

@@ -37,7 +37,7 @@ struct FragmentFigures {
   std::vector<double> volumes, volumes_file;  ///< m³
   std::vector<double> surface_areas;          ///< m²
   // Of all of them.
-  std::vector<double> sorted_volumes;     ///< m³, ascending
+  std::vector<double> sorted_volumes;     ///< m³, body_volume() of each, ascending
   std::vector<std::uint64_t> sorted_ids;  ///< ascending
   std::uint64_t open_edges = 0, caps = 0, triangles = 0;
   std::uint32_t cells = 0;   ///< that have pieces; some stay together

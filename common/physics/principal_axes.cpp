@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/fragment/file_volume.hpp"
+
 namespace fracture {
 namespace {
 
@@ -58,6 +60,7 @@ PrincipalAxes body_inertia(const Fragment& f) {
 
 double body_volume(const Fragment& f) {
   if (f.mass.volume > 0) return f.mass.volume;
+  if (const FileVolume in_file = file_volume(f); in_file.sign > 0) return in_file.volume;
   Box box;
   for (const Vec3f& p : f.positions) box.add(to_double(p));
   return 0.5e-6 * f.mass.area * box.longest_side();

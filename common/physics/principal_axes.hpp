@@ -25,9 +25,10 @@ PrincipalAxes principal_axes(const std::array<double, 6>& inertia);
 /// and mass.
 PrincipalAxes body_inertia(const Fragment& f);
 
-/// m³, more than 0: the fragment's, where it has one. A sheet that was filled flat, or whose surface crosses itself, may
-/// have 0 or less, and engines take a mass of 0 for a body that never moves: then that of half of its surface, a
-/// millionth of its longest side thick.
+/// m³, more than 0: what answers say of the fragment. Its volume before rounding, if it has one; a sliver may have 0 or
+/// less: then that of its positions in the file. A sheet that was filled flat, or whose surface crosses itself, may have
+/// neither, and engines take a mass of 0 for a body that never moves: then that of half of its surface, a millionth of its
+/// longest side thick.
 double body_volume(const Fragment& f);
 
 }  // namespace fracture

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/pacer.hpp"
+#include "common/physics/principal_axes.hpp"
 #include "common/pipeline/number_text.hpp"
 
 namespace fracture {
@@ -48,7 +49,7 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
   Pacer pacer(execution);
   for (const Fragment& f : set.fragments) {
     pacer.step(8);  // a miss of the cache each
-    sizes.volumes.push_back(f.mass.volume);
+    sizes.volumes.push_back(body_volume(f));
     sizes.triangles += f.indices.size() / 3;
   }
   sort_with_polls(execution, sizes.volumes.begin(), sizes.volumes.end());
