@@ -130,7 +130,8 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   write_parent(json, hierarchy, level, level > 0 ? hierarchy.cluster_of_fragment[index] : kNoIndex);
   json.member("anchored", fractured.anchored.contains(index)).member("part", fragment.part);
   json.key("sites").begin_array();
-  for (const std::uint32_t site : fragment.sites) json.value(site);
+  const std::vector<std::uint32_t>& point_of = fractured.point_of_site;
+  for (const std::uint32_t site : fragment.sites) json.value(point_of.empty() ? site : point_of.at(site));
   json.end_array().end_object();
 }
 

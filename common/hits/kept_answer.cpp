@@ -42,6 +42,7 @@ std::size_t memory_size(const FracturedBase& base) {
   for (const KeptUnions* unions : {local.unions.get(), local.late.get()})
     bytes += heap(unions->of_cell) + nested_heap(unions->all);
   if (local.bricks) bytes += heap(*local.bricks);
+  bytes += heap(local.notes.point_of_site);
   for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
     bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +

@@ -41,6 +41,7 @@ class LocalHit {
   std::optional<HitOutcome> run(std::span<const Vec3d> points, std::span<const std::uint32_t> groups) {
     std::optional<KeptTetrahedralization::Insertion> inserted = now().insert(points, execution_);
     if (!inserted) return std::nullopt;
+    number_points(*inserted, points.size());
     SiteFigures& sites = out_.next.notes.figures;
     sites.given += points.size();
     sites.used = now().site_count();
@@ -69,6 +70,17 @@ class LocalHit {
   }
 
  private:
+  /// Which points the new sites are.
+  void number_points(const KeptTetrahedralization::Insertion& inserted, std::size_t given) {
+    std::vector<std::uint32_t>& point_of_site = out_.next.notes.point_of_site;
+    if (point_of_site.empty() && inserted.points.size() == given) return;
+    const std::size_t before = now().site_count() - inserted.points.size();
+    while (point_of_site.size() < before)
+      point_of_site.push_back(static_cast<std::uint32_t>(point_of_site.size()));
+    for (const std::uint32_t k : inserted.points)
+      point_of_site.push_back(static_cast<std::uint32_t>(base_.notes.figures.given + k));
+  }
+
   KeptTetrahedralization& now() { return out_.next.tetrahedra; }
   const KeptTetrahedralization::Part& part() const { return area_->part(); }
 

@@ -187,9 +187,16 @@ SizeLimits limits_in_force(const FractureParameters& parameters, double volume, 
 
 SiteNotes notes_of(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
-  return {{diagram.sites.size(), t.site_count(), t.duplicates_merged, t.far_sites_dropped},
-          diagram.notes,
-          diagram.split};
+  SiteNotes notes{{diagram.sites.size(), t.site_count(), t.duplicates_merged, t.far_sites_dropped},
+                  diagram.notes,
+                  diagram.split};
+  if (t.site_count() < diagram.sites.size()) {
+    notes.point_of_site.assign(t.site_count(), kNoIndex);
+    for (std::size_t k = t.site_of_input.size(); k-- > 0;)
+      if (const SiteId s = t.site_of_input[k]; s != kNoSite)
+        notes.point_of_site[s] = static_cast<std::uint32_t>(k);
+  }
+  return notes;
 }
 
 Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
@@ -212,6 +219,7 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   set.certificate.sites_asked = static_cast<std::uint32_t>(sites.figures.given);
   const std::optional<std::uint32_t> anchored =
       parameters.anchors.any() && !cut.whole ? std::optional(out.anchored.count) : std::nullopt;
+  out.point_of_site = sites.point_of_site;
   out.report = make_report(solid, sites, parameters, cut, anchored, out.hulls.report(), set, execution);
   execution.poll();
   return out;

@@ -72,6 +72,8 @@ struct SiteNotes {
   SiteFigures figures;
   std::vector<std::string> notes;  ///< for people
   SplitFigures split{};
+  /// Per site which point it is of those given, and of equal ones the first; empty: site k is point k.
+  std::vector<std::uint32_t> point_of_site{};
 };
 SiteNotes notes_of(const Diagram& diagram);
 

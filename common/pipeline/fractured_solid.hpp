@@ -33,6 +33,9 @@ struct FracturedSolid {
   std::optional<Support> support{};  ///< where there are anchors, by who knows density and strength
   std::optional<Delta> delta{};      ///< where the answer is compared with an earlier one
   Report report;
+  /// Per site of the fragments which point it is of those given (of the pattern, then of hits), and of equal ones the first:
+  /// what is published of Fragment::sites. Empty: site k is point k.
+  std::vector<std::uint32_t> point_of_site{};
 };
 
 }  // namespace fracture

@@ -225,6 +225,21 @@ TEST(GltfWriter, ExtrasCarryFiguresBondsAndCertificateKeyedById) {
   EXPECT_TRUE(fragment["parent"].is_null());
 }
 
+TEST(GltfWriter, SitesAreTheNumbersOfThePointsThatWereGiven) {
+  FracturedSolid made = two_halves();
+  made.point_of_site = {0, 4, 9};
+  const json document = Glb(write_glb(made, {})).document;
+  EXPECT_EQ(document["nodes"][2]["extras"]["fracture"]["sites"], json({4, 9}));
+}
+
+TEST(GltfWriter, AFragmentWhoseVolumeRoundsToNothingHasThatOfItsPositions) {
+  FracturedSolid made = two_halves();
+  made.set.fragments[1].mass.volume = -4.6e-20;
+  const json fragment = Glb(write_glb(made, {})).document["nodes"][2]["extras"]["fracture"];
+  EXPECT_EQ(fragment["volume"], 1) << "the half of a box of 2 x 1 x 1";
+  EXPECT_EQ(fragment["mass"].get<double>(), fragment["volume"].get<double>() * GltfOptions{}.density);
+}
+
 TEST(GltfWriter, FiguresStandWhereItSaysThatTheyStand) {
   const FracturedSolid made = two_halves();
   for (const OutputFormat format : {OutputFormat::kGlb, OutputFormat::kGltf}) {

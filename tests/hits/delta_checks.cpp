@@ -117,6 +117,7 @@ void expect_same(const FracturedSolid& a, const FracturedSolid& b) {
   }
   EXPECT_EQ(a.anchored.count, b.anchored.count);
   EXPECT_EQ(a.report, b.report);
+  EXPECT_EQ(a.point_of_site, b.point_of_site);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
   ASSERT_EQ(a.hierarchy.levels.size(), b.hierarchy.levels.size());
 }

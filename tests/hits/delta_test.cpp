@@ -140,6 +140,27 @@ TEST(Delta, OfSeveralNewHitsAtOnce) {
   expect_difference(fracture_mesh(mesh, before_hits(p, 2)), after, *next->fractured.delta);
 }
 
+// Sites are numbered without the points that are equal to others; what is published are the points' own numbers.
+TEST(Delta, NamesThePointsOfSitesThatHitsFindTaken) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = hits_on(mesh, 60, 0.15);
+  StageTimings timings;
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {});
+  ASSERT_TRUE(solid);
+  const Expected<Diagram> uniform =
+      make_diagram(*solid, before_hits(p, static_cast<std::uint32_t>(p.hits.size())), {}, timings);
+  ASSERT_TRUE(uniform);
+  std::vector<Vec3d> points = uniform->sites;
+  points.insert(points.begin() + 7, points[3]);
+  points.insert(points.begin() + 20, points[12]);
+  p.pattern = PointsPattern{points};
+  EXPECT_GT(expect_hits(mesh, p), 0);
+  const Fractured made = fracture_mesh(mesh, p);
+  ASSERT_EQ(made.point_of_site.size(), made.diagram.tetrahedralization.site_count());
+  for (std::size_t s = 0; s < made.point_of_site.size(); ++s)
+    EXPECT_EQ(made.diagram.sites[made.point_of_site[s]], made.diagram.tetrahedralization.points[s]) << s;
+}
+
 // What is no piece of cells that were there before is fractured again as a whole, with the same answer.
 TEST(Delta, WhereHitsCannotBeLocalTheWholeIsFracturedAgain) {
   const Mesh mesh = torus(32, 16);
