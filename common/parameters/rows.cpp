@@ -121,8 +121,9 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
       {.name = "dual",
        .type = Type::kChoice,
        .choices = {"circumcenter", "barycenter"},
-       .doc = "circumcenter: Voronoi cells, an exact partition. barycenter: hulls of the "
-              "tetrahedra's barycentres, a softer look that is no partition."},
+       .doc =
+           "circumcenter: Voronoi cells, an exact partition. barycenter: hulls of the "
+           "tetrahedra's barycentres, a softer look that is no partition; limits of size unite nothing there."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",

@@ -150,6 +150,21 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
                        " pairs of their triangles cross, as the surface itself does there");
 }
 
+/// The limits of size that are in force, by name.
+std::string names_of(const FractureParameters& p) {
+  std::string names;
+  const auto add = [&](bool given, const char* name) {
+    if (given) names += std::string(names.empty() ? "'" : ", '") + name + "'";
+  };
+  add(p.size.min_volume > 0, "min_volume");
+  add(p.size.min_fraction > 0, "min_fraction");
+  add(p.size.min_of_mean > 0, "min_of_mean");
+  add(p.size.fragments > 0, "fragments");
+  add(p.size.max_fragments > 0, "max_fragments");
+  add(p.size.max_triangles > 0, "max_triangles");
+  return names;
+}
+
 void report_barycenter(const FractureParameters& p, const CutCells& cut, Report& report) {
   const BarycentricResult& result = cut.barycentric;
   report.barycenter = {.skipped_hulls = result.skipped_hulls};
@@ -157,6 +172,10 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
   report.warnings.emplace_back(
       "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
       "solid's, and there are no bonds");
+  if (p.size.any())
+    report.warnings.push_back(
+        "dual=barycenter: no fragments are united for their size, because they share no cuts, so " +
+        names_of(p) + " changed nothing; leave the parameter out, or 'dual'");
   if (cut.grouped)
     report.warnings.emplace_back(
         "dual=barycenter: each cell is a fragment, those that the pattern keeps together too");

@@ -11,6 +11,7 @@
 #include "common/pipeline/cell_patch.hpp"
 #include "common/sites/sites.hpp"
 #include "common/voronoi/barycentric_cell.hpp"
+#include "tests/support/fractured.hpp"
 #include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/solids.hpp"
@@ -62,6 +63,21 @@ void expect_same(const std::vector<Fragment>& found, const std::vector<Fragment>
     EXPECT_EQ(a.mass.volume, b.mass.volume);
     EXPECT_EQ(a.mass.inertia, b.mass.inertia);
   }
+}
+
+TEST(Barycentric, SaysByNameWhichLimitsOfSizeItDoesNotKnow) {
+  FractureParameters p;
+  p.sites = 20;
+  p.dual = Dual::kBarycenter;
+  EXPECT_FALSE(warns(fracture_mesh(cube(), p).report, "changed nothing"));
+  p.size.min_volume = 1e-3;
+  p.size.min_of_mean = 0.002;
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_volume', 'min_of_mean' changed nothing"));
+  p.size = {.min_fraction = 0.01};
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_fraction' changed nothing"));
+  p.size = {.fragments = 5, .max_fragments = 7, .max_triangles = 1000};
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report,
+                    "so 'fragments', 'max_fragments', 'max_triangles' changed nothing"));
 }
 
 TEST(Barycentric, APatchOfTheSolidGivesTheFragmentsOfTheWhole) {
