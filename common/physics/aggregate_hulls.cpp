@@ -62,8 +62,10 @@ struct Scratch {
 
 class FewHulls {
  public:
-  FewHulls(const VoronoiDiagram& diagram, const Execution& execution)
-      : diagram_(diagram), execution_(execution), pacer_(execution), s_(thread_scratch<Scratch>()) {}
+  FewHulls(const VoronoiDiagram& diagram, double rounding, const Execution& execution)
+      : diagram_(diagram), execution_(execution), pacer_(execution), s_(thread_scratch<Scratch>()) {
+    s_.maker.rounding = rounding;
+  }
 
   /// At most `most`.
   void make(const Fragment& f, std::size_t most, FragmentHulls& out) {
@@ -278,7 +280,7 @@ class FewHulls {
     if (hull.triangles.size() < 4) return add_largest();
     if (hull.points.size() <= kMaxHullPoints) {
       CollisionHull smaller = hull;
-      inset(smaller);  // and rounds: corners that were two may be one
+      inset(smaller, s_.maker.rounding);  // and rounds: corners that were two may be one
       if (bounds_a_body(smaller)) {
         out.simplified += simplified;
         out.hulls.push_back(std::move(smaller));
@@ -303,7 +305,7 @@ CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram
   CollisionHulls out;
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 4, [&](std::size_t begin, std::size_t end) {
-    FewHulls hulls(diagram, execution);
+    FewHulls hulls(diagram, rounding_of(set), execution);
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       if (f.bodies.size() <= most) continue;

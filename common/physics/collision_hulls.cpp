@@ -73,6 +73,7 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 8, [&](std::size_t begin, std::size_t end) {
     HullMaker& maker = thread_scratch<HullMaker>();
+    maker.rounding = rounding_of(set);
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       FragmentHulls& hulls = out.of_fragment[k];
@@ -83,7 +84,7 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
         const bool is_known =
             surface.uncut() == 0 &&
             add_convex(maker.corners, surface, {f.mass.volume, f.mass.area, f.mass.center_of_mass - f.pivot},
-                       hulls);
+                       maker.rounding, hulls);
         if (!is_known) add_hull(maker.corners, surface, maker, hulls, execution);
       }
       for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, hulls, execution);

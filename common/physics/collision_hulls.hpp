@@ -24,8 +24,9 @@ inline constexpr double kHullTolerance = 0.01;
 /// (DECISION.md).
 inline constexpr double kHullInset = 4e-4;
 /// Each hull is scaled about its centre by 1 - shrink; the inset is bounded by these, so that a large hull is
-/// inset by more than the rounding of its coordinates, and a splinter keeps its shape.
-inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.25;
+/// inset by more than the rounding of its coordinates, and a splinter keeps its shape. Far from the origin a step of the
+/// seam lattice is more than the inset: there hulls are inset by that, up to the last bound.
+inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.25, kMostRoundedShrink = 0.75;
 
 /// A convex hull for physics engines, in the fragment's local frame.
 struct CollisionHull {

@@ -8,19 +8,26 @@ namespace {
 
 using Triangles = ConvexHullBuilder::Triangles;
 
-/// What stands in for a body that is flat on the hull's grid: a box of a hundredth of its extent about its
-/// middle, and of some steps of floats there at least.
+/// The hull of a body that is flat on the hull's grid: a small box about the mean of its points, which is within the
+/// body's hull, however that is tilted. It sticks out of the body by about as much as other hulls are inset, or by some
+/// steps of floats: with less it would have no volume there.
 CollisionHull stand_in(std::span<const Vec3f> points) {
   Box box;
-  for (const Vec3f& p : points) box.add(to_double(p));
+  Vec3d middle;
+  for (const Vec3f& p : points) {
+    box.add(to_double(p));
+    middle = middle + to_double(p);
+  }
+  middle = (1.0 / static_cast<double>(points.size())) * middle;
   const double least = 1e-4 * box.longest_side();
   constexpr double kSteps = 8 * 0x1p-23;
   CollisionHull hull;
   for (int k = 0; k < 8; ++k) {
-    Vec3d p = box.center();
-    for (int a = 0; a < 3; ++a)
-      p[a] += (k >> a & 1 ? 1 : -1) *
-              std::fmax(0.005 * std::fmax(box.max[a] - box.min[a], least), kSteps * std::fabs(p[a]));
+    Vec3d p = middle;
+    for (int a = 0; a < 3; ++a) {
+      const double half = std::fmin(0.005 * std::fmax(box.max[a] - box.min[a], least), kHullInset);
+      p[a] += (k >> a & 1 ? 1 : -1) * std::fmax(half, kSteps * std::fabs(middle[a]));
+    }
     hull.points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
   }
   hull.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -51,9 +58,10 @@ CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
   return hull;
 }
 
-/// By `wanted`, within what a hull may be scaled by.
-void shrink(CollisionHull& hull, const Vec3d& center, double wanted) {
-  const double by = std::clamp(wanted, kLeastHullShrink, kMostHullShrink);
+/// By `wanted` for the inset, within what a hull may be scaled by; by `for_rounding`, of the corners, even if that is more.
+void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_rounding) {
+  const double by = std::fmax(std::clamp(wanted, kLeastHullShrink, kMostHullShrink),
+                              std::fmin(for_rounding, kMostRoundedShrink));
   for (Vec3f& q : hull.points) {
     const Vec3d p = center + (1 - by) * (to_double(q) - center);
     q = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -65,7 +73,7 @@ void shrink(CollisionHull& hull, const Vec3d& center, double wanted) {
 // Scaling about c by 1 - s moves the face at distance d from c inwards by s d. For the centre of volume d is
 // at least a quarter of the least width w, and w / 2 >= V / A (a convex body; equality for a thin slab), so
 // that s = inset A / V moves every face by at least inset / 2, and thin slabs by the inset.
-void inset(CollisionHull& hull) {
+void inset(CollisionHull& hull, double rounding) {
   const Vec3d origin = to_double(hull.points[0]);
   double six_volumes = 0, two_areas = 0;
   Vec3d moment;
@@ -77,8 +85,10 @@ void inset(CollisionHull& hull) {
     moment = moment + six * (a + b + c);
     two_areas += length(cross(b - a, c - a));
   }
-  const double wanted = six_volumes > 0 ? kHullInset * 3 * two_areas / six_volumes : kMostHullShrink;
-  shrink(hull, origin + (six_volumes > 0 ? 0.25 / six_volumes : 0) * moment, wanted);
+  const bool solid = six_volumes > 0;
+  shrink(hull, origin + (solid ? 0.25 / six_volumes : 0) * moment,
+         solid ? kHullInset * 3 * two_areas / six_volumes : kMostHullShrink,
+         solid ? rounding * 3 * two_areas / six_volumes : 0);
 }
 
 bool bounds_a_body(const CollisionHull& hull) {
@@ -94,14 +104,14 @@ bool bounds_a_body(const CollisionHull& hull) {
 }
 
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
-                FragmentHulls& out) {
+                double rounding, FragmentHulls& out) {
   if (points.size() > kMaxHullPoints || surface.size() + 4 != 2 * points.size())
     return false;  // Euler: no sphere
   CollisionHull hull;
   hull.triangles.reserve(surface.size());
   for (std::size_t t = 0; t < surface.size(); ++t) hull.triangles.push_back(surface[t]);
   hull.points.assign(points.begin(), points.end());
-  shrink(hull, mass.center, kHullInset * mass.area / mass.volume);
+  shrink(hull, mass.center, kHullInset * mass.area / mass.volume, rounding * mass.area / mass.volume);
   out.hulls.push_back(std::move(hull));
   return true;
 }
@@ -118,7 +128,7 @@ void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMak
   }
   out.hulls.push_back(compact(points, triangles, maker.index));
   execution.poll();
-  inset(out.hulls.back());
+  inset(out.hulls.back(), maker.rounding);
 }
 
 }  // namespace fracture

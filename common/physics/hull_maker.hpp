@@ -17,6 +17,7 @@ struct HullMaker {
   std::vector<std::uint32_t> index;
   std::vector<Vec3f> corners;
   std::vector<std::uint32_t> corner_of;  // of a fragment's vertices
+  double rounding = 0;                   // m: rounding_of() the set; of the user before, until it is set
 
   std::size_t bytes() const { return builder.bytes() + bytes_of_vectors(index, corners, corner_of); }
   void release() {
@@ -25,8 +26,12 @@ struct HullMaker {
   }
 };
 
-/// Moves the faces of a hull inwards (collision_hulls.hpp).
-void inset(CollisionHull& hull);
+/// m: twice what rounding to the seam lattice may have moved a corner by. Hulls of neighbours that are inset by so much
+/// (their faces by at least half of it) are apart as their cells are.
+inline double rounding_of(const FragmentSet& set) { return length(set.lattice_step); }
+
+/// Moves the faces of a hull inwards (collision_hulls.hpp). `rounding`: rounding_of() the set.
+void inset(CollisionHull& hull, double rounding);
 
 /// Of a convex body, in the frame of its points.
 struct ConvexMass {
@@ -41,7 +46,7 @@ bool bounds_a_body(const CollisionHull& hull);
 /// does to them. Of the points each is a corner. False, and no hull, where that surface is no sphere of triangles, or has
 /// more than kMaxHullPoints corners.
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
-                FragmentHulls& out);
+                double rounding, FragmentHulls& out);
 
 /// The hull of these points, inset; a small box where they are flat. `surface`: as ConvexHullBuilder::build() has it.
 void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,

@@ -144,6 +144,63 @@ TEST(HullTraps, AGrooveOfManyStrips) {
   }
 }
 
+/// How far a point is from the triangle (a, b, c).
+double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  // Over a fine grid of its points: an oracle, not a formula.
+  double least = HUGE_VAL;
+  constexpr int kSteps = 200;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int j = 0; i + j <= kSteps; ++j)
+      least = std::min(least, length(p - (a + (1.0 * i / kSteps) * (b - a) + (1.0 * j / kSteps) * (c - a))));
+  return least;
+}
+
+// The middle of the box of a tilted triangle is far from the triangle.
+TEST(HullTraps, TheHullOfATiltedFlatBodyIsAtTheBody) {
+  const std::vector<Vec3f> points{{0, 0, 0}, {2, 0, 2}, {0, 2, 2}, {1, 1, 2}, {0.5f, 0.5f, 1}};
+  HullMaker maker;
+  FragmentHulls hulls;
+  add_hull(points, {}, maker, hulls, {});
+  ASSERT_EQ(hulls.flat, 1u);
+  expect_clean(hulls.hulls[0]);
+  for (const Vec3f& p : hulls.hulls[0].points)
+    EXPECT_LT(distance_to_triangle(to_double(p), {0, 0, 0}, {2, 0, 2}, {0, 2, 2}), 2 * kHullInset + 0.02)
+        << "0.02: a step of the oracle's grid";
+}
+
+// At 1e5 a step of the lattice is 0.016 along x: corners of neighbours stand as far behind each other's cuts.
+TEST(HullTraps, HullsFarFromTheOriginAreApart) {
+  FractureParameters p;
+  p.sites = 40;
+  p.hulls = Hulls::kConvex;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    p.seed = seed;
+    const Fractured made = fracture_mesh(translated(sphere_with(400), {1e5, 0.3, -0.2}), p);
+    ASSERT_GT(made.set.lattice_step.x, 0.01);
+    const Vec3d step = made.set.lattice_step;
+    std::size_t pairs = 0;
+    for (const Bond& bond : made.set.bonds) {
+      const Fragment &a = made.set.fragments[bond.a], &b = made.set.fragments[bond.b];
+      // Crumbs of a few steps have no shape of their own any more.
+      if (std::min(a.mass.volume / a.mass.area, b.mass.volume / b.mass.area) < 2 * length(step)) continue;
+      ++pairs;
+      const Tetrahedralization& t = made.diagram.tetrahedralization;
+      const Vec3d i = t.points[a.sites[0]], j = t.points[b.sites[0]], n = j - i;
+      const Vec3d middle = 0.5 * (i + j);
+      const auto beyond = [&](const Fragment& f, std::size_t k, double side) {
+        double most = -HUGE_VAL;
+        for (const CollisionHull& hull : made.hulls.of(k))
+          for (const Vec3f& q : hull.points)
+            most = std::max(most, side * dot(to_double(q) + f.pivot - middle, n) / length(n));
+        return most;
+      };
+      EXPECT_LT(beyond(a, bond.a, 1) + beyond(b, bond.b, -1), 0)
+          << "seed " << seed << " bond " << bond.a << " " << bond.b;
+    }
+    EXPECT_GT(pairs, 20u);
+  }
+}
+
 TEST(HullTraps, ASheetFarFromItsPivot) {
   std::vector<Vec3f> points;
   for (int k = 0; k < 4; ++k) points.push_back({1e4f, k & 1 ? 0.01f : 0.0f, k & 2 ? 0.01f : 0.0f});
