@@ -4,7 +4,12 @@
 #include <nlohmann/json.hpp>
 
 namespace fracture::solid_detail {
-namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
 
 std::string place(const Vec3f& p) {
   char text[96];
@@ -12,6 +17,8 @@ std::string place(const Vec3f& p) {
                 static_cast<double>(p.z));
   return text;
 }
+
+namespace {
 
 nlohmann::json to_json(const Vec3f& p) { return {p.x, p.y, p.z}; }
 

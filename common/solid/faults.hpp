@@ -15,6 +15,10 @@ namespace fracture::solid_detail {
 /// "1 triangle", "3 triangles".
 std::string counted(std::uint64_t count, const char* one, const char* many);
 
+/// "2.5", "(1, 2.5, 0)": to six digits.
+std::string number(double value);
+std::string place(const Vec3f& p);
+
 /// What is wrong with the edges, and where first.
 struct EdgeFaults {
   std::uint64_t open = 0;         ///< edges with one use

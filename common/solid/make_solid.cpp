@@ -2,6 +2,7 @@
 // repairs.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/solid/edges.hpp"
 #include "common/solid/faults.hpp"
@@ -26,6 +27,10 @@ using namespace solid_detail;
 /// Half-edges are counted in 32 bits, and with a direction beside them in 31. Repairs make of a triangle up
 /// to three that fill its open edges, and its back and three walls.
 constexpr std::size_t kMostTriangles = (std::size_t{1} << 31) / (3 * 12);
+
+double reach_of(const Box& box, int axis) {
+  return std::fmax(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
+}
 
 /// Glues what can be glued. What is left open after it only waits to be filled.
 EdgeFaults pair_edges(Surface& surface, const SolidOptions& options, SolidReport& report,
@@ -94,6 +99,21 @@ Shells close_surface(Surface& surface, bool open, double thickness, std::vector<
     }
   }
   return shells;
+}
+
+/// Is the solid large enough on each axis? On an axis where all is flat there is no solid.
+Expected<void> accept_reach(const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach = reach_of(box, axis);
+    if (reach >= kLeastReach) continue;
+    const std::string name(1, "xyz"[axis]);
+    return fail(ErrorCode::kNotFinite,
+                "The solid is too small: on the " + name + " axis no coordinate is farther than " +
+                    number(reach) + " m from 0; the farthest has to be at least " + number(kLeastReach) +
+                    " m away. Say with 'unit' what a unit of the file is, or scale the mesh up.",
+                {}, {{"axis", name}, {"reach", reach}});
+  }
+  return {};
 }
 
 /// Gathers the shells in parts and turns those that face the wrong way. Returns the part of each shell.
@@ -180,7 +200,6 @@ void finish(const Mesh& mesh, Surface& surface, Shells& shells,
     report.cavities += part.shells.size() - 1;
     report.volume += part.volume;
     for (std::uint32_t& s : part.shells) s = new_shell[s];
-    solid.box.add(part.box);
   });
   report.parts = solid.parts.size();
   solid.layers = assign_layers(solid.parts, execution);
@@ -224,6 +243,9 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   const Expected<std::vector<std::uint32_t>> part_of_shell =
       divide_into_parts(*mesh, faults, options.repair, surface, shells, solid, execution);
   if (!part_of_shell) return tl::unexpected(part_of_shell.error());
+  for_each_polled(execution, solid.parts.size(), [&](std::size_t p) { solid.box.add(solid.parts[p].box); });
+  if (Expected<void> accepted = accept_reach(solid.box); !accepted)
+    return tl::unexpected(std::move(accepted.error()));
   finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults, solid,
          execution);
   solid.source = std::move(mesh);

@@ -142,8 +142,13 @@ struct Solid {
   void validate() const;
 };
 
-/// Makes solids of a mesh. Errors: kEmptyMesh, kNotFinite (with the vertex), kMeshNotClosed (with counts and
-/// the first offending edge).
+/// The range of coordinates. Metres: the largest that a coordinate may be (sites have the same limit, and the filters of
+/// the exact predicates rest on it), and the least that the largest one on each axis must be, so that the steps of the
+/// seam lattice (2^-23 of it) are floats.
+inline constexpr double kMaxCoordinate = 1e12, kLeastReach = 0x1p-126;
+
+/// Makes solids of a mesh. Errors: kEmptyMesh, kNotFinite (with the vertex that is not finite or beyond kMaxCoordinate, or
+/// with the axis on which nothing is as far out as kLeastReach), kMeshNotClosed (with counts and the first offending edge).
 Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                            const Execution& execution);
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/solid/faults.hpp"
 #include "common/solid/near_points.hpp"
 #include "common/solid/polled.hpp"
 #include "common/solid/same_positions.hpp"
@@ -12,7 +13,23 @@
 namespace fracture::solid_detail {
 namespace {
 
-bool finite(const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+/// False for NaN, too.
+bool in_range(const Vec3f& p) {
+  constexpr auto kMost = static_cast<float>(kMaxCoordinate);
+  return std::fabs(p.x) <= kMost && std::fabs(p.y) <= kMost && std::fabs(p.z) <= kMost;
+}
+
+tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p) {
+  const std::string name = "Vertex " + std::to_string(vertex);
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+    return fail(ErrorCode::kNotFinite, name + " has a coordinate that is NaN or infinite.", {},
+                {{"vertex", vertex}});
+  return fail(ErrorCode::kNotFinite,
+              name + " is at " + place(p) +
+                  ", in metres; coordinates may be at most 1e12 m from 0. Say with 'unit' what a unit of the "
+                  "file is, or move the mesh to the origin.",
+              {}, {{"vertex", vertex}});
+}
 
 /// What is known of a wedge while triangles are numbered: the lowest wedge at its position; once a triangle
 /// uses one that is there, with the flag kNumbered, the id of their vertex; and once it is used itself, kUsed
@@ -70,10 +87,7 @@ Expected<void> number_vertices(const Mesh& mesh, std::uint32_t* of_wedge, Surfac
                                                    std::to_string(wedge) + " of " +
                                                    std::to_string(mesh.positions.size()) + ".");
       if ((of_wedge[wedge] & kUsed) == 0) {
-        if (!finite(mesh.positions[wedge]))
-          return fail(ErrorCode::kNotFinite,
-                      "Vertex " + std::to_string(wedge) + " has a coordinate that is NaN or infinite.", {},
-                      {{"vertex", wedge}});
+        if (!in_range(mesh.positions[wedge])) return refuse_vertex(wedge, mesh.positions[wedge]);
         use(wedge);
       }
       triangle[k] = VertexId{of_wedge[wedge] & kNumber};

@@ -125,6 +125,35 @@ TEST(MakeSolid, RefusesNaNAndInfinityNamingTheVertex) {
   }
 }
 
+TEST(MakeSolid, RefusesWhatIsTooFarNamingTheVertexAndTheLimit) {
+  Mesh mesh = cube();
+  mesh.positions[6].z = 1e13f;
+  const Expected<Solid> solid = try_solid(mesh);
+  ASSERT_FALSE(solid);
+  EXPECT_EQ(solid.error().code, ErrorCode::kNotFinite);
+  EXPECT_EQ(solid.error().extra->at("vertex"), 6);
+  EXPECT_NE(solid.error().detail.find("1e12 m"), std::string::npos) << solid.error().detail;
+  mesh.positions[6].z = 9.9e11f;
+  EXPECT_TRUE(try_solid(mesh));
+  for (const auto& t : mesh.triangles) EXPECT_LT(t[0], mesh.positions.size());
+  mesh.positions.push_back({1e13f, 0, 0});
+  EXPECT_TRUE(try_solid(mesh)) << "a vertex that no triangle uses";
+}
+
+TEST(MakeSolid, RefusesWhatIsSmallerThanFloatsAreExactNamingTheAxis) {
+  for (const double size : {1e-45, 1e-40, 1e-38}) {
+    const Expected<Solid> solid = try_solid(scaled(cube(), {size, size, size}));
+    ASSERT_FALSE(solid) << size;
+    if (solid.error().code == ErrorCode::kEmptyMesh) continue;  // all its corners are one float
+    EXPECT_EQ(solid.error().code, ErrorCode::kNotFinite) << size;
+    EXPECT_EQ(solid.error().extra->at("axis"), "x");
+  }
+  EXPECT_TRUE(try_solid(scaled(cube(), {3e-38, 3e-38, 3e-38})));
+  const Expected<Solid> flat = try_solid(scaled(cube(), {1e-33, 1e-38, 1e-33}));
+  ASSERT_FALSE(flat);
+  EXPECT_EQ(flat.error().extra->at("axis"), "y");
+}
+
 TEST(MakeSolid, RefusesAnIndexBeyondThePositions) {
   Mesh mesh = cube();
   mesh.triangles[3][1] = 8;
