@@ -29,7 +29,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = 0,
        .high = 1000,
-       .doc = "Makes open sheets (panes, leaves) slabs of this thickness. 0: they are dropped."},
+       .doc =
+           "Makes open sheets (panes, leaves) slabs of this thickness. A curved sheet that encloses more when its "
+           "holes are filled becomes a solid body, with a warning. 0: sheets are dropped."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",

@@ -92,7 +92,7 @@ Shells close_surface(Surface& surface, bool open, double thickness, std::vector<
   split_umbrellas(surface, execution);
   Shells shells = find_shells(surface, execution);
   if (thickness > 0) {
-    report.sheets_thickened = thicken_sheets(surface, shells, thickness, fills, execution);
+    report.sheets_thickened = thicken_sheets(surface, shells, thickness, fills, report, execution);
     if (report.sheets_thickened > 0) {
       split_umbrellas(surface, execution);
       shells = find_shells(surface, execution);

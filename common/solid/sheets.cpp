@@ -6,10 +6,15 @@
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
+#include "common/solid/faults.hpp"
+#include "common/solid/open_pieces.hpp"
 #include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
 namespace {
+
+/// Of the thickness asked for: what is less than this thick beside a fold is said. A right angle leaves 0.71.
+constexpr double kThin = 0.9;
 
 bool before(const Vec3f& a, const Vec3f& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
@@ -104,6 +109,7 @@ class Thickener {
       }
       return false;
     }
+    measure(front);
     build(front, seed);
     for (const TriangleId t : front) {
       pacer_.step();
@@ -111,6 +117,15 @@ class Thickener {
       if (mirror_[t] != kNoTriangle) doomed_[mirror_[t]] = 1;
     }
     return true;
+  }
+  /// About slabs that are thinner than asked; empty: none is.
+  std::string note() const {
+    if (thin_ == 0) return {};
+    return "'thickness': " + counted(thin_, "triangle of an open sheet is", "triangles of open sheets are") +
+           " less than 0.9 of " + number(thickness_) + " m thick beside a fold, the thinnest at " +
+           place(thinnest_at_) + " " + number(std::fmax(thinnest_, 0) * thickness_) +
+           " m: corners of a fold move along its mean normal. Round the fold off, or give the sheet its "
+           "thickness in a modelling tool.";
   }
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }
 
@@ -122,6 +137,27 @@ class Thickener {
   bool is_in_front(TriangleId t, TriangleId seed) const {
     return t < front_of_.size() && front_of_[t] == seed;
   }
+
+  /// How thick the slab is above each triangle of its front, once its back is placed.
+  void measure(const std::vector<TriangleId>& front) {
+    for (const TriangleId t : front) {
+      pacer_.step(4);
+      const Triangle& c = surface_.triangles[t];
+      const Vec3d a = at(c[0]), n = cross(at(c[1]) - a, at(c[2]) - a);
+      const double area = length(n);
+      if (!(area > 0)) continue;
+      double least = 1;
+      for (const VertexId v : c)
+        least = std::fmin(least, dot(at(v) - at(back_vertex_[v]), n) / (area * thickness_));
+      thin_ += least < kThin;
+      if (least < std::fmin(thinnest_, kThin)) {
+        thinnest_ = least;
+        thinnest_at_ = surface_.positions[c[0]];
+      }
+    }
+  }
+
+  Vec3d at(VertexId v) const { return to_double(surface_.positions[v]); }
 
   bool place_back_vertices(const std::vector<TriangleId>& front) {
     std::vector<VertexId> vertices;
@@ -295,32 +331,19 @@ class Thickener {
   std::vector<std::uint8_t> doomed_;
   std::vector<std::uint8_t> failed_;  ///< per triangle: its front cannot be moved, whatever the seed
   std::vector<std::uint64_t> lost_;   ///< per shell: how many triangles these fronts had, together
+  std::uint64_t thin_ = 0;            ///< triangles above which a slab is thinner than kThin of the thickness
+  double thinnest_ = 1;               ///< of the thickness
+  Vec3f thinnest_at_{};
 };
 
 }  // namespace
 
 std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
-                           std::vector<TriangleId>& fills, const Execution& execution) {
-  std::vector<double> source_area(shells.list.size(), 0);
-  std::vector<std::uint8_t> has_fill(shells.list.size(), 0);
-  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
-    const std::uint32_t s = shells.of_triangle[t];
-    if (surface.source[t] == kNoIndex) {
-      has_fill[s] = 1;
-      return;
-    }
-    const Triangle& c = surface.triangles[t];
-    const Vec3d a = to_double(surface.positions[c[0]]);
-    source_area[s] +=
-        0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
-  });
-  const auto is_sheet = [&](std::uint32_t s) {
-    return shells.list[s].flat ||
-           (has_fill[s] && std::fabs(shells.list[s].volume) < thickness * source_area[s]);
-  };
+                           std::vector<TriangleId>& fills, SolidReport& report, const Execution& execution) {
+  const std::vector<std::uint8_t> is_sheet = find_open_sheets(surface, shells, thickness, report, execution);
   std::vector<TriangleId> candidates;
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
-    if (surface.source[t] != kNoIndex && is_sheet(shells.of_triangle[t])) candidates.push_back(TriangleId{t});
+    if (surface.source[t] != kNoIndex && is_sheet[shells.of_triangle[t]]) candidates.push_back(TriangleId{t});
   });
   if (candidates.empty()) return 0;
 
@@ -334,6 +357,7 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
     ++slabs;
     shell_done[shells.of_triangle[t]] = 1;
   }
+  if (std::string note = thickener.note(); !note.empty()) report.notes.push_back(std::move(note));
   // What remains of a replaced shell goes: its fill, the other sides, and parts too small to be moved.
   std::vector<TriangleId> place_of = filled(execution, surface.triangles.size(), kNoTriangle);
   TriangleId kept{0};

@@ -20,10 +20,11 @@ namespace fracture::solid_detail {
 /// and walls have source kNoIndex. Vertex normals are area-weighted, so that a fold gets thinner by its
 /// angle, and slabs of sheets bent tighter than the thickness cross themselves. A sheet whose back would
 /// round onto its front stays as it is (where the file has it from both sides, other choices of the front are
-/// tried, up to a bound on the work). Needs a surface without open half-edges, with umbrellas split; leaves
+/// tried, up to a bound on the work). What is thinner than asked, and what holes' fill made a body of, is a note of the
+/// report. Needs a surface without open half-edges, with umbrellas split; leaves
 /// vertices to be split again. `fills` (first triangle of each filled hole) follows the renumbering. Returns
 /// the number of slabs.
 std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
-                           std::vector<TriangleId>& fills, const Execution& execution);
+                           std::vector<TriangleId>& fills, SolidReport& report, const Execution& execution);
 
 }  // namespace fracture::solid_detail

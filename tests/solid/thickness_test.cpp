@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
@@ -13,6 +15,12 @@ namespace {
 
 Expected<Solid> thickened(Mesh mesh, double thickness) {
   return try_solid(std::move(mesh), {.thickness = thickness});
+}
+
+std::size_t notes_on_thickness(const Solid& solid) {
+  return static_cast<std::size_t>(
+      std::count_if(solid.report.notes.begin(), solid.report.notes.end(),
+                    [](const std::string& note) { return note.starts_with("'thickness'"); }));
 }
 
 /// n × n squares in the plane z = 0, facing +z, over the unit square.
@@ -98,6 +106,61 @@ TEST(Thickness, LeavesSolidsAndLargeHolesAlone) {
   EXPECT_EQ(solid->report.sheets_thickened, 1u);
   EXPECT_NEAR(solid->report.volume, 2.1, 1e-7);
   EXPECT_EQ(solid->report.holes_filled, 1u);
+  EXPECT_EQ(notes_on_thickness(*solid), 1u) << "the cube without a lid";
+}
+
+/// The upper half of a sphere of radius 1, open below.
+Mesh dome() {
+  Mesh mesh = uv_sphere(16, 32);
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    for (const auto v : t)
+      if (mesh.positions[v].z < -1e-6f) return true;
+    return false;
+  });
+  mesh.material.resize(mesh.triangles.size());
+  mesh.node.resize(mesh.triangles.size());
+  return mesh;
+}
+
+TEST(Thickness, SaysThatACurvedSheetBecameABody) {
+  const Mesh mesh = dome();
+  const Expected<Solid> solid = thickened(mesh, 0.01);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  EXPECT_EQ(solid->report.sheets_thickened, 0u);
+  ASSERT_EQ(notes_on_thickness(*solid), 1u);
+  // 2/3 pi of a slab of 2 pi x 0.01: 33 times, of polygons a little less.
+  const std::string times = "holds 3";
+  EXPECT_NE(solid->report.notes[0].find(times), std::string::npos) << solid->report.notes[0];
+  EXPECT_NE(solid->report.notes[0].find("modelling tool"), std::string::npos);
+  const Expected<Solid> closed = thickened(uv_sphere(16, 32), 0.01);
+  ASSERT_TRUE(closed);
+  EXPECT_EQ(notes_on_thickness(*closed), 0u) << "nothing was filled";
+  const Expected<Solid> not_asked = thickened(mesh, 0);
+  ASSERT_TRUE(not_asked);
+  EXPECT_EQ(notes_on_thickness(*not_asked), 0u);
+}
+
+TEST(Thickness, SaysWhereAFoldIsThinnerThanAsked) {
+  // Two squares that meet at an angle: at its fold the slab has the cosine of half of it.
+  const auto folded = [](double angle_cos, double angle_sin) {
+    Mesh mesh;
+    mesh.positions = {{-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}};
+    for (const float y : {0.0f, 1.0f})
+      mesh.positions.push_back({static_cast<float>(angle_cos), y, static_cast<float>(angle_sin)});
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
+    return mesh;
+  };
+  const CirclePoint sharp = circle_point(1, 3), slight = circle_point(1, 36);
+  const Expected<Solid> thin = thickened(folded(sharp.cos, sharp.sin), 0.01);
+  ASSERT_TRUE(thin) << thin.error().detail;
+  EXPECT_EQ(thin->report.sheets_thickened, 1u);
+  ASSERT_EQ(notes_on_thickness(*thin), 1u);
+  EXPECT_NE(thin->report.notes[0].find("4 triangles"), std::string::npos) << thin->report.notes[0];
+  EXPECT_NE(thin->report.notes[0].find(" 0.005 m"), std::string::npos)
+      << "cos 60°: " << thin->report.notes[0];
+  const Expected<Solid> even = thickened(folded(slight.cos, slight.sin), 0.01);
+  ASSERT_TRUE(even);
+  EXPECT_EQ(notes_on_thickness(*even), 0u);
 }
 
 TEST(Thickness, ABentSheetFollowsItsNormals) {

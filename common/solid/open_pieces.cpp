@@ -1,0 +1,65 @@
+#include "common/solid/open_pieces.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "common/solid/faults.hpp"
+#include "common/solid/polled.hpp"
+
+namespace fracture::solid_detail {
+namespace {
+
+/// Of a piece's own area: what fills seams and slits has less.
+constexpr double kLeastFill = 1e-5;
+
+/// What there is of each shell.
+struct Areas {
+  double source = 0, fill = 0;  ///< m²
+  bool filled = false;          ///< with triangles that may have no area
+};
+
+std::vector<Areas> areas_of(const Surface& surface, const Shells& shells, const Execution& execution) {
+  std::vector<Areas> areas = filled(execution, shells.list.size(), Areas{});
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    const Triangle& c = surface.triangles[t];
+    const Vec3d a = to_double(surface.positions[c[0]]);
+    const double area =
+        0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
+    Areas& of = areas[shells.of_triangle[t]];
+    const bool is_fill = surface.source[t] == kNoIndex;
+    of.filled |= is_fill;
+    (is_fill ? of.fill : of.source) += area;
+  });
+  return areas;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells& shells, double thickness,
+                                           SolidReport& report, const Execution& execution) {
+  const std::vector<Areas> areas = areas_of(surface, shells, execution);
+  std::vector<std::uint8_t> is_sheet = filled<std::uint8_t>(execution, shells.list.size(), 0);
+  std::uint64_t bodies = 0, triangles = 0;
+  double most = 0;  // of the volume of a slab
+  TriangleId first = kNoTriangle;
+  for_each_polled(execution, shells.list.size(), [&](std::size_t s) {
+    const Shell& shell = shells.list[s];
+    const double slab = thickness * areas[s].source;
+    is_sheet[s] = shell.flat || (areas[s].filled && std::fabs(shell.volume) < slab);
+    if (is_sheet[s] || areas[s].fill <= kLeastFill * areas[s].source) return;
+    if (bodies++ == 0) first = shell.first;
+    triangles += shell.triangles;
+    most = std::fmax(most, std::fabs(shell.volume) / slab);
+  });
+  if (bodies > 0)
+    report.notes.push_back(
+        "'thickness': " + counted(bodies, "open piece", "open pieces") + " (" +
+        counted(triangles, "triangle", "triangles") + " when closed, the first at " +
+        place(surface.positions[surface.triangles[first][0]]) +
+        ") got no thickness: the holes were filled, because the closed body holds " +
+        (bodies > 1 ? "up to " : "") + number(most) + " times the volume of a slab " + number(thickness) +
+        " m thick, and so it is solid now. If it is a curved sheet, give it its thickness in a modelling tool.");
+  return is_sheet;
+}
+
+}  // namespace fracture::solid_detail

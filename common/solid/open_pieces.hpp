@@ -1,0 +1,19 @@
+// Which open pieces are sheets, and which are bodies with holes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/solid/shells.hpp"
+#include "common/solid/solid.hpp"
+#include "common/solid/surface.hpp"
+
+namespace fracture::solid_detail {
+
+/// Per shell: 1 if it is flat, or if its holes' fill encloses less than `thickness` (metres) times the area of its source
+/// triangles. Open pieces that enclose more stay bodies: the report gets a note about them.
+std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells& shells, double thickness,
+                                           SolidReport& report, const Execution& execution);
+
+}  // namespace fracture::solid_detail
