@@ -1,11 +1,13 @@
 #include "common/solid/holes.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
 #include "common/solid/loop_triangulation.hpp"
 #include "common/solid/polled.hpp"
+#include "common/solid/seams.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -74,7 +76,7 @@ void grow_for_fills(Surface& surface, const Execution& execution) {
 
 }  // namespace
 
-std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution) {
+std::vector<TriangleId> fill_holes(Surface& surface, double tolerance, const Execution& execution) {
   std::vector<TriangleId> fills;
   const auto half_edges = static_cast<HalfEdge>(surface.twin.size());
   std::vector<HalfEdge> whole, walk, loop;
@@ -84,8 +86,8 @@ std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution)
   std::vector<std::uint32_t> place = filled(execution, surface.positions.size(), kNoIndex);
   Pacer pacer(execution);
 
-  const auto fill = [&](std::size_t begin) {  // the simple loop walk[begin…]
-    loop.assign(walk.begin() + static_cast<std::ptrdiff_t>(begin), walk.end());
+  const auto fill = [&](std::span<const HalfEdge> simple) {
+    loop.assign(simple.begin(), simple.end());
     if (loop.size() == 2) {  // a slit: its two sides are one edge
       surface.twin[loop[0]] = loop[1];
       surface.twin[loop[1]] = loop[0];
@@ -102,6 +104,7 @@ std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution)
     glue_in(surface, loop, triangulate_loop(corners, execution), execution);
   };
 
+  for (const std::vector<HalfEdge>& seam : find_seams(surface, tolerance, execution)) fill(seam);
   std::vector<std::uint8_t> walked = filled<std::uint8_t>(execution, half_edges, 0);
   for (HalfEdge start = 0; start < half_edges; ++start) {
     pacer.step();
@@ -120,14 +123,14 @@ std::vector<TriangleId> fill_holes(Surface& surface, const Execution& execution)
       if (place[v] != kNoIndex) {  // back at a vertex: what lies between is a loop of its own
         const std::size_t begin = place[v];
         for (std::size_t i = begin; i < walk.size(); ++i) place[surface.to(walk[i])] = kNoIndex;
-        fill(begin);
+        fill(std::span(walk).subspan(begin));
         walk.resize(begin);
       }
       place[v] = static_cast<std::uint32_t>(walk.size());
       walk.push_back(h);
     }
     for (const HalfEdge h : walk) place[surface.to(h)] = kNoIndex;
-    fill(0);
+    fill(walk);
   }
   return fills;
 }

@@ -28,8 +28,27 @@ using namespace solid_detail;
 /// to three that fill its open edges, and its back and three walls.
 constexpr std::size_t kMostTriangles = (std::size_t{1} << 31) / (3 * 12);
 
+Box box_of(const Surface& surface, const Execution& execution) {
+  Box box;
+  for_each_polled(execution, surface.positions.size(),
+                  [&](std::size_t v) { box.add(to_double(surface.positions[v])); });
+  return box;
+}
+
 double reach_of(const Box& box, int axis) {
   return std::fmax(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
+}
+
+/// m: how far apart vertices may be that belong together.
+double weld_distance(const Box& box, const SolidOptions& options) {
+  return options.weld_tolerance * length(box.size());
+}
+
+/// m: how far from a line the vertices on it may be. Not less than what rounding to floats does to them, if anything.
+double seam_distance(const Box& box, const SolidOptions& options) {
+  if (options.weld_tolerance <= 0) return 0;
+  const double reach = length({reach_of(box, 0), reach_of(box, 1), reach_of(box, 2)});
+  return std::fmax(weld_distance(box, options), 0x1p-23 * reach);
 }
 
 /// Glues what can be glued. What is left open after it only waits to be filled.
@@ -38,13 +57,10 @@ EdgeFaults pair_edges(Surface& surface, const SolidOptions& options, SolidReport
   if (pair_closed_manifold(surface, execution)) return {};
   EdgeTable edges(surface, execution);
   if (pair_clean_edges(surface, edges, execution)) return {};
-  Box box;
-  for_each_polled(execution, surface.positions.size(),
-                  [&](std::size_t v) { box.add(to_double(surface.positions[v])); });
   const auto rebuild = [&] { edges = EdgeTable(surface, execution); };
   if (drop_duplicates(surface, edges, report, execution)) rebuild();
   if (options.repair == Repair::kFill &&
-      weld_tolerant(surface, edges, options.weld_tolerance * length(box.size()), report, execution)) {
+      weld_tolerant(surface, edges, weld_distance(box_of(surface, execution), options), report, execution)) {
     rebuild();
     if (drop_duplicates(surface, edges, report, execution)) rebuild();
   }
@@ -86,13 +102,13 @@ Expected<void> accept_strictly(bool open, const EdgeFaults& faults, const SolidR
 }
 
 /// Fills the holes, splits the umbrellas and thickens the sheets. Returns the shells that there are then.
-Shells close_surface(Surface& surface, bool open, double thickness, std::vector<TriangleId>& fills,
+Shells close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
                      SolidReport& report, const Execution& execution) {
-  if (open) fills = fill_holes(surface, execution);
+  if (open) fills = fill_holes(surface, seam_distance(box_of(surface, execution), options), execution);
   split_umbrellas(surface, execution);
   Shells shells = find_shells(surface, execution);
-  if (thickness > 0) {
-    report.sheets_thickened = thicken_sheets(surface, shells, thickness, fills, report, execution);
+  if (options.thickness > 0) {
+    report.sheets_thickened = thicken_sheets(surface, shells, options.thickness, fills, report, execution);
     if (report.sheets_thickened > 0) {
       split_umbrellas(surface, execution);
       shells = find_shells(surface, execution);
@@ -238,7 +254,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
       return tl::unexpected(std::move(accepted.error()));
 
   std::vector<TriangleId> fills;
-  Shells shells = close_surface(surface, open, options.thickness, fills, report, execution);
+  Shells shells = close_surface(surface, open, options, fills, report, execution);
   execution.reaches(1);
   const Expected<std::vector<std::uint32_t>> part_of_shell =
       divide_into_parts(*mesh, faults, options.repair, surface, shells, solid, execution);

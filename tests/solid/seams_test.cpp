@@ -1,0 +1,135 @@
+// Faces that were subdivided while their neighbours were not: their edges have no vertices in common but the ends.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "common/solid/solid.hpp"
+#include "tests/support/figures.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// The unit cube; face k (-x +x -y +y -z +z) in divisions[k] x divisions[k] squares.
+Mesh cube_of_faces(const std::vector<int>& divisions) {
+  std::vector<Mesh> faces;
+  for (int k = 0; k < 6; ++k) {
+    Mesh face = cube(divisions[static_cast<std::size_t>(k)]);
+    std::erase_if(face.triangles, [&](const auto& t) {
+      for (const std::uint32_t v : t)
+        if (to_double(face.positions[v])[k / 2] != (k % 2 == 0 ? -0.5 : 0.5)) return true;
+      return false;
+    });
+    face.material.assign(face.triangles.size(), static_cast<std::uint32_t>(k));
+    face.node.assign(face.triangles.size(), 0);
+    faces.push_back(face);
+  }
+  Mesh mesh = joined(faces);
+  std::size_t t = 0;
+  for (const Mesh& face : faces)
+    for (const std::uint32_t m : face.material) mesh.material[t++] = m;
+  return mesh;
+}
+
+/// About a skew axis, so that nothing is exactly on a line any more.
+Mesh turned(Mesh mesh) {
+  const CirclePoint a = circle_point(1, 17), b = circle_point(2, 23);
+  for (Vec3f& p : mesh.positions) {
+    const Vec3d q = to_double(p);
+    const double x = a.cos * q.x - a.sin * q.y, y = a.sin * q.x + a.cos * q.y;
+    p = {static_cast<float>(x), static_cast<float>(b.cos * y - b.sin * q.z),
+         static_cast<float>(b.sin * y + b.cos * q.z)};
+  }
+  return mesh;
+}
+
+/// Every source triangle is in the solid, and what fills the seams has no area to speak of.
+void expect_whole(const Mesh& mesh, double tolerance) {
+  const Expected<Solid> solid = try_solid(mesh);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->parts.size(), 1u);
+  EXPECT_EQ(solid->report.shells, 1u);
+  EXPECT_EQ(solid->report.shells_dropped, 0u);
+  EXPECT_NEAR(solid->report.volume, 1, 10 * tolerance);
+  EXPECT_NEAR(solid->report.area, 6, 100 * tolerance);
+  EXPECT_LE(solid->report.filled_area, 10 * tolerance);
+  std::vector<char> seen(mesh.triangles.size(), 0);
+  std::size_t from_source = 0;
+  for (std::size_t t = 0; t < solid->triangles.size(); ++t) {
+    if (solid->wedges[t][0] == kNoIndex) continue;
+    ++from_source;
+  }
+  EXPECT_EQ(from_source, mesh.triangles.size());
+}
+
+TEST(Seams, ASubdividedFaceOfACubeStays) {
+  for (const int n : {2, 3, 8, 40}) {
+    SCOPED_TRACE(n);
+    const Mesh mesh = cube_of_faces({1, n, 1, 1, 1, 1});
+    expect_whole(mesh, 1e-7);
+    const Solid solid = solid_of(mesh);
+    EXPECT_EQ(solid.report.holes_filled, 4u) << "one for each edge of the face";
+    EXPECT_EQ(solid.report.fill_triangles, 4u * static_cast<unsigned>(n - 1));
+    EXPECT_EQ(solid.report.filled_area, 0);
+  }
+}
+
+TEST(Seams, FacesWithDifferentDivisionsOnBothSidesStay) {
+  expect_whole(cube_of_faces({1, 2, 3, 4, 5, 6}), 1e-6);
+  expect_whole(cube_of_faces({7, 2, 9, 4, 1, 6}), 1e-6);
+}
+
+TEST(Seams, TheyNeedNotLieExactlyOnALine) {
+  expect_whole(turned(cube_of_faces({1, 8, 1, 1, 1, 1})), 1e-6);
+  expect_whole(turned(cube_of_faces({3, 8, 5, 1, 2, 7})), 1e-6);
+}
+
+TEST(Seams, FarFromTheOriginToo) {
+  expect_whole(translated(cube_of_faces({1, 8, 1, 4, 1, 1}), {1000, -2000, 500}), 1e-3);
+  expect_whole(translated(turned(cube_of_faces({1, 8, 1, 4, 1, 1})), {1000, -2000, 500}), 1e-3);
+}
+
+TEST(Seams, StrictRepairRefusesThem) {
+  const Expected<Solid> solid = try_solid(cube_of_faces({1, 8, 1, 1, 1, 1}), {.repair = Repair::kStrict});
+  ASSERT_FALSE(solid);
+  EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
+}
+
+// The lid is not only subdivided but a hair off: beyond the weld tolerance it is a sheet of its own, as before.
+TEST(Seams, WhatIsFartherThanTheToleranceIsNoSeam) {
+  Mesh mesh = cube_of_faces({1, 1, 1, 1, 1, 4});
+  for (Vec3f& p : mesh.positions)
+    if (p.z == 0.5f && std::fabs(p.x) < 0.5f) p.z += 0.01f;
+  const Expected<Solid> solid = try_solid(mesh);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_GT(solid->report.filled_area, 0.01);
+}
+
+// Many open edges along one line, none of which closes: the search must end.
+TEST(Seams, ACombOfOverlappingEdgesEnds) {
+  Mesh mesh;
+  const int n = 3000;
+  mesh.positions.push_back({0, 0, 0});
+  for (int k = 1; k <= n; ++k) {
+    mesh.positions.push_back({static_cast<float>(k), 0, 0});
+    mesh.positions.push_back({static_cast<float>(k) * 0.5f, 1, static_cast<float>(k)});
+  }
+  for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(n); ++k)
+    mesh.triangles.push_back({0, 2 * k + 1, 2 * k + 2});
+  mesh.triangles.push_back({1, 3, 6});
+  mesh.material.assign(mesh.triangles.size(), kNoIndex);
+  mesh.node.assign(mesh.triangles.size(), 0);
+  mesh.node_names = {"comb"};
+  const Expected<Solid> solid = try_solid(mesh);
+  if (solid)
+    EXPECT_NO_THROW(solid->validate());
+  else
+    EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
+}
+
+}  // namespace
+}  // namespace fracture::test
