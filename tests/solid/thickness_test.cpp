@@ -141,24 +141,25 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
 }
 
 TEST(Thickness, SaysWhereAFoldIsThinnerThanAsked) {
-  // Two squares that meet at an angle: at its fold the slab has the cosine of half of it.
-  const auto folded = [](double angle_cos, double angle_sin) {
+  // Three squares like a Z. At its folds the slab is thinner by the cosine of half of the angle by which they turn.
+  const auto folded = [](double turn_cos, double turn_sin) {
     Mesh mesh;
-    mesh.positions = {{-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}};
-    for (const float y : {0.0f, 1.0f})
-      mesh.positions.push_back({static_cast<float>(angle_cos), y, static_cast<float>(angle_sin)});
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
+    for (const auto& [x, z] :
+         {std::pair(-1.0, 0.0), {0.0, 0.0}, {turn_cos, turn_sin}, {turn_cos + 1, turn_sin}})
+      for (const float y : {0.0f, 1.0f})
+        mesh.positions.push_back({static_cast<float>(x), y, static_cast<float>(z)});
+    // At each corner of a fold as many triangles on both of its sides.
+    mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 3}, {4, 5, 3}, {4, 6, 7}, {4, 7, 5}};
     return mesh;
   };
   const CirclePoint sharp = circle_point(1, 3), slight = circle_point(1, 36);
-  const Expected<Solid> thin = thickened(folded(sharp.cos, sharp.sin), 0.01);
+  const Expected<Solid> thin = thickened(folded(sharp.cos, sharp.sin), 0.2);
   ASSERT_TRUE(thin) << thin.error().detail;
   EXPECT_EQ(thin->report.sheets_thickened, 1u);
   ASSERT_EQ(notes_on_thickness(*thin), 1u);
-  EXPECT_NE(thin->report.notes[0].find("4 triangles"), std::string::npos) << thin->report.notes[0];
-  EXPECT_NE(thin->report.notes[0].find(" 0.005 m"), std::string::npos)
-      << "cos 60°: " << thin->report.notes[0];
-  const Expected<Solid> even = thickened(folded(slight.cos, slight.sin), 0.01);
+  EXPECT_NE(thin->report.notes[0].find("6 triangles"), std::string::npos) << thin->report.notes[0];
+  EXPECT_NE(thin->report.notes[0].find(" 0.1 m"), std::string::npos) << "cos 60°: " << thin->report.notes[0];
+  const Expected<Solid> even = thickened(folded(slight.cos, slight.sin), 0.2);
   ASSERT_TRUE(even);
   EXPECT_EQ(notes_on_thickness(*even), 0u);
 }
