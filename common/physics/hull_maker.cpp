@@ -8,9 +8,9 @@ namespace {
 
 using Triangles = ConvexHullBuilder::Triangles;
 
-/// The hull of a body that is flat on the hull's grid: a small box about the mean of its points, which is within the
-/// body's hull, however that is tilted. It sticks out of the body by about as much as other hulls are inset, or by some
-/// steps of floats: with less it would have no volume there.
+/// The hull of a body that is flat on the hull's grid: a cube of a ten-thousandth of its extent about the mean of its
+/// points, which is in the body's hull, however that is tilted; of some steps of floats there at least, because with less it
+/// would have no volume.
 CollisionHull stand_in(std::span<const Vec3f> points) {
   Box box;
   Vec3d middle;
@@ -19,15 +19,13 @@ CollisionHull stand_in(std::span<const Vec3f> points) {
     middle = middle + to_double(p);
   }
   middle = (1.0 / static_cast<double>(points.size())) * middle;
-  const double least = 1e-4 * box.longest_side();
+  const double half = 5e-5 * box.longest_side();
   constexpr double kSteps = 8 * 0x1p-23;
   CollisionHull hull;
   for (int k = 0; k < 8; ++k) {
     Vec3d p = middle;
-    for (int a = 0; a < 3; ++a) {
-      const double half = std::fmin(0.005 * std::fmax(box.max[a] - box.min[a], least), kHullInset);
+    for (int a = 0; a < 3; ++a)
       p[a] += (k >> a & 1 ? 1 : -1) * std::fmax(half, kSteps * std::fabs(middle[a]));
-    }
     hull.points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
   }
   hull.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},

@@ -48,7 +48,7 @@ bool bounds_a_body(const CollisionHull& hull);
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
                 double rounding, FragmentHulls& out);
 
-/// The hull of these points, inset; a small box where they are flat. `surface`: as ConvexHullBuilder::build() has it.
+/// The hull of these points, inset; a small cube if they are flat. `surface`: as ConvexHullBuilder::build() has it.
 void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,
               const Execution& execution);
 
