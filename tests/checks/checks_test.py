@@ -9,10 +9,23 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGETS = """function(fracture_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_library(fracture_${name} STATIC ${ARG_SOURCES})
+  add_library(fracture::${name} ALIAS fracture_${name})
+  target_include_directories(fracture_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_link_libraries(fracture_${name} PUBLIC ${ARG_DEPS})
+endfunction()
+"""
 CLEAN = {
+    ".gitignore": "/build/\n",
     ".clang-format": (ROOT / ".clang-format").read_text(),
     ".clang-tidy": (ROOT / ".clang-tidy").read_text(),
     ".flake8": (ROOT / ".flake8").read_text(),
+    "CMakeLists.txt": "cmake_minimum_required(VERSION 3.25)\nproject(planted CXX)\ninclude(targets.cmake)\n"
+                      "add_subdirectory(common/base)\nadd_subdirectory(common/solid)\nadd_subdirectory(server)\n",
+    "CMakePresets.json": '{"version": 6, "configurePresets": [{"name": "release", "generator": "Ninja", '
+                         '"cacheVariables": {"CMAKE_EXPORT_COMPILE_COMMANDS": "ON"}}]}',
     "README.md": "# Title\n\nSee [base](common/base/vec.hpp) and [below](#the-end).\n\n## The end\n",
     "common/base/CMakeLists.txt": "fracture_library(base SOURCES vec.cpp)\n",
     "common/base/vec.hpp": "#pragma once\nint twice(int x);\n",
@@ -22,6 +35,7 @@ CLEAN = {
     "common/solid/solid.cpp": '#include "common/base/vec.hpp"\n\nint four() { return twice(2); }\n',
     "server/CMakeLists.txt": "fracture_library(service SOURCES service.cpp DEPS fracture::solid)\n",
     "server/service.cpp": '#include "common/solid/solid.hpp"\n\nint eight() { return 2 * four(); }\n',
+    "targets.cmake": TARGETS,
     "scripts/run": "#!/usr/bin/env bash\necho \"$1\"\n",
     "scripts/count.py": "import sys\n\nprint(len(sys.argv))\n",
     "tests/wait_test.cpp": "bool ready() { return eventually(kPatience, \"it\", done); }\n",
@@ -36,11 +50,14 @@ class Checks(unittest.TestCase):
         for name, text in CLEAN.items():
             self.plant(name, text)
         self.git("init", "--quiet", "--initial-branch=main")
-        self.git("add", "--all")
-        self.git("-c", "user.name=a", "-c", "user.email=a@b", "-c", "core.hooksPath=/dev/null", "commit", "--quiet", "-m", "clean")
+        self.commit("clean")
 
     def git(self, *arguments):
         subprocess.run(["git", "-C", str(self.root), *arguments], check=True, capture_output=True)
+
+    def commit(self, subject):
+        self.git("add", "--all")
+        self.git("-c", "user.name=a", "-c", "user.email=a@b", "-c", "core.hooksPath=/dev/null", "commit", "--quiet", "-m", subject)
 
     def plant(self, name, text):
         path = self.root / name
@@ -141,6 +158,61 @@ class Checks(unittest.TestCase):
         self.plant("common/lost/lost.cpp", "int lost;\n")
         self.expect_found("includes", "common/lost/lost.cpp:1: no CMakeLists.txt compiles it")
 
+    def test_includes_finds_a_source_that_needs_the_include_of_its_neighbour(self):
+        # A unity build reads both as one: <string> of the first is enough.
+        self.plant("common/base/CMakeLists.txt", "fracture_library(base SOURCES vec.cpp words.cpp)\n")
+        self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\n\n#include <string>\n\n'
+                   "int twice(int x) { return std::stoi(std::to_string(x + x)); }\n")
+        self.plant("common/base/words.cpp", "std::string word() { return {}; }\n")
+        self.expect_found("includes", "common/base/words.cpp:1: 'string' in namespace 'std' does not name a type",
+                          "(common/base/words.cpp does not compile alone)")
+        self.plant("common/base/words.cpp", "#include <string>\n\nstd::string word() { return {}; }\n")
+        self.expect_clean("includes")
+
+    def test_includes_finds_a_header_that_needs_what_is_included_before_it(self):
+        header = "#pragma once\n%s\nstd::string four_in_words();\n"
+        self.plant("common/solid/words.hpp", header % "")
+        self.plant("common/solid/solid.cpp", '#include <string>\n\n#include "common/base/vec.hpp"\n#include "common/solid/words.hpp"\n\n'
+                   "int four() { return twice(2); }\n")
+        self.expect_found("includes", "common/solid/words.hpp:3: 'string' in namespace 'std'",
+                          "(common/solid/words.hpp does not compile alone)")
+        self.plant("common/solid/words.hpp", header % "#include <string>\n")
+        self.expect_clean("includes")
+        self.plant("common/solid/lost.hpp", "#pragma once\n")
+        self.expect_found("includes", "common/solid/lost.hpp:1: no source that is compiled includes it")
+
+    def test_includes_finds_a_source_that_lost_an_include_because_a_header_changed(self):
+        between = '#pragma once\n%sint four();\n'
+        self.plant("common/solid/solid.hpp", between % '#include "common/base/vec.hpp"\n')
+        self.plant("server/service.cpp", '#include "common/solid/solid.hpp"\n\nint eight() { return twice(four()); }\n')
+        self.commit("a source uses what a header of a header declares")
+        self.expect_clean("includes")
+        self.plant("common/solid/solid.hpp", between % "")
+        self.expect_found("includes", "server/service.cpp:3: 'twice' was not declared in this scope")
+
+    def test_includes_compiles_what_changed_and_all_of_it_on_demand(self):
+        self.plant("common/base/CMakeLists.txt", "fracture_library(base SOURCES vec.cpp words.cpp)\n")
+        self.plant("common/base/words.cpp", "std::string word() { return {}; }\n")
+        self.commit("the fault")
+        self.plant("README.md", "# Title\n")
+        self.commit("something else")
+        self.expect_clean("includes")
+        self.assertEqual(self.check("--all", "includes")[0], 1)
+
+    def test_includes_remembers_what_compiled_until_it_changes(self):
+        def compiled():
+            return (self.root / "build/tidy/compiled_alone.txt").read_text().splitlines()
+        self.assertEqual(self.check("--all", "includes")[0], 0)
+        # vec.cpp, solid.cpp and service.cpp; each header is the first include of one of them.
+        self.assertEqual(len(compiled()), 3)
+        self.assertEqual(self.check("--all", "includes")[0], 0)
+        self.assertEqual(len(compiled()), 3)
+        self.plant("common/base/vec.hpp", "#pragma once\nint twice(int x);  // of a whole number\n")
+        self.assertEqual(self.check("--all", "includes")[0], 0)
+        self.assertEqual(len(compiled()), 5)  # again: vec.cpp and solid.cpp, which include it
+        self.plant("common/base/vec.hpp", "#pragma once\nstd::string twice(int x);\n")
+        self.assertEqual(self.check("--all", "includes")[0], 1)
+
     def test_waits(self):
         self.expect_clean("waits")
         for name, text in (("tests/a_test.cpp", "void f() { std::this_thread::sleep_for(1ms); }\n"),
@@ -156,23 +228,20 @@ class Checks(unittest.TestCase):
 
     def test_tidy(self):
         self.needs("clang-tidy")
-        self.plant("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(planted CXX)\n"
-                   "add_library(planted common/base/vec.cpp)\ntarget_include_directories(planted PRIVATE .)\n")
-        self.plant("CMakePresets.json", '{"version": 6, "configurePresets": [{"name": "release", "generator": "Ninja", '
-                   '"cacheVariables": {"CMAKE_EXPORT_COMPILE_COMMANDS": "ON"}}]}')
-        self.plant(".gitignore", "/build/\n")
         self.expect_clean("tidy")
         self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\n\nint twice(int x) { return x == x ? x + x : 0; }\n')
         self.expect_found("tidy", "common/base/vec.cpp:3:", "misc-redundant-expression")
 
     def test_an_archive_without_history_is_checked_too(self):
         shutil.rmtree(self.root / ".git")
-        self.plant(".gitignore", "/build/\n")
         self.plant("build/x.py", "import os\n")
         self.expect_clean("python")
         self.plant("scripts/count.py", "import sys\nimport os\n\nprint(len(sys.argv))\n")
         self.expect_found("python", "scripts/count.py")
         self.expect_clean("tidy")
+        self.plant("common/base/vec.hpp", "#pragma once\nstd::string twice(int x);\n")
+        self.assertIn("without a history", self.check("includes")[1])
+        self.assertEqual(self.check("--all", "includes")[0], 1)
 
     def test_a_missing_tool_is_said_and_is_no_success(self):
         self.plant("bin/git", "")

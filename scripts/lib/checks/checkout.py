@@ -1,18 +1,26 @@
 """The files of a checkout: what git knows or would add, read once. An archive of them, without their history, will do."""
 import functools
+import json
+import os
 import pathlib
 import shutil
 import subprocess
 import tempfile
+import threading
 
 
 class MissingTool(Exception):
     """A program that a check needs and that is not installed; the text is its name."""
 
 
+class NotConfigured(Exception):
+    """CMake cannot say how sources are compiled; the text is an offence."""
+
+
 class Checkout:
     def __init__(self, root: pathlib.Path):
         self.root = root
+        self.configuring = threading.Lock()  # two checks configure the same folder
 
     @functools.cached_property
     def files(self):
@@ -59,6 +67,41 @@ class Checkout:
             if first.startswith(b"#!") and any(word.encode() in first for word in interpreters):
                 found.append(name)
         return found
+
+    @functools.cached_property
+    def changed(self):
+        """What differs from where the branch left main, what changed last first; on main itself, what its last commit changed."""
+        base = os.environ.get("FRACTURE_CHECK_BASE", "")
+        if not base:
+            head = self.git("rev-parse", "HEAD", check=False).strip()
+            for main in ("origin/main", "main"):
+                base = self.git("merge-base", "HEAD", main, check=False).strip()
+                if base:
+                    break
+            if not base or base == head:
+                base = self.git("rev-parse", "--verify", "--quiet", "HEAD~1", check=False).strip() or head
+        changed = self.git("ls-files", "--others", "--exclude-standard").splitlines()
+        changed += self.git("diff", "--name-only", "HEAD").splitlines()
+        changed += filter(None, self.git("log", "--name-only", "--format=", f"{base}..HEAD").splitlines())
+        return list(dict.fromkeys(changed))
+
+    @property
+    def compile_commands(self):
+        """{source file: its compile command}, each by itself whatever the builds are configured to. Raises NotConfigured."""
+        with self.configuring:
+            return self._compile_commands
+
+    @functools.cached_property
+    def _compile_commands(self):
+        # The benchmarks, too: no test builds them.
+        code, output = self.run("cmake", "--preset", "release", "-B", "build/tidy", "-DFRACTURE_UNITY=OFF", "-DFRACTURE_BUILD_BENCH=ON")
+        if code != 0:
+            raise NotConfigured(f"build/tidy:1: cannot be configured: {output[-300:]}")
+        entries = json.loads((self.root / "build/tidy/compile_commands.json").read_text(encoding="utf-8"))
+        commands = {}
+        for entry in entries:  # a source of several targets compiles alike in each
+            commands.setdefault(entry["file"].removeprefix(f"{self.root}/"), entry["command"])
+        return commands
 
     def git(self, *arguments, check=True):
         done = subprocess.run(["git", "-C", str(self.root), *arguments], capture_output=True, text=True)

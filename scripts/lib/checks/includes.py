@@ -1,4 +1,5 @@
-"""A target includes only what it declares: `#include` edges held to the dependencies that CMake knows.
+"""A file includes what it uses (alone.py), and a target only what it declares: `#include` edges held to the dependencies that
+CMake knows.
 
 In common/, server/ and client/ a header of another room (folder) may be included only where its target stands in the DEPS (or
 in target_link_libraries) of who includes it, not merely of something that it links. Headers of libraries from elsewhere, and
@@ -9,6 +10,8 @@ add_executable, target_link_libraries.
 """
 import posixpath
 import re
+
+from . import alone
 
 INCLUDE = re.compile(r'\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)')
 PRODUCT = ("common/", "server/", "client/")
@@ -98,7 +101,11 @@ def reachable(targets, target):
     return seen
 
 
-def check(checkout, _all):
+def check(checkout, every):
+    return undeclared_edges(checkout) + alone.check(checkout, every)
+
+
+def undeclared_edges(checkout):
     targets = read_targets(checkout)
     of_source, of_folder = {}, {}
     for target in targets.values():

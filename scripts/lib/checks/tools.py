@@ -4,6 +4,8 @@ import os
 import pathlib
 import re
 
+from .checkout import NotConfigured
+
 CPP = (".cpp", ".hpp")
 SPELLING = pathlib.Path(__file__).with_name("spelling.txt")
 
@@ -56,23 +58,6 @@ def fix_spelling(checkout):
     codespell(checkout, "--write-changes")
 
 
-def changed_files(checkout):
-    """What differs from where the branch left main, what changed last first; on main itself, what its last commit changed."""
-    base = os.environ.get("FRACTURE_CHECK_BASE", "")
-    if not base:
-        head = checkout.git("rev-parse", "HEAD", check=False).strip()
-        for main in ("origin/main", "main"):
-            base = checkout.git("merge-base", "HEAD", main, check=False).strip()
-            if base:
-                break
-        if not base or base == head:
-            base = checkout.git("rev-parse", "--verify", "--quiet", "HEAD~1", check=False).strip() or head
-    changed = checkout.git("ls-files", "--others", "--exclude-standard").splitlines()
-    changed += checkout.git("diff", "--name-only", "HEAD").splitlines()
-    changed += filter(None, checkout.git("log", "--name-only", "--format=", f"{base}..HEAD").splitlines())
-    return list(dict.fromkeys(changed))
-
-
 def tidied_files(checkout, every):
     """Source files to look at: a header is seen through its own source file, or through the first that includes it. Of a
     branch that changed many, those that it changed last: some minutes, not an hour."""
@@ -84,7 +69,7 @@ def tidied_files(checkout, every):
         print("check tidy: without a history no file is known to have changed; --all looks at all", flush=True)
         return []
     wanted = {}
-    for name in changed_files(checkout):
+    for name in checkout.changed:
         if name in known:
             wanted[name] = True
         elif name in headers:
@@ -101,13 +86,10 @@ def check_tidy(checkout, every):
     files = tidied_files(checkout, every)
     if not files:
         return []
-    # A folder of its own: each file by itself, whatever the builds are configured to.
-    code, output = checkout.run("cmake", "--preset", "release", "-B", "build/tidy", "-DFRACTURE_UNITY=OFF")
-    if code != 0:
-        return [f"build/tidy:1: cannot be configured: {output[-300:]}"]
-    database = checkout.root / "build/tidy/compile_commands.json"
-    known = database.read_text(encoding="utf-8")
-    files = [name for name in files if f"/{name}\"" in known]
+    try:
+        files = [name for name in files if name in checkout.compile_commands]
+    except NotConfigured as failed:
+        return [str(failed)]
 
     def tidy(name):
         _, output = checkout.run("clang-tidy", "--quiet", "-p", "build/tidy",

@@ -1,0 +1,167 @@
+"""Each header and each source file compiles alone, because it includes what it uses.
+
+Builds can hide that an include is missing: a unity build compiles several sources as one, and a header is usually read after
+others. Here each source is one run of the compiler, without precompiled headers. A header that is the first include of a source
+has been read before anything else there. Every other header gets a run of its own.
+
+Without --all these are the files that changed on the branch and the files that include them, the nearest first. What was
+compiled once is not compiled again until its text, the text of a file that it includes, or its command changes.
+"""
+import concurrent.futures
+import functools
+import hashlib
+import os
+import posixpath
+import re
+import shlex
+import subprocess
+
+from .checkout import NotConfigured
+
+CPP = (".cpp", ".hpp")
+INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<[^>]+>)', re.MULTILINE)
+ERROR = re.compile(r"^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.*)$", re.MULTILINE)
+
+# Files that a branch reaches and that are compiled without --all: two to three seconds each on a core.
+MOST_COMPILED = 60
+# Seconds for one file. The slowest takes about ten on an idle core.
+LIMIT = 600
+
+
+class IncludeGraph:
+    """Which files of the checkout include which."""
+
+    def __init__(self, checkout):
+        self.checkout, self.names = checkout, checkout.named(*CPP)
+        self.known = set(checkout.files)
+        self.users = {}
+        for name in self.names:
+            for included in self.included_by(name):
+                self.users.setdefault(included, []).append(name)
+
+    @functools.lru_cache(maxsize=None)
+    def resolved(self, name):
+        """Each include in the order of the text: a file of the checkout, or None for a file from elsewhere."""
+        found = []
+        for match in INCLUDE.finditer(self.checkout.read(name)):
+            near = posixpath.normpath(posixpath.join(posixpath.dirname(name), match[1] or ""))
+            found.append(next((path for path in (near, match[1]) if path in self.known), None))
+        return found
+
+    def included_by(self, name):
+        return [path for path in self.resolved(name) if path]
+
+    def reached(self, names, following):
+        """The names and all that `following` leads to from them, the nearest first."""
+        found, level = dict.fromkeys(names), list(names)
+        while level:
+            level = list(dict.fromkeys(path for name in level for path in following(name) if path not in found))
+            found.update(dict.fromkeys(level))
+        return list(found)
+
+    def read_by(self, name):
+        return self.reached([name], self.included_by)
+
+    def affected_by(self, names):
+        return self.reached(names, lambda name: self.users.get(name, []))
+
+
+def compiler_runs(graph, commands, wanted):
+    """{file to compile: command} for the wanted files, and the headers that no compiled source includes."""
+    first = {}  # header: a source that includes it before anything else, its own source if there is one
+    for source in commands:
+        header = next(iter(graph.resolved(source)), None) if source in graph.known else None
+        if header and (header not in first or source == header.removesuffix(".hpp") + ".cpp"):
+            first[header] = source
+    runs, unused = {}, []
+    for name in wanted:
+        name = first.get(name, name)
+        if name in commands:
+            runs[name] = commands[name]
+        elif name.endswith(".hpp"):
+            source = next((user for user in graph.affected_by([name]) if user in commands), None)
+            if source:
+                runs[name] = commands[source]
+            else:
+                unused.append(name)
+    return runs, unused
+
+
+def words_of(command):
+    """The words of a compile command that decide how a text is read: not its input, output or precompiled header."""
+    words, kept = shlex.split(command), []
+    if posixpath.basename(words[0]) == "ccache":
+        words = words[1:]
+    skip = False
+    for word in words[:-1]:
+        if skip or word in ("-c", "-Winvalid-pch"):
+            skip = False
+        elif word in ("-o", "-include", "-MF", "-MT"):
+            skip = True
+        else:
+            kept.append(word)
+    return [*kept, "-w", "-fsyntax-only", "-x", "c++", "-"]
+
+
+def compile_alone(checkout, name, words):
+    """None, or the first error of the compiler."""
+    try:
+        done = subprocess.run(words, cwd=checkout.root, input=f'#include "{checkout.root / name}"\n', text=True, timeout=LIMIT,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, "LC_ALL": "C"})
+    except subprocess.TimeoutExpired:
+        return f"{name}:1: does not compile alone within {LIMIT} s"
+    if done.returncode == 0:
+        return None
+    error = ERROR.search(done.stdout)
+    if not error:
+        return f"{name}:1: does not compile alone: {done.stdout[-300:]}"
+    return f"{error[1].removeprefix(f'{checkout.root}/')}:{error[2]}: {error[3]} ({name} does not compile alone)"
+
+
+def check(checkout, every):
+    graph = IncludeGraph(checkout)
+    if not every and not checkout.has_history:
+        print("check includes: without a history no file is known to have changed; --all compiles all alone", flush=True)
+        return []
+    wanted = graph.names if every else graph.affected_by([name for name in checkout.changed if name in graph.known])
+    wanted = [name for name in wanted if name.endswith(CPP) and not name.startswith("common/cmake/")]  # a project of its own
+    if not wanted:
+        return []
+    try:
+        commands = checkout.compile_commands
+    except NotConfigured as failed:
+        return [str(failed)]
+    runs, unused = compiler_runs(graph, commands, wanted)
+    offences = [f"{name}:1: no source that is compiled includes it" for name in unused]
+
+    @functools.lru_cache(maxsize=None)
+    def version_of(compiler):
+        return checkout.run(compiler, "--version")[1]
+
+    def key_of(name, words):
+        digest = hashlib.sha256(repr((version_of(words[0]), words)).encode())
+        for path in graph.read_by(name):
+            digest.update(repr((path, checkout.read(path))).encode())
+        return digest.hexdigest()
+
+    memory = checkout.root / "build/tidy/compiled_alone.txt"
+    known = set(memory.read_text().split()) if memory.exists() else set()
+    left = []
+    for name, command in runs.items():
+        words = words_of(command)
+        if (key := key_of(name, words)) not in known:
+            left.append((name, words, key))
+    if not every and len(left) > MOST_COMPILED:
+        print(f"check includes: the nearest {MOST_COMPILED} of {len(left)} files that the changes reach; --all compiles all alone", flush=True)
+        left = left[:MOST_COMPILED]
+
+    def run(unit):
+        name, words, key = unit
+        error = compile_alone(checkout, name, words)
+        if not error:
+            with open(memory, "a") as file:
+                file.write(key + "\n")
+        return error
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return offences + list(dict.fromkeys(filter(None, pool.map(run, left))))
