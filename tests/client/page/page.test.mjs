@@ -107,7 +107,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     const smallest = await state(page, s => s.shown.answer.fragments.reduce((a, b) => (b.volume < a.volume ? b : a)).id);
     await eventually(() => state(page, s => [...s.look.chosen]), chosen => assert.deepEqual(chosen, [smallest]));
     await page.keyboard.press('4');
-    await eventually(() => page.locator('textarea.code').inputValue(), line => assert.match(line, /^curl -F mesh=@vase\.glb/));
+    await eventually(() => page.locator('textarea.code').inputValue(), line => assert.match(line, /^curl --fail-with-body -F mesh=@vase\.glb/));
     const [file] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('d')]);
     assert.equal(fs.readFileSync(await file.path()).subarray(0, 4).toString(), 'glTF');
     await clean(opened);

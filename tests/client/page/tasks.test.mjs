@@ -71,7 +71,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
       await page.getByRole('tab', { name: 'Take away' }).click();
       await page.getByRole('button', { name: 'curl' }).click();
       const line = await page.getByRole('textbox', { name: 'curl' }).inputValue();
-      assert.match(line, /^curl -F mesh=@vase\.glb/);
+      assert.match(line, /^curl --fail-with-body -F mesh=@vase\.glb/);
       assert.match(line, /"material":"wood"/);
       if (spawnSync('curl', ['--version']).error) return t.skip('there is no curl');
       const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));

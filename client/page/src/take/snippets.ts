@@ -5,10 +5,22 @@ import { textOf } from '../panels/lists';
 import { parametersOf } from '../state/request';
 import { words } from '../words/words';
 
+/** One word of a shell line, whatever characters it has. */
 const shell = (text: string) => (/^[\w./:=,+@%-]+$/.test(text) ? text : `'${text.replaceAll('\'', '\'\\\'\'')}'`);
-const json = (value: unknown, indent = 0) => JSON.stringify(value, undefined, indent);
-/** JSON is Python but for three words. */
-const python = (value: ParameterValue) => json(value).replace(/\btrue\b/g, 'True').replace(/\bfalse\b/g, 'False');
+const json = (value: unknown) => JSON.stringify(value);
+/** A file of a form of curl, which gives commas, semicolons and blanks a meaning unless the name is in quotes. */
+const formFile = (name: string) => (!/^[\w./-]+$/.test(name) ? `"${name.replace(/["\\]/g, '\\$&')}"` : name);
+/** curl ends the value of a form, too, at a semicolon, which occurs only in strings of a JSON. */
+const formJson = (value: unknown) => json(value).replaceAll(';', '\\u003b');
+/** A path that no program takes for an option. */
+const fileWord = (name: string) => shell(name.startsWith('-') ? `./${name}` : name);
+/** Text for the rest of one line. */
+const oneLine = (text: string) => text.replace(/[\p{Cc}\p{Zl}\p{Zp}]/gu, ' ');
+
+function python(value: ParameterValue): string {
+  if (Array.isArray(value)) return `[${value.map(python).join(', ')}]`;
+  return typeof value === 'boolean' ? (value ? 'True' : 'False') : json(value);
+}
 
 export interface Snippets {
   curl: string;
@@ -23,19 +35,19 @@ export function snippets(app: App): Snippets {
   const file = source?.label.includes('.') ? source.label : `${source?.label ?? 'mesh'}.glb`, out = 'fragments.glb', token = app.service.hasToken;
   const others = Array.isArray(source?.input) ? source.input.map(({ name }) => String(name)).filter(name => name.split('/').pop() !== file) : [];
   // A sample is on no disk, unless somebody puts it there; shells take a remark on a line of its own, JSON takes none.
-  const remark = (mark: string) => (source?.fetched ? `${mark} ${words.take.sampleFile(file)}` : ''), before = (mark: string) => (source?.fetched ? `${remark(mark)}\n` : '');
+  const remark = (mark: string) => (source?.fetched ? `${mark} ${oneLine(words.take.sampleFile(file))}` : ''), before = (mark: string) => (source?.fetched ? `${remark(mark)}\n` : '');
   const after = source?.fetched ? `\n${remark('#')}` : '';
   return {
-    curl: ['curl', token ? '-H "Authorization: Bearer $TOKEN"' : '', ...[`mesh=@${file}`, ...others.map(name => `file=@${name}`)].map(part => `-F ${shell(part)}`),
-      `\\\n  -F ${shell(`params=${json(parameters)};type=application/json`)}`, `\\\n  ${server}/fracture -o ${out}`].filter(Boolean).join(' ') + after,
+    curl: ['curl --fail-with-body', token ? '-H "Authorization: Bearer $TOKEN"' : '', ...[`mesh=@${formFile(file)}`, ...others.map(name => `file=@${formFile(name)}`)].map(part => `-F ${shell(part)}`),
+      `\\\n  -F ${shell(`params=${formJson(parameters)};type=application/json`)}`, `\\\n  ${shell(`${server}/fracture`)} -o ${out}`].filter(Boolean).join(' ') + after,
     // What the mesh names is found beside it.
     python: `${before('#')}from fracture_client import Client\n\nwith Client(${json(server)}${token ? ', token=TOKEN' : ''}) as client:\n    mesh = client.put(${json(file)})\n` +
-      `    answer = mesh.fracture(${Object.entries(parameters).map(([name, value]) => `\n        ${name}=${python(value)},`).join('')}\n    )\n    answer.save(${json(out)})\n`,
+      `    answer = mesh.fracture({${Object.entries(parameters).map(([name, value]) => `\n        ${json(name)}: ${python(value)},`).join('')}\n    })\n    answer.save(${json(out)})\n`,
     javascript: `${before('//')}import { readFile, writeFile } from 'node:fs/promises';\nimport { Client } from 'fracture-client';\n\n` +
-      `const client = new Client('${server}'${token ? ', { token: process.env.TOKEN }' : ''});\n` +
+      `const client = new Client(${json(server)}${token ? ', { token: process.env.TOKEN }' : ''});\n` +
       `const mesh = await client.put(${others.length > 0 ? `await Promise.all(${json([file, ...others])}.map(async name => ({ name, data: await readFile(name) })))` : `{ name: ${json(file)}, data: await readFile(${json(file)}) }`});\n` +
-      `const answer = await mesh.fracture(${json(parameters)});\nawait writeFile('${out}', answer.glb);\n`,
-    bake: ['fracture-server bake', shell(file), `-o ${out}`, ...Object.entries(parameters).map(([name, value]) => `\\\n  --${name} ${shell(textOf(value))}`)].join(' ') + after,
+      `const answer = await mesh.fracture(${json(parameters)});\nawait writeFile(${json(out)}, answer.glb);\n`,
+    bake: ['fracture-server bake', fileWord(file), `-o ${out}`, ...Object.entries(parameters).map(([name, value]) => `\\\n  ${shell(`--${name}=${textOf(value)}`)}`)].join(' ') + after,
     manifest: json({ input: file, output: out, parameters }),
   };
 }
