@@ -86,7 +86,7 @@ class Request:
         return body, f"multipart/form-data; boundary={boundary}"
 
     def curl(self, server, accept):
-        words = ["curl", "-sS"]
+        words = ["curl", "--fail-with-body", "-sS"]
         for field, name, path in self.mesh.parts():
             words += ["-F", f"{field}=@{os.path.abspath(path)};filename={name}"]
         words += ["-F", f"params={json.dumps(self.parameters)};type=application/json"]

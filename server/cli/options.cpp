@@ -235,7 +235,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "fracture-server bake assets/ -o broken/ -j 8\n"
       "fracture-server bake --manifest night.ndjson --shard 3/16\n"
       "fracture-server bake assets/ -o broken/ --html broken.html\n"
-      "curl https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n"
+      "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n"
       "Exits with 0: done, 1: a file could not be read or written, or the server did not answer, 2: wrong "
       "command line or manifest, 3: more refused than --allow-refused, 4: a bug or a certificate that does "
       "not hold, and that file is not written, 130: stopped; what is made stays, and the same command goes "

@@ -102,7 +102,7 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
         return refuse(HttpProblem::kMalformedMultipart,
                       "A form field without a filename is over " + std::to_string(kMaxField) + " bytes.");
       } else {
-        given.push_back({part.name, std::string(part.body), true});  // curl -F sites=50
+        given.push_back({part.name, std::string(part.body), true});  // a field of its own: sites=50
       }
     }
     if (!found)

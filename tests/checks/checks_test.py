@@ -128,6 +128,15 @@ class Checks(unittest.TestCase):
         self.plant("common/base/vec.hpp", "#pragma once\n// The tetrahedrons.\nint twice(int x);\n")
         self.expect_found("words", "common/base/vec.hpp:2: 'tetrahedrons' -> tetrahedra")
 
+    def test_words_finds_curl_lines_that_take_an_error_for_an_answer(self):
+        good = "    curl --fail-with-body -T a.glb http://server/fracture -o b.glb\n    curl --fail http://server/a.glb | program\n"
+        self.plant("README.md", good)
+        self.expect_clean("words")
+        for bad in ("curl -T a.glb http://server/fracture -o b.glb", "curl http://server/a.glb | program", "curl 'http://server/a.glb' > a.glb",
+                    'curl $options "http://server/a.glb" -O'):
+            self.plant("README.md", f"{good}    {bad}\n")
+            self.expect_found("words", "README.md:3: 'curl ", "-> curl --fail-with-body")
+
     def test_links(self):
         self.expect_clean("links")
         for text, said in (("[a](common/gone.hpp)\n", "links to common/gone.hpp, which does not exist"),

@@ -41,10 +41,10 @@ export function typeOf(schema: Schema | undefined): string {
 export function examplesOf(method: string, path: string, origin: string): string[] {
   const id = 'sha256:…', address = `${origin}${path.replace('{id}', path.startsWith('/jobs') ? '…' : id).replace('{name}', 'bad-parameter')}`;
   if (path.startsWith('/livez') || path.startsWith('/readyz') || path.startsWith('/metrics')) return [];
-  if (method === 'get') return [`curl -H 'Accept: application/json' ${address}`];
-  if (path === '/fracture') return [`curl -F mesh=@barrel.glb -F params='{"material": "stone", "fragments": 80};type=application/json' \\\n  ${address} -o fragments.glb`];
-  if (path.endsWith('/fracture')) return [`curl -H 'Content-Type: application/json' -d '{"sites": 50, "seed": 7}' \\\n  ${address} -o fragments.glb`];
-  if (method === 'put') return [`curl -T barrel.glb -H 'Content-Type: model/gltf-binary' ${address}`];
-  if (method === 'delete') return [`curl -X DELETE ${address}`];
-  return path === '/meshes' ? [`curl -F mesh=@barrel.obj ${address}`] : [];
+  if (method === 'get') return [`curl --fail-with-body -H 'Accept: application/json' ${address}`];
+  if (path === '/fracture') return [`curl --fail-with-body -F mesh=@barrel.glb -F params='{"material": "stone", "fragments": 80};type=application/json' \\\n  ${address} -o fragments.glb`];
+  if (path.endsWith('/fracture')) return [`curl --fail-with-body -H 'Content-Type: application/json' -d '{"sites": 50, "seed": 7}' \\\n  ${address} -o fragments.glb`];
+  if (method === 'put') return [`curl --fail-with-body -T barrel.glb -H 'Content-Type: model/gltf-binary' ${address}`];
+  if (method === 'delete') return [`curl --fail-with-body -X DELETE ${address}`];
+  return path === '/meshes' ? [`curl --fail-with-body -F mesh=@barrel.obj ${address}`] : [];
 }
