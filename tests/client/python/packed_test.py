@@ -14,7 +14,7 @@ import tempfile
 import unittest
 import zipfile
 
-from support import PACKAGE, PATIENCE, Server, box_gltf, box_obj, glb, main
+from support import PACKAGE, PATIENCE, ROOT, Server, box_gltf, box_obj, glb, main
 
 NEEDED = "import setuptools, wheel, venv, ensurepip, pip"  # setuptools first: it brings its own distutils
 
@@ -36,11 +36,19 @@ class Packed(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
         cls.environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP_"))}
-        source = cls.folder / "source"  # what setuptools leaves behind is not left in the checkout
+        checkout = cls.folder / "checkout"  # what setuptools leaves behind is not left in the real one
+        source = checkout / PACKAGE.relative_to(ROOT)
         shutil.copytree(PACKAGE, source, ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
+        shutil.copy(ROOT / ".gitignore", checkout)
+        cls.run_program("git", "init", "--quiet", checkout)
+        untracked = ["git", "-C", checkout, "ls-files", "--others", "--exclude-standard"]
+        before, there = cls.run_program(*untracked), {path.name for path in source.iterdir()}
         offline = ["--no-index", "--disable-pip-version-check", "--no-cache-dir", "--quiet"]
         cls.run_program(python, "-m", "pip", "wheel", *offline, "--no-deps", "--no-build-isolation", "-w", cls.folder / "dist", source)
         cls.wheel, = (cls.folder / "dist").iterdir()
+        cls.run_program(python, "-m", "pip", "wheel", *offline, "--no-deps", "--no-build-isolation", ".", cwd=source)
+        cls.left = {path.name for path in source.iterdir()} - there
+        cls.untracked = set(cls.run_program(*untracked).splitlines()) - set(before.splitlines())
         cls.run_program(python, "-m", "venv", cls.folder / "venv")  # without the packages of the system
         cls.python = cls.folder / "venv" / ("Scripts" if os.name == "nt" else "bin") / "python"
         cls.run_program(cls.python, "-m", "pip", "install", *offline, cls.wheel)
@@ -66,6 +74,11 @@ class Packed(unittest.TestCase):
         self.assertIn("Requires-Python: >=3.9", metadata)
         self.assertNotIn("Requires-Dist: numpy\n", metadata)  # it may be there, and need not
         self.assertIn("# fracture-client", metadata)
+
+    def test_building_leaves_nothing_that_git_would_add(self):
+        self.assertIn("build", self.left)
+        self.assertIn(self.wheel.name, self.left)
+        self.assertEqual(self.untracked, set())
 
     def test_it_is_imported_from_where_it_was_installed(self):
         where = self.run_program(self.python, "-W", "error", "-c", "import fracture_client; print(fracture_client.__file__)", cwd=self.empty)

@@ -16,17 +16,32 @@ describe('the packed package', () => {
   const write = (name, text) => fs.writeFileSync(inside(name), text);
   process.once('exit', () => fs.rmSync(empty, { recursive: true, force: true }));
 
+  let packed;
   before(async () => {
     const { stdout } = await run('npm', ['pack', '--ignore-scripts', '--json', '--pack-destination', empty], { cwd: folder });
     const [{ filename, files }] = JSON.parse(stdout), names = files.map(({ path: name }) => name);
     for (const name of ['dist/index.js', 'dist/index.d.ts', 'dist/bodies.js', 'dist/bodies.d.ts', 'dist/three/index.js', 'dist/three/index.d.ts', 'README.md', 'LICENSE', 'package.json'])
       assert.ok(names.includes(name), name);
     for (const name of names) assert.match(name, /^(dist\/[\w/]+(\.js|\.d\.ts)|README\.md|LICENSE|package\.json)$/);
+    packed = filename;
     write('package.json', '{"name": "game", "private": true, "type": "module"}');
     await run('npm', ['install', '--offline', '--no-audit', '--no-fund', `./${filename}`], { cwd: empty });
     const { dependencies } = JSON.parse(fs.readFileSync(inside('node_modules/fracture-client/package.json')));
     assert.equal(dependencies, undefined, 'there are no dependencies at run time');
     assert.deepEqual(fs.readdirSync(inside('node_modules')).filter(name => !name.startsWith('.')), ['fracture-client']);
+  });
+
+  test('git would not add what building and packing leave', async () => {
+    const checkout = path.join(empty, 'checkout'), below = 'client/typescript';
+    fs.mkdirSync(path.join(checkout, below), { recursive: true });
+    for (const name of ['.gitignore', `${below}/.gitignore`]) fs.copyFileSync(path.join(folder, '../..', name), path.join(checkout, name));
+    await run('git', ['init', '--quiet', checkout]);
+    for (const name of [packed, 'dist/index.js', 'node_modules/three/package.json', 'src/index.ts']) {
+      fs.mkdirSync(path.dirname(path.join(checkout, below, name)), { recursive: true });
+      fs.writeFileSync(path.join(checkout, below, name), '');
+    }
+    const { stdout } = await run('git', ['-C', checkout, 'ls-files', '--others', '--exclude-standard', '--', below]);
+    assert.deepEqual(stdout.trim().split('\n'), [`${below}/.gitignore`, `${below}/src/index.ts`]);
   });
 
   test('node uses it', async t => {
