@@ -140,13 +140,14 @@ class Answer:
         return same
 
     def save(self, path: Path) -> pathlib.Path:
-        """Writes a GLB; glTF as one JSON text where the ending is .gltf, and the figures alone where it is .json. Whole or
-        not at all. Raises OSError."""
+        """Writes a GLB if the path ends in .glb or has no ending, glTF as one JSON text for .gltf, the figures alone for .json.
+        Whole or not at all. Raises FractureError of type "bad-parameter" for any other ending, and OSError."""
         path = pathlib.Path(path)
+        kind = kind_of_file(path)
         content = self.glb
-        if path.suffix.lower() == ".gltf":
+        if kind == ".gltf":
             content = glb_file.to_gltf(self._file)
-        elif path.suffix.lower() == ".json":
+        elif kind == ".json":
             content = json.dumps(self._figures, indent=1, ensure_ascii=False).encode("utf-8") + b"\n"
         write_whole(path, content)
         return path
@@ -206,6 +207,17 @@ class Answer:
 
     def __repr__(self) -> str:
         return f"<Answer of {self.certificate.get('fragments')} fragments, {len(self.glb)} bytes>"
+
+
+def kind_of_file(path: pathlib.Path) -> str:
+    """What save() writes: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for another ending, because
+    a GLB in a file called .obj is found only when it is read."""
+    kind = path.suffix.lower() or ".glb"
+    if kind not in (".glb", ".gltf", ".json"):
+        raise FractureError("bad-parameter", f"'{path.suffix}' is not written: the file '{path}' must end in .glb, .gltf (one JSON "
+                                             "text) or .json (the figures), or have no ending (GLB). `fracture-server bake` "
+                                             "writes .obj, .ply and .stl.")
+    return kind
 
 
 def write_whole(path: pathlib.Path, content: bytes) -> None:

@@ -8,7 +8,7 @@ import sys
 import urllib.parse
 from typing import List, Optional, Tuple
 
-from .answer import Answer
+from .answer import Answer, kind_of_file
 from .client import Client
 from .errors import FractureError
 from .jobs import Job
@@ -34,8 +34,10 @@ def main(arguments: List[str]) -> int:
     parser = _parser()
     options = parser.parse_intermixed_args(arguments)
     query = _query(parser, options.parameters)
-    if options.out.suffix.lower() not in (".glb", ".gltf", ".json"):
-        parser.error(f"OUT is {options.out}: it has to end with .glb, .gltf or .json")
+    try:
+        kind_of_file(options.out)
+    except FractureError as error:
+        parser.error(error.detail)
     token = _token(parser, options.token_file)
     if not options.out.parent.is_dir():  # before a minute of work
         print(f"fracture_client: {options.out}: there is no folder {options.out.parent}", file=sys.stderr)
@@ -76,7 +78,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("server", metavar="SERVER", help="its address: http://127.0.0.1:8080")
     parser.add_argument("mesh", metavar="MESH", type=pathlib.Path, help=".glb, .gltf, .obj, .stl, .ply, .off, or another format "
                         "that the server reads; what it names (.bin, .mtl, textures) is sent with it, from its folder and below")
-    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help=".glb, .gltf (one JSON text) or .json (the figures alone)")
+    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help=".glb or no ending, .gltf (one JSON text) or .json (the figures "
+                        "alone)")
     parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="any parameter of the interface, as a query has it: "
                         "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; GET /patterns of the server lists them")
     parser.add_argument("--file", metavar="FILE", action="append", help="a further file of the mesh, repeated for more; then "

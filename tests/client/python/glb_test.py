@@ -172,6 +172,16 @@ class Saving(unittest.TestCase):
         path = self.answer.save(self.folder / "a.json")
         self.assertEqual(json.loads(path.read_text(encoding="utf-8")), self.answer.figures)
 
+    def test_an_ending_that_is_not_written_is_refused(self):
+        for name in ("a.obj", "a.glb.zip", "a.GLBX", "a.stl"):
+            error = caught(self.answer.save, self.folder / name)
+            self.assertEqual(error.type, "bad-parameter")
+            self.assertIn(f"'{pathlib.Path(name).suffix}' is not written", error.detail)
+            self.assertIn(".glb, .gltf", error.detail)
+        self.assertEqual(list(self.folder.iterdir()), [])
+        for name in ("no ending", "A.GLB", ".hidden"):
+            self.assertEqual(self.answer.save(self.folder / name).read_bytes(), self.answer.glb)
+
     def test_what_cannot_be_written_leaves_what_was_there(self):
         path = self.folder / "folder.glb"
         path.mkdir()
