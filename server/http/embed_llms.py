@@ -14,7 +14,8 @@ SUMMARY = """# fracture-server
 
 The least that works:
 
-    curl --fail-with-body -T mesh.glb -X POST -H 'Content-Type: model/gltf-binary' 'http://SERVER/fracture?material=stone&fragments=40&seed=1' -o fragments.glb
+    curl --fail-with-body -T mesh.glb -X POST -H 'Content-Type: model/gltf-binary' \\
+         'http://SERVER/fracture?material=stone&fragments=40&seed=1' -o fragments.glb
 
 The same for programs: `GET /openapi.json` (every status and header), `GET /limits`, `GET /patterns`.
 """
