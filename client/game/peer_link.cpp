@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/exchange/asio.hpp"
+#include "common/exchange/exchange.hpp"
 
 namespace fracture::game {
 namespace {
@@ -172,8 +173,8 @@ struct PeerLink::State {
       if (stopping && now > *stopping + kLastWords) return close();
       if ((!connected || !known) && now > started + settings.patience)
         return end(host.empty() ? "Nobody joined within " + seconds_text(settings.patience) + "."
-                                : "Nobody plays at " + host + ":" + service + ": not within " +
-                                      seconds_text(settings.patience) +
+                                : "Nobody plays at " + protocol::authority_of(host, service) +
+                                      ": not within " + seconds_text(settings.patience) +
                                       (trouble.empty() ? "" : " (" + trouble + ")") + ".");
       if (connected && !reading) heard = now;  // it is not listened to
       if (connected && now > heard + (known ? settings.silence : settings.strange_silence))

@@ -102,16 +102,6 @@ asio::awaitable<Exchange> ConnectionPool::exchange(const HttpRequest& request, I
   co_return result;
 }
 
-std::string ConnectionPool::authority() const {
-  const bool brackets = settings_.host.find(':') != std::string::npos;  // RFC 3986, 3.2.2: an IPv6 address
-  std::string text;
-  if (brackets) text += '[';
-  text += settings_.host;
-  if (brackets) text += ']';
-  text += ':';
-  return text += std::to_string(settings_.port);
-}
-
 asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& exchange) {
   error_code error;
   std::vector<tcp::endpoint> endpoints;
@@ -135,7 +125,7 @@ asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& 
   if (error) {
     exchange.outcome =
         error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
-    exchange.detail = authority() + " does not answer: " + error.message() + ".";
+    exchange.detail = settings_.authority() + " does not answer: " + error.message() + ".";
     co_return false;
   }
   ++made_;
@@ -163,10 +153,11 @@ asio::awaitable<bool> ConnectionPool::shake_hands(Connection& connection, Exchan
   const long verified = SSL_get_verify_result(tls->native_handle());
   exchange.outcome =
       error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
-  exchange.detail = verified != X509_V_OK
-                        ? "The certificate of " + authority() +
-                              " is not accepted: " + X509_verify_cert_error_string(verified) + "."
-                        : authority() + " does not speak TLS as it should: " + error.message() + ".";
+  exchange.detail =
+      verified != X509_V_OK
+          ? "The certificate of " + settings_.authority() +
+                " is not accepted: " + X509_verify_cert_error_string(verified) + "."
+          : settings_.authority() + " does not speak TLS as it should: " + error.message() + ".";
   co_return false;
 }
 
@@ -191,7 +182,7 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
   message.method_string(request.method);
   message.target(request.target);
   message.version(11);
-  message.set(http::field::host, authority());
+  message.set(http::field::host, settings_.authority());
   message.set(http::field::user_agent, "fracture-client");
   if (!settings_.token.empty()) message.set(http::field::authorization, "Bearer " + settings_.token);
   if (!request.content_type.empty()) message.set(http::field::content_type, request.content_type);

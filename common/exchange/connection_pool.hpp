@@ -40,7 +40,6 @@ class ConnectionPool {
   asio::awaitable<bool> connect(Connection& connection, Exchange& exchange);
   asio::awaitable<bool> shake_hands(Connection& connection, Exchange& exchange);
   ConnectionPtr take_idle();
-  std::string authority() const;
 
   asio::io_context& io_;
   const ConnectionSettings settings_;

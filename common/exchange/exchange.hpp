@@ -17,6 +17,12 @@ using Milliseconds = std::chrono::milliseconds;
 
 struct TlsTrust;
 
+/// Host and port as a URL and the field Host have them: an IPv6 address in brackets (RFC 3986, 3.2.2).
+inline std::string authority_of(const std::string& host, const std::string& port) {
+  const bool brackets = host.find(':') != std::string::npos;
+  return (brackets ? "[" + host + "]" : host) + ":" + port;
+}
+
 /// Where the server is, and how long it is waited for.
 struct ConnectionSettings {
   std::string host = "127.0.0.1";  ///< name or address; an IPv6 address without brackets
@@ -28,6 +34,10 @@ struct ConnectionSettings {
   Milliseconds answer_timeout{10'000};  ///< of one exchange: first byte sent to last byte received
   Milliseconds idle{10'000};  ///< a connection unused for longer is replaced (the server's limit is 15 s)
   std::size_t max_answer_bytes = std::size_t{256} << 20;
+
+  std::string authority() const { return authority_of(host, std::to_string(port)); }
+  /// "https://[::1]:8443"
+  std::string url() const { return (tls ? "https://" : "http://") + authority(); }
 };
 
 struct HttpRequest {

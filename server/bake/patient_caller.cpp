@@ -39,7 +39,7 @@ protocol::ProblemDocument problem_of(const Exchange& exchange) {
 }
 
 PatientCaller::PatientCaller(const protocol::ConnectionSettings& settings, const Patience& patience)
-    : server_(settings.host + ":" + std::to_string(settings.port)), patience_(patience), caller_(settings) {}
+    : server_(settings.authority()), patience_(patience), caller_(settings) {}
 
 Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, const std::stop_token& stop) {
   const Clock::time_point begun = Clock::now();

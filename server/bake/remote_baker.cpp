@@ -329,9 +329,7 @@ Expected<std::unique_ptr<Baker>> remote_baker(const RemoteConfig& config, const 
                                               const std::function<void(const std::string&)>& say) {
   auto baker = std::make_unique<RemoteBaker>(config);
   baker->on_notice(say);
-  if (const Expected<void> greeted =
-          baker->greet("http://" + config.server.host + ":" + std::to_string(config.server.port), stop);
-      !greeted)
+  if (const Expected<void> greeted = baker->greet(config.server.url(), stop); !greeted)
     return tl::unexpected(greeted.error());
   return baker;
 }

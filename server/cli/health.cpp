@@ -6,6 +6,7 @@
 #include <optional>
 #include <system_error>
 
+#include "common/exchange/exchange.hpp"
 #include "server/cli/options.hpp"
 #include "server/cli/serve_settings.hpp"
 #include "server/http/asio.hpp"
@@ -68,7 +69,7 @@ http::asio::awaitable<unsigned> ask(const Probe& probe) {
   co_await http::asio::async_connect(
       socket, co_await resolver.async_resolve(probe.host, probe.port, use_awaitable), use_awaitable);
   bhttp::request<bhttp::empty_body> request(bhttp::verb::get, probe.path, 11);
-  request.set(bhttp::field::host, probe.host);
+  request.set(bhttp::field::host, protocol::authority_of(probe.host, probe.port));
   request.set(bhttp::field::connection, "close");
   co_await bhttp::async_write(socket, request, use_awaitable);
   http::beast::flat_buffer buffer(64 << 10);

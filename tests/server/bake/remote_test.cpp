@@ -363,6 +363,21 @@ TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
               HasSubstr("127.0.0.1:" + std::to_string(deaf.port) + " does not answer"));
 }
 
+TEST(RemoteBaker, SaysAnIpv6AddressInBrackets) {
+  const FakeServer server([&](const FakeRequest&) { return problem(401, "unauthorized"); });
+  protocol::ConnectionSettings settings{.host = "::ffff:127.0.0.1", .port = server.port()};
+  settings.connect_timeout = settings.answer_timeout = std::chrono::hours(1);
+  Patience none = short_pauses();
+  none.total = std::chrono::milliseconds(0);
+  const auto refused = remote_baker({settings, none}, {}, [](const std::string&) {});
+  ASSERT_FALSE(refused);
+  const std::string said = to_line(refused.error()),
+                    authority = "[::ffff:127.0.0.1]:" + std::to_string(server.port());
+  if (said.find("not supported") != std::string::npos) GTEST_SKIP() << "there is no IPv6 here: " << said;
+  EXPECT_THAT(said, testing::StartsWith(authority + " refuses the token"));
+  EXPECT_THAT(server.requests()[0].head, HasSubstr("Host: " + authority + "\r\n"));
+}
+
 TEST(RemoteBaker, SaysThatItWaitsAndThatItWentOn) {
   Farm farm;
   const auto baker = baker_for(farm);

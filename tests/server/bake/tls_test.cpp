@@ -4,6 +4,8 @@
 
 #include "common/digest/digest.hpp"
 #include "server/bake/http_caller.hpp"
+#include "server/bake/remote_baker.hpp"
+#include "tests/client/fake_server.hpp"
 #include "tests/server/support/authority.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/server/support/tls_front.hpp"
@@ -78,6 +80,21 @@ TEST_F(Https, LargeBodiesAndKeptConnectionsAreThoseOfHttp) {
     EXPECT_EQ(answer.status, 200);
     EXPECT_EQ(answer.body, server.post("/fracture?format=obj&sites=3", mesh).body);
   }
+}
+
+TEST_F(Https, WhatIsWrongWithAServerIsSaidWithItsUrl) {
+  const Authority ours(folder, "ours");
+  ours.sign("farm", "IP:127.0.0.1");
+  const test::FakeServer server(
+      [](const test::FakeRequest&) { return test::FakeReply::answer(200, "<html></html>"); });
+  const TlsFront front(server.port(), ours.certificate("farm"), ours.key("farm"));
+  const std::string url = "https://127.0.0.1:" + std::to_string(front.port());
+  auto settings = parse_server_url(url, ours.certificate("ours"));
+  ASSERT_TRUE(settings);
+  settings->connect_timeout = settings->answer_timeout = std::chrono::hours(1);
+  const auto baker = remote_baker({*settings, {}}, {}, [](const std::string&) {});
+  ASSERT_FALSE(baker);
+  EXPECT_THAT(baker.error().detail, HasSubstr(url + " answers, but is no fracture-server"));
 }
 
 TEST(HttpsUrl, NamesItsPortAndItsAuthority) {

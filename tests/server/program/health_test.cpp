@@ -62,6 +62,20 @@ TEST(Health, WithoutAUrlTheServersOwnSettingsSayWhere) {
   EXPECT_NE(any_error.find("admin-port is 0"), std::string::npos) << any_error;
 }
 
+TEST(Health, AServerMayListenOnAnIpv6Address) {
+  const int fd = ::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 loopback{};
+  loopback.sin6_family = AF_INET6;
+  loopback.sin6_addr = in6addr_loopback;
+  const bool possible = fd >= 0 && ::bind(fd, reinterpret_cast<sockaddr*>(&loopback), sizeof loopback) == 0;
+  ::close(fd);
+  if (!possible) GTEST_SKIP() << "there is no IPv6 here";
+  ServeProcess server({"--address", "::1", "--admin-address", "::1"});
+  for (const std::uint16_t port : {server.port, server.admin_port})
+    EXPECT_EQ(health({"http://[::1]:" + std::to_string(port) + (port == server.port ? "/limits" : "")}),
+              std::pair(0, std::string()));
+}
+
 TEST(Health, WhateverCannotBeAskedIsNotHealthy) {
   for (const char* wrong : {"127.0.0.1:8081", "https://127.0.0.1", "http://", "http://:80", "http://a:0",
                             "http://a:65536", "http://a:b", "http://[::1", "http://[::1]x", "http://a/b c"}) {
