@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "common/base/exit_codes.hpp"
 #include "server/cli/options.hpp"
 
 int main(int argc, char** argv) {
@@ -9,6 +10,6 @@ int main(int argc, char** argv) {
     return fracture::cli::run(argc, argv);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "fracture-server: %s\n", e.what());
-    return fracture::cli::kExitInternal;
+    return fracture::kExitInternal;
   }
 }

@@ -4,6 +4,7 @@
 
 #include "client/app/headless.hpp"
 #include "client/app/window.hpp"
+#include "common/base/exit_codes.hpp"
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
 
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
     if (!summary) {
       std::fprintf(stderr, "fracture-client: %s\n",
                    fracture::printable_lines(summary.error().detail).c_str());
-      return 1;
+      return fracture::kExitSystem;
     }
     if (options->json) std::printf("%s\n", fracture::json_text(*summary, 1).c_str());
     const auto& game = summary->at("game");
@@ -25,14 +26,14 @@ int main(int argc, char** argv) {
                    static_cast<unsigned long long>(failures),
                    static_cast<unsigned long long>(game.at("requests").get<std::uint64_t>()),
                    fracture::printable_lines(game.at("trouble").get<std::string>()).c_str());
-      if (game.at("answers") == 0) return 1;  // nothing of it is what was asked for
+      if (game.at("answers") == 0) return fracture::kExitSystem;  // nothing of it is what was asked for
     }
     const auto& diverged = game.at("diverged");
-    if (diverged.is_null()) return 0;
+    if (diverged.is_null()) return fracture::kExitDone;
     std::fprintf(stderr, "fracture-client: step %s is not what was recorded\n", diverged.dump().c_str());
-    return 1;
+    return fracture::kExitInternal;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fracture-client: %s\n", error.what());
-    return 4;
+    return fracture::kExitInternal;
   }
 }

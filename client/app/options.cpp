@@ -10,6 +10,7 @@
 
 #include "client/app/output_places.hpp"
 #include "client/scenes/scene.hpp"
+#include "common/base/exit_codes.hpp"
 
 namespace fracture::app {
 namespace {
@@ -164,7 +165,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values}) joins->excludes(said);
   CLI::Option* replayed = app.add_option(
       "--replay", o.replay,
-      "Plays a game that --log recorded; exit code 1, and the first step, where it is not the same");
+      "Plays a game that --log recorded; exit code 4, and the first step, if it is not the same");
   add(replayed->check(not_empty));
   replayed->excludes(resumed)->excludes(invites)->excludes(joins);
   // The recording says it.
@@ -207,15 +208,15 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
-    return tl::unexpected(Exit{code == 0 ? 0 : 2});
+    return tl::unexpected(Exit{code == 0 ? kExitDone : kExitUsage});
   }
   if (!o.wav.empty() && !o.fixed_step && o.replay.empty()) {
     std::fprintf(stderr, "--wav requires --fixed-step or --replay\n");
-    return tl::unexpected(Exit{2});
+    return tl::unexpected(Exit{kExitUsage});
   }
   if (const std::optional<std::string> lost = same_place(o)) {
     std::fprintf(stderr, "%s\n", lost->c_str());
-    return tl::unexpected(Exit{2});
+    return tl::unexpected(Exit{kExitUsage});
   }
   if (!invite.empty()) o.invite = *address_of(invite);
   if (!join.empty()) o.join = *address_of(join);

@@ -9,6 +9,7 @@
 #include "client/cli/draw_picture.hpp"
 #include "client/cli/sheet.hpp"
 #include "client/egl/egl_context.hpp"
+#include "common/base/exit_codes.hpp"
 
 namespace {
 
@@ -19,7 +20,8 @@ using fracture::cli::OptionSpec;
 using fracture::cli::PictureMaker;
 using fracture::cli::PictureOptions;
 
-constexpr int kExitDone = 0, kExitSystem = 1, kExitUsage = 2, kExitRefused = 3, kExitBug = 4;
+using fracture::kExitDone, fracture::kExitInternal, fracture::kExitRefused, fracture::kExitSystem,
+    fracture::kExitUsage;
 
 int exit_code(const Error& error) {
   switch (error.code) {
@@ -133,6 +135,6 @@ int main(int argc, char** argv) {
     return exit_code(done.error());
   } catch (const std::exception& bug) {
     std::fprintf(stderr, "fracture-render: a bug: %s\n", bug.what());
-    return kExitBug;
+    return kExitInternal;
   }
 }

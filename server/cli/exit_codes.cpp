@@ -1,5 +1,7 @@
 #include "server/cli/exit_codes.hpp"
 
+#include "server/bake/failure.hpp"
+
 namespace fracture::cli {
 
 int exit_code(const bake::RunFigures& figures, std::size_t allowed) {
@@ -15,15 +17,20 @@ int exit_code(const bake::RunFigures& figures, std::size_t allowed) {
   return figures.refused > allowed ? kExitRefused : kExitDone;
 }
 
-int inspect_exit_code(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kBadParameter:
-    case ErrorCode::kUnknownParameter:
-    case ErrorCode::kUnknownFormat:
-      return kInspectFailed;
-    default:
-      return kInspectRefused;
+int exit_code(ErrorCode code) {
+  if (code == ErrorCode::kFileAccess) return kExitSystem;
+  switch (bake::outcome_of(code)) {
+    case bake::Outcome::kRefused:
+      return kExitRefused;
+    case bake::Outcome::kFailed:
+    case bake::Outcome::kUnsound:
+      return kExitInternal;
+    case bake::Outcome::kCancelled:
+      return kExitInterrupted;
+    case bake::Outcome::kUnavailable:
+      return kExitSystem;
   }
+  return kExitInternal;
 }
 
 }  // namespace fracture::cli

@@ -78,10 +78,11 @@ http::asio::awaitable<unsigned> ask(const Probe& probe) {
   co_return answer.get().result_int();
 }
 
-int unhealthy(const std::string& reason) {
+int say(const std::string& reason, int code) {
   std::fprintf(stderr, "fracture-server health: %s\n", reason.c_str());
-  return kExitSystem;
+  return code;
 }
+int unhealthy(const std::string& reason) { return say(reason, kExitSystem); }
 
 }  // namespace
 
@@ -95,7 +96,7 @@ int health(const HealthOptions& o) {
   if (!errors.empty()) {
     std::string all;
     for (const std::string& error : errors) all += (all.empty() ? "" : "; ") + error;
-    return unhealthy(all);
+    return say(all, kExitUsage);
   }
   const std::string where = probe->host + " port " + probe->port + probe->path + ": ";
   std::optional<unsigned> status;

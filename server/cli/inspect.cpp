@@ -55,7 +55,7 @@ int refuse(const InspectOptions& options, const Error& error) {
     std::printf("%s: refused: %s: %s\n  %s\n", options.input.c_str(), slug(error.code), title(error.code),
                 error.detail.c_str());
   }
-  return inspect_exit_code(error.code);
+  return exit_code(error.code);
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ int inspect(const InspectOptions& options) {
     engine = make_engine(bake::own_import_workers(1));
   } catch (const std::runtime_error& e) {
     std::fprintf(stderr, "fracture-server inspect: %s\n", e.what());
-    return kInspectFailed;
+    return kExitSystem;
   }
   FractureService service(options.service, std::move(engine));
   Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
@@ -75,7 +75,7 @@ int inspect(const InspectOptions& options) {
   if (!bytes) {
     std::fprintf(stderr, "fracture-server inspect: cannot read %s: %s\n", options.input.c_str(),
                  std::strerror(errno));
-    return kInspectFailed;
+    return kExitSystem;
   }
   const Expected<bake::InputFile> input = bake::to_input(options.input, std::move(*bytes), *parameters);
   if (!input) return refuse(options, input.error());
@@ -90,7 +90,7 @@ int inspect(const InspectOptions& options) {
                 mesh_report(**mesh).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   else
     print(options.input, **mesh, mended);
-  return mended ? kInspectRepaired : kInspectClosed;
+  return mended ? kExitRepaired : kExitDone;
 }
 
 }  // namespace fracture::cli

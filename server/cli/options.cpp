@@ -56,7 +56,8 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
   }
   app.footer(
       "Every setting may also be given as an environment variable (FRACTURE_MAX_BODY for --max-body) or in "
-      "the file of --config; flags come before variables, and variables before the file.");
+      "the file of --config; flags come before variables, and variables before the file.\n\n" +
+      std::string(kExitCodesInWords));
 }
 
 constexpr const char* kParameterGroup = "Parameters, those of a request to the server (with - or _)";
@@ -235,11 +236,10 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "fracture-server bake assets/ -o broken/ -j 8\n"
       "fracture-server bake --manifest night.ndjson --shard 3/16\n"
       "fracture-server bake assets/ -o broken/ --html broken.html\n"
-      "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n"
-      "Exits with 0: done, 1: a file could not be read or written, or the server did not answer, 2: wrong "
-      "command line or manifest, 3: more refused than --allow-refused, 4: a bug or a certificate that does "
-      "not hold, and that file is not written, 130: stopped; what is made stays, and the same command goes "
-      "on.");
+      "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n" +
+      std::string(kExitCodesInWords) +
+      " With 3 more meshes than --allow-refused were refused; after 130 what is made stays, and the same "
+      "command goes on.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
@@ -247,6 +247,7 @@ void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_flag("--json", o.json, "The report as JSON");
   add_threads(app, o.threads, "Threads that compute, 0: one for each core");
   add_parameters(app, o.parameters, o.service);
+  app.footer(kExitCodesInWords);
 }
 
 void add_health(CLI::App& app, HealthOptions& o) {
@@ -258,6 +259,7 @@ void add_health(CLI::App& app, HealthOptions& o) {
   app.add_option("--timeout", o.timeout, "Seconds to wait")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
+  app.footer(kExitCodesInWords);
 }
 
 }  // namespace
@@ -291,15 +293,12 @@ int run(int argc, char** argv) {
   InspectOptions inspect_options;
   inspect_options.service.formats = FormatSet::all();
   CLI::App& inspect_command =
-      *app.add_subcommand("inspect",
-                          "Say what a mesh is worth without fracturing it. Exits with 0: a closed solid as "
-                          "it is, 1: usable after "
-                          "repair, 2: refused, 3: wrong command line or unreadable file");
+      *app.add_subcommand("inspect", "Say what a mesh is worth without fracturing it: by the exit code, too");
   inspect_command.preparse_callback([&](std::size_t) { add_inspect(inspect_command, inspect_options); });
 
   HealthOptions health_options;
-  CLI::App& health_command = *app.add_subcommand(
-      "health", "Ask a server whether it is alive. Exits with 0: yes, 1: no, or it cannot be asked");
+  CLI::App& health_command =
+      *app.add_subcommand("health", "Ask a server whether it is alive: by the exit code, too");
   health_command.preparse_callback([&](std::size_t) { add_health(health_command, health_options); });
 
   try {
@@ -315,7 +314,7 @@ int run(int argc, char** argv) {
     } else if (app.exit(e) == 0) {
       return kExitDone;
     }
-    return inspect_command.parsed() ? kInspectFailed : health_command.parsed() ? kExitSystem : kExitUsage;
+    return kExitUsage;
   }
   if (inspect_command.parsed()) return inspect(inspect_options);
   if (bake_command.parsed()) return bake(bake_options);

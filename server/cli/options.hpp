@@ -95,7 +95,7 @@ struct HealthOptions {
 int serve(const ServeOptions& options);
 int bake(const BakeOptions& options);
 int inspect(const InspectOptions& options);
-/// kExitDone when the answer is 200; else kExitSystem, and the reason on standard error.
+/// kExitDone when the answer is 200; kExitUsage when the URL or the settings are wrong; else kExitSystem. The reason is on standard error.
 int health(const HealthOptions& options);
 
 /// Parses the command line and runs the command.

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <initializer_list>
+#include <utility>
+
 namespace fracture::cli {
 namespace {
 
@@ -23,11 +26,19 @@ TEST(ExitCodes, OfABakeSayTheWorstThatHappened) {
   EXPECT_EQ(exit_code(figures, 2), kExitSystem);
 }
 
-TEST(ExitCodes, OfInspectTellTheMeshFromTheRequest) {
-  EXPECT_EQ(inspect_exit_code(ErrorCode::kMeshNotClosed), kInspectRefused);
-  EXPECT_EQ(inspect_exit_code(ErrorCode::kMalformedMesh), kInspectRefused);
-  EXPECT_EQ(inspect_exit_code(ErrorCode::kBadParameter), kInspectFailed);
-  EXPECT_EQ(inspect_exit_code(ErrorCode::kUnknownFormat), kInspectFailed);
+TEST(ExitCodes, OfACommandThatEndsWithAnErrorAreThoseOfABakeOfOneMesh) {
+  for (const auto& [code, expected] :
+       std::initializer_list<std::pair<ErrorCode, int>>{{ErrorCode::kMeshNotClosed, kExitRefused},
+                                                        {ErrorCode::kMalformedMesh, kExitRefused},
+                                                        {ErrorCode::kBadParameter, kExitRefused},
+                                                        {ErrorCode::kUnknownFormat, kExitRefused},
+                                                        {ErrorCode::kFileAccess, kExitSystem},
+                                                        {ErrorCode::kUnavailable, kExitSystem},
+                                                        {ErrorCode::kInternal, kExitInternal},
+                                                        {ErrorCode::kOutOfMemory, kExitInternal},
+                                                        {ErrorCode::kUnsound, kExitInternal},
+                                                        {ErrorCode::kCancelled, kExitInterrupted}})
+    EXPECT_EQ(exit_code(code), expected) << slug(code);
 }
 
 }  // namespace

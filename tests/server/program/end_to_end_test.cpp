@@ -267,15 +267,15 @@ TEST_F(EndToEnd, InspectSaysWhatAMeshIsWorthByItsExitStatusAndAsJson) {
     const char* verdict;
   } cases[] = {
       {{"inspect", closed, "--json"}, 0, "closed"},
-      {{"inspect", open, "--json"}, 1, "repaired"},
-      {{"inspect", quad, "--json"}, 2, "refused"},
-      {{"inspect", quad, "--json", "--thickness", "0.1"}, 1, "repaired"},
-      {{"inspect", open, "--json", "--repair", "strict"}, 2, "refused"},
+      {{"inspect", open, "--json"}, 5, "repaired"},
+      {{"inspect", quad, "--json"}, 3, "refused"},
+      {{"inspect", quad, "--json", "--thickness", "0.1"}, 5, "repaired"},
+      {{"inspect", open, "--json", "--repair", "strict"}, 3, "refused"},
       {{"inspect", closed, "--json", "--sites", "0"}, 3, "refused"},
       {{"inspect", closed, "--json", "--nodes", "absent"}, 3, "refused"},
-      {{"inspect", (folder / "absent.obj").string(), "--json"}, 3, ""},
-      {{"inspect", closed, "--colour", "red"}, 3, ""},
-      {{"inspect"}, 3, ""},
+      {{"inspect", (folder / "absent.obj").string(), "--json"}, 1, ""},
+      {{"inspect", closed, "--colour", "red"}, 2, ""},
+      {{"inspect"}, 2, ""},
   };
   const fs::path out = folder / "out.json";
   for (const auto& c : cases) {
@@ -287,7 +287,7 @@ TEST_F(EndToEnd, InspectSaysWhatAMeshIsWorthByItsExitStatusAndAsJson) {
     EXPECT_EQ(report.at("verdict"), c.verdict);
   }
   Process figures({"inspect", open, "--json", "--unit", "cm", "--up", "z"}, out.string());
-  EXPECT_EQ(figures.wait(), 1);
+  EXPECT_EQ(figures.wait(), 5);
   const auto report = nlohmann::json::parse(read(out));
   EXPECT_NEAR(report.at("solid").at("volume").get<double>(), 1e-6, 1e-12);
   EXPECT_EQ(report.at("solid").at("open_edges"), 4);

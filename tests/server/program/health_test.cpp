@@ -1,4 +1,4 @@
-// fracture-server health: 0 when the server answers 200, 1 for every other reason, which it names.
+// fracture-server health: 0 when the server answers 200, 2 when it is asked wrongly, 1 for every other reason. It names the reason.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -55,10 +55,10 @@ TEST(Health, WithoutAUrlTheServersOwnSettingsSayWhere) {
   EXPECT_EQ(health({"--config", file}), std::pair(0, std::string()));
 
   const auto [missing, missing_error] = health({"--config", folder / "missing.toml"});
-  EXPECT_EQ(missing, 1);
+  EXPECT_EQ(missing, 2);
   EXPECT_NE(missing_error.find("missing.toml"), std::string::npos) << missing_error;
   const auto [any, any_error] = health({"--config", folder.write("any.toml", "admin-port = 0\n")});
-  EXPECT_EQ(any, 1);
+  EXPECT_EQ(any, 2);
   EXPECT_NE(any_error.find("admin-port is 0"), std::string::npos) << any_error;
 }
 
@@ -80,11 +80,11 @@ TEST(Health, WhateverCannotBeAskedIsNotHealthy) {
   for (const char* wrong : {"127.0.0.1:8081", "https://127.0.0.1", "http://", "http://:80", "http://a:0",
                             "http://a:65536", "http://a:b", "http://[::1", "http://[::1]x", "http://a/b c"}) {
     const auto [code, error] = health({wrong});
-    EXPECT_EQ(code, 1) << wrong;
+    EXPECT_EQ(code, 2) << wrong;
     EXPECT_NE(error.find("must be http://host[:port][/path]"), std::string::npos) << wrong << ": " << error;
   }
-  EXPECT_EQ(health({"--nonsense"}).first, 1);
-  EXPECT_EQ(health({"http://127.0.0.1", "--timeout", "0"}).first, 1);
+  EXPECT_EQ(health({"--nonsense"}).first, 2);
+  EXPECT_EQ(health({"http://127.0.0.1", "--timeout", "0"}).first, 2);
 }
 
 // A listener that accepts (by its backlog) and never answers.
