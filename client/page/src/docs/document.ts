@@ -39,7 +39,7 @@ export function typeOf(schema: Schema | undefined): string {
 
 /** The line that people copy. */
 export function examplesOf(method: string, path: string, origin: string): string[] {
-  const id = 'sha256:…', address = `${origin}${path.replace('{id}', path.startsWith('/jobs') ? '…' : id).replace('{name}', 'bad-parameter')}`;
+  const id = 'sha256:…', address = `'${origin}${path.replace('{id}', path.startsWith('/jobs') ? '…' : id).replace('{name}', 'bad-parameter')}'`;
   if (path.startsWith('/livez') || path.startsWith('/readyz') || path.startsWith('/metrics')) return [];
   if (method === 'get') return [`curl --fail-with-body -H 'Accept: application/json' ${address}`];
   if (path === '/fracture') return [`curl --fail-with-body -F mesh=@barrel.glb -F params='{"material": "stone", "fragments": 80};type=application/json' \\\n  ${address} -o fragments.glb`];
