@@ -19,6 +19,10 @@ struct Baked {
   StageTimings timings{};  ///< where it was made here
 };
 
+/// Of a bake, by the table of its baker: kNoSuchAnswer for `of`, because no baker keeps answers.
+Expected<RequestParameters> parse_parameters(const ParameterTable& table,
+                                             const std::vector<RawParameter>& given);
+
 /// Thread-safe.
 class Baker {
  public:

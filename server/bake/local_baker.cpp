@@ -10,7 +10,7 @@ class LocalBaker : public Baker {
       : service_(config, std::move(engine)) {}
 
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
-    return service_.parse(given);
+    return parse_parameters(service_.parameters(), given);
   }
 
   Expected<Baked> bake(const FractureRequest& request, const Execution& execution,

@@ -120,6 +120,24 @@ Expected<std::vector<WrittenFile>> write_output(const std::string& path, OutputK
   return writing.take();
 }
 
+Expected<std::vector<WrittenFile>> write_answer(const std::string& path, OutputKind kind,
+                                                const std::vector<std::uint8_t>& answer, const Digest& digest,
+                                                MeshFormat source, const Objection& objection,
+                                                const std::stop_token& stop) {
+  if (kind == OutputKind::kGlb || kind == OutputKind::kGltf) {
+    const auto bytes = std::as_bytes(std::span(answer));
+    const bool good = path == kStandardStream ? write_standard_output(bytes, stop)
+                                              : make_folders_of(path) && write_file(path, bytes);
+    if (good) return std::vector<WrittenFile>{{path, digest, bytes.size()}};
+  } else if (make_folders_of(path)) {
+    const bool linear = source == MeshFormat::kGlb || source == MeshFormat::kGltf;
+    return write_output(path, kind, answer,
+                        linear ? outputs::VertexColors::kToSrgb : outputs::VertexColors::kKeep, objection,
+                        stop);
+  }
+  return fail(errno == ECANCELED ? ErrorCode::kCancelled : ErrorCode::kFileAccess, std::strerror(errno));
+}
+
 bool is_foreign_mtl(const std::string& path) {
   std::error_code error;
   if (path.empty() || !fs::exists(path, error)) return false;

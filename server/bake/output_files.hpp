@@ -33,6 +33,13 @@ Expected<std::vector<WrittenFile>> write_output(const std::string& path, OutputK
                                                 outputs::VertexColors colors, const Objection& objection,
                                                 const std::stop_token& stop);
 
+/// An answer of the format that answer_format() says, in its folder, which is made, or to standard output: as it is, or as write_output() does it.
+/// `source`: the format of the mesh, which decides what its vertex colours mean. Errors are those of write_output().
+Expected<std::vector<WrittenFile>> write_answer(const std::string& path, OutputKind kind,
+                                                const std::vector<std::uint8_t>& answer, const Digest& digest,
+                                                MeshFormat source, const Objection& objection,
+                                                const std::stop_token& stop);
+
 /// Is there something that a user may have made, which the materials of an OBJ would be written over?
 bool is_foreign_mtl(const std::string& path);
 

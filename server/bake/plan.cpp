@@ -8,23 +8,17 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <map>
 #include <set>
 #include <system_error>
 #include <utility>
 
-#include "common/base/json_reader.hpp"
-#include "common/base/json_text.hpp"
-#include "common/base/printable.hpp"
 #include "common/import/import_input.hpp"
-#include "server/bake/html_report.hpp"
-#include "server/bake/output_files.hpp"
+#include "server/bake/manifest.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/picture_paths.hpp"
 #include "server/bake/report.hpp"
 #include "server/bake/result_file.hpp"
-#include "server/bake/stage_dump.hpp"
+#include "server/bake/safe_places.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -148,139 +142,6 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
   return jobs;
 }
 
-Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
-  const auto read = read_json(line, {});
-  if (!read && read.error().kind != JsonFault::Kind::kSyntax) return wrong("it " + to_text(read.error()));
-  if (!read) return wrong("it is no JSON object (column " + std::to_string(read.error().byte) + ")");
-  if (!read->value.is_object()) return wrong("it is no JSON object");
-  const nlohmann::json& json = read->value;
-  BakeJob job{.input = {}, .output = {}, .parameters = source.parameters};
-  for (const auto& [key, value] : json.items()) {
-    if (key == "input" || key == "output") {
-      if (!value.is_string() || value.get_ref<const std::string&>().empty())
-        return wrong("'" + key + "' must be a path; it was " + shortened(json_text(value)));
-      if (value == kStandardStream)
-        return wrong("'" + key +
-                     "' is '-': standard input and output are for one mesh without a manifest; a file "
-                     "of this name is './-'");
-      std::string path = (folder / value.get<std::string>()).lexically_normal().string();
-      if (path == kStandardStream) path.insert(0, "./");
-      (key == "input" ? job.input : job.output) = std::move(path);
-    } else if (key == "parameters") {
-      if (!value.is_object())
-        return wrong("'parameters' must be an object; it was " + shortened(json_text(value)));
-      for (const auto& [name, given] : value.items()) job.own.push_back({name, given, false});
-      put_over(job.own, job.parameters);
-    } else {
-      return wrong("'" + shortened(key) + "' is none of input, output and parameters");
-    }
-  }
-  if (job.input.empty()) return wrong("'input' is missing");
-  if (job.output.empty()) return wrong("'output' is missing");
-  return job;
-}
-
-Expected<std::vector<BakeJob>> jobs_of_manifest(const BakeSource& source) {
-  errno = 0;
-  std::ifstream file(source.manifest);
-  if (!file)
-    return wrong("The manifest '" + source.manifest + "' cannot be read: " + std::strerror(errno) + ".");
-  const fs::path folder = fs::path(source.manifest).parent_path();
-  std::vector<BakeJob> jobs;
-  std::string line;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    Expected<BakeJob> job = job_of_line(line, folder, source);
-    if (!job)
-      return wrong("Line " + std::to_string(number) + " of '" + source.manifest + "': " + job.error().detail +
-                   ".");
-    job->line = number;
-    jobs.push_back(std::move(*job));
-  }
-  if (file.bad())
-    return wrong("The manifest '" + source.manifest +
-                 "' cannot be read to its end: " + std::strerror(errno != 0 ? errno : EIO) + ".");
-  return jobs;
-}
-
-/// Finds whatever a bake would lose by writing.
-class Places {
- public:
-  /// What is read stays.
-  void read(const std::string& path, const std::string& what) {
-    if (path != kStandardStream) read_.emplace(identity_of(path), what + " '" + path + "'");
-  }
-  /// kBadParameter where it may not be written. `whose`: the mesh that becomes this output, or what else this is.
-  Expected<void> write(const std::string& path, const std::string& whose) {
-    if (path == kStandardStream) return {};
-    if (std::optional<Error> refused = refuse_output(path)) return tl::unexpected<Error>(std::move(*refused));
-    const FileIdentity identity = identity_of(path);
-    if (const auto at = read_.find(identity); at != read_.end())
-      return wrong("'" + path + "' would be written over " + at->second + ".");
-    if (const auto [at, fresh] = written_.emplace(identity, whose); !fresh)
-      return wrong(at->second + " and " + whose + " would both be written to '" + path + "'.");
-    return {};
-  }
-
- private:
-  std::map<FileIdentity, std::string> read_, written_;  ///< with words for them
-};
-
-Expected<void> lose_nothing(const BakePlan& plan, const BakeSource& source) {
-  Places places;
-  for (const BakeJob& job : plan.jobs) places.read(job.input, "the input");
-  if (!source.manifest.empty()) places.read(source.manifest, "the manifest");
-  if (!source.rules.empty()) places.read(source.rules, "the rules");
-  for (const BakeJob& job : plan.jobs) {
-    const auto in_line = [&](const std::string& detail) {
-      return wrong(
-          (job.line > 0 ? "Line " + std::to_string(job.line) + " of '" + source.manifest + "': " : "") +
-          detail);
-    };
-    if (job.output != kStandardStream)
-      if (const auto kind = kind_of_output(job.output); !kind) return in_line(kind.error().detail);
-    if (const auto place = places.write(job.output, "'" + job.input + "'"); !place)
-      return in_line(place.error().detail);
-    const std::string materials = materials_beside(job.output);
-    if (materials.empty()) continue;
-    if (const auto place = places.write(materials, "the materials of '" + job.output + "'"); !place)
-      return in_line(place.error().detail);
-    if (is_foreign_mtl(materials))
-      return in_line("'" + materials + "' is there, and no bake made it: the materials of '" + job.output +
-                     "' would be written over it.");
-  }
-  for (const BakeJob& job : plan.jobs)
-    if (!job.picture.empty())
-      if (auto place = places.write(job.picture, "the picture of '" + job.output + "'"); !place) return place;
-  if (!plan.html.empty()) {
-    if (auto place = places.write(plan.html, "the page"); !place) return place;
-    if (!may_be_html_report(plan.html))
-      return wrong("'" + plan.html + "' is there and is no page of a bake; as one it would be written anew.");
-  }
-  if (!plan.report.empty()) {
-    if (plan.report == kStandardStream)
-      return wrong("--report needs a file: it is read again by the next bake.");
-    if (auto place = places.write(plan.report, "the report"); !place) return place;
-    if (!BakeReport::may_be(plan.report))
-      return wrong("'" + plan.report +
-                   "' is there and is no report of a bake; as one it would be written anew.");
-  }
-  if (!source.depfile.empty()) {
-    if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||
-        plan.jobs.front().input == kStandardStream)
-      return wrong("--depfile is a file that names files: it does not go with '-'.");
-    if (auto place = places.write(source.depfile, "the depfile"); !place) return place;
-  }
-  if (source.stages.empty()) return {};
-  for (const std::string& path : stage_files(source.stages)) {
-    std::error_code error;
-    if (fs::exists(fs::symlink_status(path, error)))
-      return wrong("'" + path + "' is there already, and --dump-stages writes over nothing.");
-    if (auto place = places.write(path, "a stage"); !place) return place;
-  }
-  return {};
-}
-
 /// Beside the outputs, or beside the manifest; one for each shard.
 std::string report_beside(const BakeSource& source) {
   const std::string part = part_of(source.shard);
@@ -312,7 +173,7 @@ std::optional<std::size_t> index_of_orchestrator() {
 
 }  // namespace
 
-Expected<BakePlan> plan_bake(const BakeSource& given) {
+Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& parse) {
   BakePlan plan;
   BakeSource source = given;
   std::error_code error;
@@ -340,18 +201,22 @@ Expected<BakePlan> plan_bake(const BakeSource& given) {
     if (!rules) return tl::unexpected(rules.error());
     plan.rules = std::move(*rules);
   }
+  LineFaults faults(source.manifest);
   if (plan.single) {
     plan.jobs.push_back({source.inputs.front(), source.output, source.parameters});
   } else {
     Expected<std::vector<BakeJob>> jobs =
-        source.manifest.empty() ? jobs_of_inputs(source, plan.skipped) : jobs_of_manifest(source);
+        source.manifest.empty() ? jobs_of_inputs(source, plan.skipped) : read_manifest(source, faults);
     if (!jobs) return tl::unexpected(jobs.error());
     plan.jobs = std::move(*jobs);
   }
   plan.html = page_of(source);
   if (const auto pictures = give_pictures(source, plan.single, plan.jobs); !pictures)
     return tl::unexpected(pictures.error());
-  if (const auto safe = lose_nothing(plan, source); !safe) return tl::unexpected(safe.error());
+  const Expected<void> safe = check_places(plan, source, faults);
+  if (!source.manifest.empty() && parse) check_parameters(plan.jobs, plan.rules, parse, faults);
+  if (!faults.empty()) return tl::unexpected(faults.error());
+  if (!safe) return tl::unexpected(safe.error());
   plan.all = plan.jobs.size();
   if (source.shard.count > 1) {
     std::vector<BakeJob> mine;

@@ -56,9 +56,10 @@ struct BakePlan {
 /// glob; it is where it is named.
 ///
 /// Nothing is lost: no output, picture, report, page or depfile of any shard is an input, the manifest, the rules, another one of them,
-/// or a place where no file can be; and what a dump of stages would write is not there yet. Errors: kBadParameter, which names the line of the manifest and the
-/// paths; nothing matches or is readable: kBadParameter too.
-Expected<BakePlan> plan_bake(const BakeSource& source);
+/// or a place where no file can be; and what a dump of stages would write is not there yet. With `parse` the parameters of each line of
+/// the manifest are right, whatever its mesh. Errors: kBadParameter, which names every wrong line of the manifest, and the paths;
+/// nothing matches or is readable: kBadParameter too.
+Expected<BakePlan> plan_bake(const BakeSource& source, const ParseParameters& parse = {});
 
 /// "3/16", or "auto/16": the index that an orchestrator gives in JOB_COMPLETION_INDEX (Kubernetes),
 /// SLURM_ARRAY_TASK_ID less SLURM_ARRAY_TASK_MIN, or FRACTURE_SHARD. Errors: kBadParameter.

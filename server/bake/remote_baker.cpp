@@ -292,12 +292,7 @@ class RemoteBaker : public Baker {
   /// What the server refuses is refused by its own table when it is asked; this one knows the same rows, and
   /// names the answer as the server will.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
-    Expected<RequestParameters> parsed = table_.parse(given);
-    if (parsed && !parsed->of.empty())
-      return fail(ErrorCode::kNoSuchAnswer,
-                  "A bake makes each file from its own parameters: 'of' names an answer that no baker keeps.",
-                  "of");
-    return parsed;
+    return parse_parameters(table_, given);
   }
 
   Expected<Baked> bake(const FractureRequest& request, const Execution&,

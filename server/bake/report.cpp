@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <set>
@@ -10,8 +11,20 @@
 
 #include "common/base/json_text.hpp"
 #include "server/bake/atomic_file.hpp"
+#include "server/bake/output_files.hpp"
+#include "server/bake/output_path.hpp"
 
 namespace fracture::bake {
+
+bool is_right(const KnownOutput& known, const std::string& output) {
+  if (digest_of_file(output) != known.digest) return false;
+  const auto beside = known.line.find("beside");
+  if (beside == known.line.end()) return materials_beside(output).empty();
+  return beside->is_array() && std::all_of(beside->begin(), beside->end(), [](const nlohmann::json& file) {
+           return file.is_object() && digest_of_file(file.value("path", "")) == file.value("digest", "");
+         });
+}
+
 BakeReport::BakeReport(std::string path) : path_(std::move(path)) {
   if (path_.empty()) return;
   std::ifstream file(path_);
@@ -31,7 +44,9 @@ BakeReport::BakeReport(std::string path) : path_(std::move(path)) {
   }
   make_folders_of(path_);
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (fd_ < 0) trouble_ = errno;
   if (unfinished && fd_ >= 0 && ::write(fd_, "\n", 1) != 1) {
+    trouble_ = errno;
     ::close(fd_);
     fd_ = -1;
   }

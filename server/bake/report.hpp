@@ -15,6 +15,8 @@ struct KnownOutput {
   std::string digest;  ///< "sha256:<hex>" of the file
   nlohmann::json line;
 };
+/// Are the bytes that the line says in the output, and in whatever was written beside it?
+bool is_right(const KnownOutput& known, const std::string& output);
 
 /// Lines are appended while jobs end, each in one write, so that what a killed run has done is known;
 /// finish() puts them in the order of the jobs. Thread-safe.
@@ -27,6 +29,8 @@ class BakeReport {
   BakeReport(const BakeReport&) = delete;
   BakeReport& operator=(const BakeReport&) = delete;
 
+  /// The errno with which the file could not be opened for writing; 0: it is open, or there is no path.
+  int trouble() const { return trouble_; }
   /// Is there nothing yet, or what a bake has left? Anything else would be lost by finish().
   static bool may_be(const std::string& path);
   /// Null where no earlier run made it.
@@ -41,7 +45,7 @@ class BakeReport {
 
  private:
   std::string path_;
-  int fd_ = -1;
+  int fd_ = -1, trouble_ = 0;
   std::map<std::string, KnownOutput> known_;
   mutable std::mutex mutex_;
   std::map<std::size_t, std::string> lines_;

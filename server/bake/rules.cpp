@@ -197,9 +197,8 @@ void put_over(const std::vector<RawParameter>& over, std::vector<RawParameter>& 
   }
 }
 
-Expected<void> check_rules(
-    const RuleFile& file, const std::vector<RawParameter>& command_line,
-    const std::function<Expected<RequestParameters>(const std::vector<RawParameter>&)>& parse) {
+Expected<void> check_rules(const RuleFile& file, const std::vector<RawParameter>& command_line,
+                           const ParseParameters& parse) {
   for (std::size_t k = 0; k < file.rules.size(); ++k) {
     std::vector<RawParameter> parameters = command_line;
     put_over(file.rules[k].parameters, parameters);

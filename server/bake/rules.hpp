@@ -48,11 +48,13 @@ Expected<RuleFile> read_rules(const std::string& path);
 /// Those of `over` replace those of the same name.
 void put_over(const std::vector<RawParameter>& over, std::vector<RawParameter>& parameters);
 
+/// Checks the parameters of a request by the table of a baker.
+using ParseParameters = std::function<Expected<RequestParameters>(const std::vector<RawParameter>&)>;
+
 /// kBadParameter or kUnknownParameter, which names the rule, where one's parameters are not right together with those of
 /// the command line.
-Expected<void> check_rules(
-    const RuleFile& file, const std::vector<RawParameter>& command_line,
-    const std::function<Expected<RequestParameters>(const std::vector<RawParameter>&)>& parse);
+Expected<void> check_rules(const RuleFile& file, const std::vector<RawParameter>& command_line,
+                           const ParseParameters& parse);
 
 struct RuleMatch {
   std::size_t rule;  ///< index

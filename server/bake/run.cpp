@@ -4,13 +4,13 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <new>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -24,37 +24,16 @@
 #include "server/bake/html_report.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/bake/output_files.hpp"
+#include "server/bake/output_folders.hpp"
 #include "server/bake/progress.hpp"
 #include "server/bake/report.hpp"
 #include "server/bake/sentences.hpp"
+#include "server/bake/soundness.hpp"
 
 namespace fracture::bake {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMaxRelativeError = 1e-9;
-
-/// The bytes that the line says, in the output and in whatever was written beside it.
-bool is_right(const KnownOutput& known, const std::string& output) {
-  if (digest_of_file(output) != known.digest) return false;
-  const auto beside = known.line.find("beside");
-  if (beside == known.line.end()) return materials_beside(output).empty();
-  return beside->is_array() && std::all_of(beside->begin(), beside->end(), [](const json& file) {
-           return file.is_object() && digest_of_file(file.value("path", "")) == file.value("digest", "");
-         });
-}
-
-Error unsound(const Certificate& c) {
-  char detail[300];
-  std::snprintf(
-      detail, sizeof detail,
-      "The certificate does not hold: %llu open edges, %llu caps without a mirror image, volume in %.9g m3, "
-      "out %.9g m3, relative error %.2g. Nothing was written.",
-      static_cast<unsigned long long>(c.open_edges), static_cast<unsigned long long>(c.unmirrored_caps),
-      c.volume_in, c.volume_out, c.relative_error);
-  return {ErrorCode::kUnsound, detail, {}, Figures(certificate_document(c))};
-}
 
 std::unique_ptr<Progress> progress_of(const BakePlan& plan, bool quiet) {
   if (plan.single) return std::make_unique<StageProgress>(quiet);
@@ -78,6 +57,8 @@ class Run {
   }
 
   RunFigures operator()() {
+    figures_.begun = can_write();
+    if (!figures_.begun) return figures_;
     {
       std::vector<std::jthread> threads;
       for (int k = 0; k < options_.jobs; ++k)
@@ -101,6 +82,25 @@ class Run {
   }
 
  private:
+  /// Before anything is computed. What an earlier run made may be right already, so that its folder need not be written to.
+  bool can_write() {
+    if (const int trouble = report_.trouble()) {
+      errno = trouble;
+      unwritable(options_.report);
+    }
+    std::set<std::string> said;
+    std::vector<std::string> places{plan_.html, options_.depfile};
+    for (const BakeJob& job : plan_.jobs)
+      if (options_.force || !report_.find(job.output)) places.push_back(job.output);
+    for (const std::string& path : places) {
+      const std::optional<std::string> fault = folders_.fault_of(path);
+      if (!fault) continue;
+      count(&RunFigures::unwritable);
+      if (said.insert(*fault).second) say("cannot write " + name_of_output(path) + ": " + *fault);
+    }
+    return figures_.unwritable == 0;
+  }
+
   /// Also of a run that was stopped: it says how far that came.
   void write_page() {
     if (plan_.html.empty()) return;
@@ -258,6 +258,8 @@ class Run {
       return progress_->done(true, false);
     }
     if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
+    if (const std::optional<std::string> fault = folders_.fault_of(job.output))
+      return unwritable(number, *fault);
     make(number, *kind, request, keys, *input);
   }
 
@@ -333,24 +335,6 @@ class Run {
     }
   }
 
-  /// kFileAccess: the reason.
-  Expected<std::vector<WrittenFile>> write(const std::string& output, OutputKind kind, const Baked& baked,
-                                           MeshFormat source) {
-    if (kind == OutputKind::kGlb || kind == OutputKind::kGltf) {
-      const auto bytes = std::as_bytes(std::span(*baked.file));
-      const bool good = output == kStandardStream ? write_standard_output(bytes, stop_)
-                                                  : make_folders_of(output) && write_file(output, bytes);
-      if (good) return std::vector<WrittenFile>{{output, baked.digest, bytes.size()}};
-    } else if (make_folders_of(output)) {
-      const bool linear = source == MeshFormat::kGlb || source == MeshFormat::kGltf;
-      return write_output(
-          output, kind, *baked.file, linear ? outputs::VertexColors::kToSrgb : outputs::VertexColors::kKeep,
-          [this](const std::string& path) { return loss_of(path); }, stop_);
-    }
-    return fracture::fail(errno == ECANCELED ? ErrorCode::kCancelled : ErrorCode::kFileAccess,
-                          std::strerror(errno));
-  }
-
   void make(std::size_t number, OutputKind kind, const FractureRequest& request, const RequestKeys& keys,
             const InputFile& input) {
     const BakeJob& job = plan_.jobs[number];
@@ -362,7 +346,9 @@ class Run {
       return fail(number, baked.error());
     }
     if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
-    const Expected<std::vector<WrittenFile>> written = write(job.output, kind, *baked, request.format);
+    const Expected<std::vector<WrittenFile>> written = write_answer(
+        job.output, kind, *baked->file, baked->digest, request.format,
+        [this](const std::string& path) { return loss_of(path); }, stop_);
     if (!written && written.error().code == ErrorCode::kFileAccess)
       return unwritable(number, written.error().detail);
     if (!written) return fail(number, written.error());
@@ -393,6 +379,7 @@ class Run {
   const RunOptions& options_;
   const std::stop_token stop_;
   BakeReport report_;
+  OutputFolders folders_;
   RuleTally tally_;
   const std::unique_ptr<Progress> progress_;
   const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
@@ -408,15 +395,6 @@ class Run {
 RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,
                     const std::stop_token& stop) {
   return Run(plan, baker, options, stop)();
-}
-
-bool is_sound(const AnswerSummary& summary) {
-  const Certificate& certificate = summary.certificate;
-  if (certificate.open_edges != 0) return false;
-  if (!summary.partition) return true;
-  // Whoever counts these has judged the volumes too, by bounds that need more than the certificate says.
-  if (summary.judged) return certificate.unmirrored_caps == 0;
-  return certificate.relative_error <= kMaxRelativeError;
 }
 
 }  // namespace fracture::bake

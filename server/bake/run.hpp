@@ -35,19 +35,16 @@ struct RunFigures {
   std::size_t unreadable = 0, unwritable = 0;
   std::size_t unavailable = 0;  ///< 1: the baker gave up on its server
   std::size_t cancelled = 0;    ///< not done, or not to the end, when the stop came or the baker gave up
+  bool begun = false;           ///< false: something cannot be written to, so that no job was begun
   std::string
       sentence;  ///< of a single job (BakePlan::single): what became of it; empty: that was said as an error
 };
 
-/// Returns when every job is done, the stop came, or the baker is unavailable. Each output is written whole
+/// Returns when every job is done, the stop came, or the baker is unavailable; at once, with all that is unwritable counted,
+/// if the report or the folder of an output that no earlier run made cannot be written to. Each output is written whole
 /// or not at all, and only when its certificate holds. What is wrong, and what the answers warn of, is said
 /// on standard error.
 RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,
                     const std::stop_token& stop);
-
-/// Does the certificate of an answer hold: nothing open, and (but for dual=barycenter) every cap mirrored and
-/// nothing lost? The baker refuses what does not prove itself; this is the second line, also for the answers of
-/// older servers.
-bool is_sound(const AnswerSummary& summary);
 
 }  // namespace fracture::bake

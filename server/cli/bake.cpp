@@ -261,7 +261,9 @@ int bake(const BakeOptions& options) {
     if (!shard) return wrong_command_line(shard.error().detail);
     source.shard = *shard;
   }
-  const Expected<bake::BakePlan> plan = bake::plan_bake(source);
+  const ParameterTable table(options.service.max_sites, options.service.formats);
+  const Expected<bake::BakePlan> plan = bake::plan_bake(
+      source, [&](const std::vector<RawParameter>& given) { return bake::parse_parameters(table, given); });
   if (!plan) return wrong_command_line(plan.error().detail);
   FILE* const words = words_of(*plan);
   if (!options.explain && words == stderr && ::isatty(STDOUT_FILENO))
@@ -324,8 +326,8 @@ int bake(const BakeOptions& options) {
   tell_of(failures);
   if (!options.quiet) {
     std::string summary =
-        plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), run.report);
-    if (!summary.empty() && !plan->html.empty()) summary += "; page in " + plan->html;
+        plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), f.begun ? run.report : "");
+    if (!summary.empty() && f.begun && !plan->html.empty()) summary += "; page in " + plan->html;
     if (!summary.empty()) std::fprintf(words, "%s\n", printable_lines(summary).c_str());
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
     if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");

@@ -1,11 +1,15 @@
 // What a bake is to make, from folders, globs and manifests; and which of it a shard makes.
 #include "server/bake/plan.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
+#include <sstream>
 
+#include "server/bake/line_faults.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::bake {
@@ -121,6 +125,67 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
            {manifest("{\"input\": \"a\", \"output\": \"c\", \"parameters\": 5}"), line + ": 'parameters'"},
            {manifest("{\"input\": \"c\", \"output\": \"./b\"}"), "both be written"}})
     EXPECT_NE(refused(source).find(part), std::string::npos) << part << " in: " << refused(source);
+}
+
+TEST_F(BakePlanTest, EveryWrongLineOfAManifestIsNamed) {
+  const std::string manifest = folder.write("m",
+                                            R"({"input": "a", "output": "1.glb", "parameters": {"sitess": 4}}
+nonsense
+{"input": "a", "output": "3.glb", "parameters": {"sites": 4}}
+{"input": "a", "output": "4.fbx", "parameters": {"sites": 0, "seed": "x"}}
+
+{"input": "a", "output": "6.glb", "parameters": {"sitess": 4}}
+{"input": "a", "output": "7.glb", "parameters": {"sitess": 4}}
+{"input": "a", "output": "8.glb", "parameters": {"sitess": 4}}
+{"input": "a"}
+{"input": "a", "output": "3.glb"}
+)");
+  const std::string of = " of '" + manifest + "': ";
+  const ParameterTable table(100'000, FormatSet::all());
+  const auto parse = [&](const std::vector<RawParameter>& given) { return table.parse(given); };
+  const auto made = plan_bake({.manifest = manifest}, parse);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::kBadParameter);
+  std::vector<std::string> said;
+  std::istringstream lines(made.error().detail);
+  for (std::string line; std::getline(lines, line);) said.push_back(line);
+  const auto begins = [](const std::string& start) { return testing::StartsWith(start); };
+  EXPECT_THAT(
+      said,
+      testing::ElementsAre(
+          begins("Lines 1, 6 to 8" + of + "There is no parameter 'sitess'. Did you mean 'sites'?"),
+          begins("Line 2" + of + "it is no JSON object"), begins("Line 4" + of + "'.fbx' is not written"),
+          testing::AllOf(begins("Line 4" + of), testing::HasSubstr("'sites' must be"),
+                         testing::HasSubstr("'seed' must be")),
+          "Line 9" + of + "'output' is missing.",
+          testing::AllOf(begins("Line 10" + of), testing::HasSubstr("would both be written"))));
+  // Each shard says the same, because a night is lost on all machines.
+  EXPECT_EQ(plan_bake({.manifest = manifest, .shard = {1, 3}}, parse).error().detail, made.error().detail);
+}
+
+TEST_F(BakePlanTest, ALineMayNeedTheParametersOfARule) {
+  const std::string rules =
+      folder.write("rules", R"({"rules": [{"match": {"path": "*"}, "parameters": {"pattern": "impact"}}]})");
+  const ParameterTable table(100'000, FormatSet::all());
+  const auto parse = [&](const std::vector<RawParameter>& given) { return table.parse(given); };
+  const auto detail = [&](const std::string& parameters, const std::string& with) {
+    const std::string manifest =
+        folder.write("m", "{\"input\": \"a\", \"output\": \"b\", \"parameters\": " + parameters + "}\n");
+    const auto made = plan_bake({.manifest = manifest, .rules = with}, parse);
+    return made ? "" : made.error().detail;
+  };
+  EXPECT_THAT(detail(R"({"impacts": [[0, 0, 0]]})", ""), testing::HasSubstr("'impacts'"));
+  EXPECT_EQ(detail(R"({"impacts": [[0, 0, 0]]})", rules), "");
+  EXPECT_THAT(detail(R"({"impacts": [[0, 0, 0]], "sitess": 4})", rules), testing::HasSubstr("'sitess'"));
+}
+
+TEST(LineFaults, DifferentOnesAreCountedBeyondTheMost) {
+  LineFaults faults("m");
+  for (std::size_t line = 1; line <= LineFaults::kMostFaults + 7; ++line)
+    faults.add(line, "Fault " + std::to_string(line) + ".");
+  const std::string said = faults.error().detail;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), static_cast<std::ptrdiff_t>(LineFaults::kMostFaults));
+  EXPECT_TRUE(said.ends_with("\nAnd 7 more faults.")) << said.substr(said.size() - 100);
 }
 
 TEST_F(BakePlanTest, ShardsAreAPartition) {

@@ -10,6 +10,7 @@
 #include <set>
 #include <stop_token>
 
+#include "server/bake/soundness.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::bake {
@@ -251,6 +252,46 @@ TEST_F(BakeRunTest, WhatCannotBeReadOrWrittenDoesNotStopTheOthers) {
   EXPECT_EQ(f.refused, 1u);
   for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))
     EXPECT_NE(entry.path().extension(), ".part") << "nothing half-written";
+}
+
+TEST_F(BakeRunTest, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
+  BakePlan plan = plan_of({{"a", "x"}, {"b", "y"}});
+  folder.write("file", "no folder");
+  for (const char* name : {"1", "2"})
+    plan.jobs.push_back({folder / "in/a.obj", folder / "file/" + name + ".glb", {}});
+  const RunFigures f = run(plan);
+  EXPECT_EQ(f.unwritable, 2u);
+  EXPECT_EQ(f.made, 0u);
+  EXPECT_EQ(baker.asked, 0);
+  EXPECT_FALSE(f.begun);
+  EXPECT_FALSE(fs::exists(folder / "out/a.obj.glb"));
+
+  // The report, the page and the depfile are written last, and tried first.
+  plan = plan_of({{"a", "x"}});
+  RunOptions options;
+  options.quiet = true;
+  options.report = folder / "file/report";
+  EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u);
+  options.report = "";
+  options.depfile = folder / "file/depfile";
+  EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u);
+  options.depfile = "";
+  plan.html = folder / "file/page.html";
+  EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u);
+  EXPECT_EQ(baker.asked, 0);
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path))
+    EXPECT_NE(entry.path().extension(), ".part") << "what was tried is gone";
+}
+
+TEST_F(BakeRunTest, WhatIsRightAlreadyNeedsNoFolderThatCanBeWrittenTo) {
+  const BakePlan plan = plan_of({{"a", "x"}, {"b", "y"}});
+  EXPECT_EQ(run(plan).made, 2u);
+  // The place of the unfinished file is taken: as if the folder could not be written to, for root, too.
+  fs::create_directories(folder / "out/.a.obj.glb.part");
+  EXPECT_EQ(run(plan).kept, 2u);
+  folder.write("in/a.obj", "z");
+  EXPECT_EQ(run(plan, false, 1).unwritable, 1u) << "it has to be made again";
+  EXPECT_EQ(baker.asked, 2) << "and is not computed";
 }
 
 TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {

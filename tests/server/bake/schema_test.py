@@ -35,7 +35,7 @@ MANIFESTS = [
     (FITS, {"input": "./-", "output": "a.glb"}),
     (FITS, {"input": "box.obj", "output": "a.gltf", "parameters": {}}),
     (FITS, {"input": "box.obj", "output": "a.obj"}),
-    (FITS, {"input": "box.obj", "output": "a.glb", "parameters": {"sites": 4, "impacts": [[0, 0, 0]]}}),
+    (FITS, {"input": "box.obj", "output": "a.glb", "parameters": {"sites": 4, "pattern": "impact", "impacts": [[0, 0, 0]]}}),
     (BREAKS, []),
     (BREAKS, "box.obj"),
     (BREAKS, {}),
@@ -113,7 +113,9 @@ class Schemas(unittest.TestCase):
         (self.folder / name).write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
 
     def test_every_line_of_a_report_fits(self):
-        (self.folder / "file").write_text("no folder", encoding="utf-8")
+        # A file that the mesh names is not written over, which is known when the mesh has been read.
+        (self.folder / "names.obj").write_text("mtllib e.glb\n" + BOX, encoding="utf-8")
+        (self.folder / "e.glb").write_text("newmtl red\n", encoding="utf-8")
         (self.folder / "renderer").write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")
         (self.folder / "renderer").chmod(0o755)
         few = {"sites": 4}
@@ -121,8 +123,7 @@ class Schemas(unittest.TestCase):
                    {"input": "holed.obj", "output": "b.obj", "parameters": few},
                    {"input": "open.obj", "output": "c.glb", "parameters": few},
                    {"input": "absent.obj", "output": "d.glb"},
-                   {"input": "box.obj", "output": "file/e.glb", "parameters": few},
-                   {"input": "box.obj", "output": "f.glb", "parameters": {"sites": "many", "colour": 3}},
+                   {"input": "names.obj", "output": "e.glb", "parameters": few},
                    {"input": "box.obj", "output": "g.glb", "parameters": {"nodes": "handle"}})
         fits = validator("report")
         for turn in ("made", "kept"):
@@ -132,10 +133,9 @@ class Schemas(unittest.TestCase):
             for line in lines:
                 fits.validate(line)
             self.assertEqual([line["status"] for line in lines],
-                             ["made", "made", "refused", "unreadable", "unwritable", "refused", "refused"], turn)
+                             ["made", "made", "refused", "unreadable", "unwritable", "refused"], turn)
             self.assertIn("warnings", lines[1])
-            self.assertGreater(len(lines[5]["problem"]["errors"]), 1)
-            self.assertEqual(lines[6]["problem"]["known"], ["lid"])
+            self.assertEqual(lines[5]["problem"]["known"], ["lid"])
             seen = set().union(*lines)
             self.assertEqual(seen, set(fits.schema["properties"]), "each member that is described is written")
             self.assertLessEqual(set(fits.schema["properties"]["certificate"]["properties"]),

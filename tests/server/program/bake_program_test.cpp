@@ -121,6 +121,38 @@ TEST_F(BakeProgram, RefusesWhatItWouldLoseBeforeAnythingIsBaked) {
   EXPECT_EQ(files(), before + 1) << "the hard link, and nothing else was made";
 }
 
+TEST_F(BakeProgram, EveryWrongLineOfAManifestIsNamedAndNothingIsMade) {
+  folder.write(".m", R"({"input": "cube.off", "output": "good.glb", "parameters": {"sites": 5}}
+{"input": "cube.off", "output": "b.glb", "parameters": {"sitess": 5}}
+nonsense
+{"input": "cube.off", "output": "d.glb", "parameters": {"of": "/fractures/sha256:)" +
+                         std::string(64, '0') + R"("}}
+)");
+  EXPECT_EQ(shell("$f bake --manifest .m"), 2);
+  EXPECT_THAT(err, AllOf(StartsWith("fracture-server bake: Line 2 of '.m': There is no parameter 'sitess'"),
+                         HasSubstr("\nLine 3 of '.m': it is no JSON object"),
+                         HasSubstr("\nLine 4 of '.m': A bake makes each file from its own parameters")));
+  EXPECT_EQ(out, "");
+  EXPECT_FALSE(fs::exists(folder / "good.glb"));
+  EXPECT_FALSE(fs::exists(folder / ".m.report"));
+}
+
+TEST_F(BakeProgram, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
+  folder.write("file", "no folder");
+  folder.write(".m", R"({"input": "cube.off", "output": "good.glb", "parameters": {"sites": 5}}
+{"input": "cube.off", "output": "file/bad.glb", "parameters": {"sites": 5}}
+)");
+  EXPECT_EQ(shell("$f bake --manifest .m"), 1);
+  EXPECT_THAT(
+      err, HasSubstr("cannot write file/bad.glb: the folder 'file' cannot be written to: Not a directory"));
+  EXPECT_THAT(out, AllOf(HasSubstr("1 not written of 2 jobs"), Not(HasSubstr("report in"))));
+  EXPECT_FALSE(fs::exists(folder / "good.glb"));
+  EXPECT_EQ(shell("$f bake cube.off -o file/new/x.glb --sites 5"), 1);
+  EXPECT_THAT(err, AllOf(HasSubstr("'file/new' cannot be written to"), Not(HasSubstr("encode"))));
+  EXPECT_EQ(shell("$f bake in -o file/out --sites 5"), 1);
+  EXPECT_THAT(err, HasSubstr("'file/out' cannot be written to"));
+}
+
 TEST_F(BakeProgram, ResultsInTheFolderOfTheMeshesAreNotBakedAgain) {
   ASSERT_EQ(shell("$f bake in -o in --sites 5 --allow-refused 1 -q"), 0) << err;
   const auto first = outputs(folder / "in");

@@ -1,0 +1,114 @@
+#include "server/bake/manifest.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include "common/base/json_reader.hpp"
+#include "common/base/json_text.hpp"
+#include "common/base/printable.hpp"
+#include "server/bake/output_path.hpp"
+
+namespace fracture::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> wrong(std::string detail) { return fail(ErrorCode::kBadParameter, std::move(detail)); }
+
+Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
+  const auto read = read_json(line, {});
+  if (!read && read.error().kind != JsonFault::Kind::kSyntax) return wrong("it " + to_text(read.error()));
+  if (!read) return wrong("it is no JSON object (column " + std::to_string(read.error().byte) + ")");
+  if (!read->value.is_object()) return wrong("it is no JSON object");
+  const nlohmann::json& json = read->value;
+  BakeJob job{.input = {}, .output = {}, .parameters = source.parameters};
+  for (const auto& [key, value] : json.items()) {
+    if (key == "input" || key == "output") {
+      if (!value.is_string() || value.get_ref<const std::string&>().empty())
+        return wrong("'" + key + "' must be a path; it was " + shortened(json_text(value)));
+      if (value == kStandardStream)
+        return wrong("'" + key +
+                     "' is '-': standard input and output are for one mesh without a manifest; a file "
+                     "of this name is './-'");
+      std::string path = (folder / value.get<std::string>()).lexically_normal().string();
+      if (path == kStandardStream) path.insert(0, "./");
+      (key == "input" ? job.input : job.output) = std::move(path);
+    } else if (key == "parameters") {
+      if (!value.is_object())
+        return wrong("'parameters' must be an object; it was " + shortened(json_text(value)));
+      for (const auto& [name, given] : value.items()) job.own.push_back({name, given, false});
+      put_over(job.own, job.parameters);
+    } else {
+      return wrong("'" + shortened(key) + "' is none of input, output and parameters");
+    }
+  }
+  if (job.input.empty()) return wrong("'input' is missing");
+  if (job.output.empty()) return wrong("'output' is missing");
+  return job;
+}
+
+/// All that the table of parameters says is wrong.
+std::string details_of(const Error& error) {
+  const auto errors = error.extra->find("errors");
+  if (errors == error.extra->end() || !errors->is_array()) return error.detail;
+  std::string all;
+  for (const nlohmann::json& each : *errors) all += (all.empty() ? "" : " ") + each.value("detail", "");
+  return all.empty() ? error.detail : all;
+}
+
+/// Empty: the parameters are right without a rule or with one of them.
+std::string fault_of(const BakeJob& job, const RuleFile& rules, const ParseParameters& parse) {
+  const Expected<RequestParameters> parsed = parse(job.parameters);
+  if (parsed) return {};
+  for (const Rule& rule : rules.rules) {
+    std::vector<RawParameter> parameters = job.parameters;
+    put_over(rule.parameters, parameters);
+    put_over(job.own, parameters);
+    if (parse(parameters)) return {};
+  }
+  return details_of(parsed.error());
+}
+
+}  // namespace
+
+Expected<std::vector<BakeJob>> read_manifest(const BakeSource& source, LineFaults& faults) {
+  errno = 0;
+  std::ifstream file(source.manifest);
+  if (!file)
+    return wrong("The manifest '" + source.manifest + "' cannot be read: " + std::strerror(errno) + ".");
+  const fs::path folder = fs::path(source.manifest).parent_path();
+  std::vector<BakeJob> jobs;
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    Expected<BakeJob> job = job_of_line(line, folder, source);
+    if (!job) {
+      faults.add(number, job.error().detail + ".");
+      continue;
+    }
+    job->line = number;
+    jobs.push_back(std::move(*job));
+  }
+  if (file.bad())
+    return wrong("The manifest '" + source.manifest +
+                 "' cannot be read to its end: " + std::strerror(errno != 0 ? errno : EIO) + ".");
+  return jobs;
+}
+
+void check_parameters(const std::vector<BakeJob>& jobs, const RuleFile& rules, const ParseParameters& parse,
+                      LineFaults& faults) {
+  std::map<std::string, std::string> fault_of_parameters;  // a night's lines have few different ones
+  for (const BakeJob& job : jobs) {
+    nlohmann::json key = nlohmann::json::array();
+    for (const RawParameter& parameter : job.own) key.push_back({parameter.name, parameter.value});
+    const auto [at, fresh] = fault_of_parameters.try_emplace(json_text(key));
+    if (fresh) at->second = fault_of(job, rules, parse);
+    if (!at->second.empty()) faults.add(job.line, at->second);
+  }
+}
+
+}  // namespace fracture::bake

@@ -1,0 +1,99 @@
+#include "server/bake/safe_places.hpp"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "server/bake/html_report.hpp"
+#include "server/bake/output_files.hpp"
+#include "server/bake/output_path.hpp"
+#include "server/bake/report.hpp"
+#include "server/bake/stage_dump.hpp"
+
+namespace fracture::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> wrong(std::string detail) { return fail(ErrorCode::kBadParameter, std::move(detail)); }
+
+/// Finds whatever a bake would lose by writing.
+class Places {
+ public:
+  /// What is read stays.
+  void read(const std::string& path, const std::string& what) {
+    if (path != kStandardStream) read_.emplace(identity_of(path), what + " '" + path + "'");
+  }
+  /// kBadParameter where it may not be written. `whose`: the mesh that becomes this output, or what else this is.
+  Expected<void> write(const std::string& path, const std::string& whose) {
+    if (path == kStandardStream) return {};
+    if (std::optional<Error> refused = refuse_output(path)) return tl::unexpected<Error>(std::move(*refused));
+    const FileIdentity identity = identity_of(path);
+    if (const auto at = read_.find(identity); at != read_.end())
+      return wrong("'" + path + "' would be written over " + at->second + ".");
+    if (const auto [at, fresh] = written_.emplace(identity, whose); !fresh)
+      return wrong(at->second + " and " + whose + " would both be written to '" + path + "'.");
+    return {};
+  }
+
+ private:
+  std::map<FileIdentity, std::string> read_, written_;  ///< with words for them
+};
+
+Expected<void> check_output(const BakeJob& job, Places& places) {
+  if (job.output != kStandardStream)
+    if (const auto kind = kind_of_output(job.output); !kind) return tl::unexpected(kind.error());
+  if (auto place = places.write(job.output, "'" + job.input + "'"); !place) return place;
+  const std::string materials = materials_beside(job.output);
+  if (materials.empty()) return {};
+  if (auto place = places.write(materials, "the materials of '" + job.output + "'"); !place) return place;
+  if (is_foreign_mtl(materials))
+    return wrong("'" + materials + "' is there, and no bake made it: the materials of '" + job.output +
+                 "' would be written over it.");
+  return {};
+}
+
+}  // namespace
+
+Expected<void> check_places(const BakePlan& plan, const BakeSource& source, LineFaults& faults) {
+  Places places;
+  for (const BakeJob& job : plan.jobs) places.read(job.input, "the input");
+  if (!source.manifest.empty()) places.read(source.manifest, "the manifest");
+  if (!source.rules.empty()) places.read(source.rules, "the rules");
+  for (const BakeJob& job : plan.jobs)
+    if (const auto place = check_output(job, places); !place) faults.add(job.line, place.error().detail);
+  for (const BakeJob& job : plan.jobs)
+    if (!job.picture.empty())
+      if (auto place = places.write(job.picture, "the picture of '" + job.output + "'"); !place) return place;
+  if (!plan.html.empty()) {
+    if (auto place = places.write(plan.html, "the page"); !place) return place;
+    if (!may_be_html_report(plan.html))
+      return wrong("'" + plan.html + "' is there and is no page of a bake; as one it would be written anew.");
+  }
+  if (!plan.report.empty()) {
+    if (plan.report == kStandardStream)
+      return wrong("--report needs a file: it is read again by the next bake.");
+    if (auto place = places.write(plan.report, "the report"); !place) return place;
+    if (!BakeReport::may_be(plan.report))
+      return wrong("'" + plan.report +
+                   "' is there and is no report of a bake; as one it would be written anew.");
+  }
+  if (!source.depfile.empty()) {
+    if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||
+        plan.jobs.front().input == kStandardStream)
+      return wrong("--depfile is a file that names files: it does not go with '-'.");
+    if (auto place = places.write(source.depfile, "the depfile"); !place) return place;
+  }
+  if (source.stages.empty()) return {};
+  for (const std::string& path : stage_files(source.stages)) {
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(path, error)))
+      return wrong("'" + path + "' is there already, and --dump-stages writes over nothing.");
+    if (auto place = places.write(path, "a stage"); !place) return place;
+  }
+  return {};
+}
+
+}  // namespace fracture::bake
