@@ -1,5 +1,6 @@
 #include "server/http/client_address.hpp"
 #include "common/base/text.hpp"
+#include "server/http/authority.hpp"
 
 #include <arpa/inet.h>
 #include <strings.h>
@@ -40,19 +41,46 @@ std::vector<std::string_view> split(std::string_view list, char separator) {
   return pieces;
 }
 
-/// The node of `for=` in one element: 192.0.2.1, "192.0.2.1:80", "[2001:db8::1]:80". Nothing for other nodes.
+/// Takes the last element of the list off it. Read from its end, where the nearest proxy has written: a quote that
+/// somebody left open before that ends no later than with their own words.
+std::string_view take_last(std::string_view& list) {
+  const auto is_escaped = [&list](std::size_t quote) {
+    const std::size_t before = list.substr(0, quote).find_last_not_of('\\');
+    return (quote - (before == std::string_view::npos ? 0 : before + 1)) % 2 == 1;
+  };
+  bool quoted = false;
+  std::size_t begin = list.size();
+  for (; begin > 0; --begin) {
+    const char c = list[begin - 1];
+    if (c == ',' && !quoted) break;
+    if (c == '"' && !is_escaped(begin - 1)) quoted = !quoted;
+  }
+  const std::string_view element = list.substr(begin);
+  list = list.substr(0, begin == 0 ? 0 : begin - 1);
+  return quoted ? std::string_view() : trimmed(element);  // a string without a beginning says nothing
+}
+
+/// 192.0.2.1, "192.0.2.1:80", "[2001:db8::1]:80" or "[2001:db8::1]:_port".
+std::optional<Address> address_of(std::string_view node) {
+  if (node.size() >= 2 && node.front() == '"' && node.back() == '"') node = node.substr(1, node.size() - 2);
+  // RFC 7239, section 6.3: a port may be hidden behind a name.
+  if (const std::size_t hidden = node.rfind(":_"); hidden != std::string_view::npos)
+    node = node.substr(0, hidden);
+  const std::optional<Authority> authority = authority_in(node);
+  if (!authority) return std::nullopt;
+  const std::string_view host = authority->host;
+  return parse_address(host.front() == '[' ? host.substr(1, host.size() - 2) : host);
+}
+
+/// The address of `for=` in one element; nothing for nodes that are none, and where it is said twice.
 std::optional<Address> node_of(std::string_view element) {
+  std::optional<std::string_view> node;
   for (const std::string_view pair : split(element, ';')) {
     if (pair.size() < 4 || ::strncasecmp(pair.data(), "for=", 4) != 0) continue;
-    std::string_view node = trimmed(pair.substr(4));
-    if (node.size() >= 2 && node.front() == '"' && node.back() == '"') node = node.substr(1, node.size() - 2);
-    if (!node.empty() && node.front() == '[') {
-      const std::size_t close = node.find(']');
-      return close == std::string_view::npos ? std::nullopt : parse_address(node.substr(1, close - 1));
-    }
-    return parse_address(node.substr(0, node.find(':')));
+    if (node) return std::nullopt;
+    node = trimmed(pair.substr(4));
   }
-  return std::nullopt;
+  return node ? address_of(*node) : std::nullopt;
 }
 
 }  // namespace
@@ -120,10 +148,8 @@ bool TrustedProxies::contains(const std::string& address) const {
 std::string forwarded_client(const std::string& peer, std::string_view forwarded,
                              const TrustedProxies& proxies) {
   std::string client = peer;
-  if (forwarded.empty() || !proxies.contains(peer)) return client;
-  const std::vector<std::string_view> elements = split(forwarded, ',');
-  for (auto element = elements.rbegin(); element != elements.rend() && proxies.contains(client); ++element) {
-    const std::optional<Address> node = node_of(*element);
+  while (!forwarded.empty() && proxies.contains(client)) {
+    const std::optional<Address> node = node_of(take_last(forwarded));
     if (!node) break;
     client = to_string(*node);
   }

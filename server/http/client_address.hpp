@@ -40,9 +40,9 @@ class TrustedProxies {
 };
 
 /// The client of a request that came from `peer` with this Forwarded field (all its lines, joined by commas):
-/// each proxy adds who it was asked by, so the list is followed from its end as far as the proxies are
-/// trusted. Where it says something that is no address ("unknown", "_hidden"), whoever said it stands for the
-/// client.
+/// each proxy adds who it was asked by, so the list is read and followed from its end as far as the proxies are
+/// trusted. What stands before that the client may have written: it changes nothing, whatever it leaves open. If a
+/// proxy says something that is no address ("unknown", "_hidden"), that proxy counts as the client.
 std::string forwarded_client(const std::string& peer, std::string_view forwarded,
                              const TrustedProxies& proxies);
 

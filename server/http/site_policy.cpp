@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/http/authority.hpp"
+
 namespace fracture::http {
 namespace {
 
-/// The name in "name[:port]" or "[address][:port]", the latter with its brackets, without a final dot.
-std::string_view name_in(std::string_view authority) {
-  if (!authority.empty() && authority.front() == '[') {
-    const std::size_t end = authority.find(']');
-    return end == std::string_view::npos ? authority : authority.substr(0, end + 1);
-  }
-  authority = authority.substr(0, authority.find(':'));
-  if (authority.size() > 1 && authority.back() == '.') authority.remove_suffix(1);
-  return authority;
+/// The name in "name[:port]" or "[address][:port]", the latter with its brackets, without a final dot; nothing for
+/// text that has neither form.
+std::optional<std::string_view> name_in(std::string_view text) {
+  const std::optional<Authority> authority = authority_in(text);
+  if (!authority) return std::nullopt;
+  std::string_view name = authority->host;
+  if (name.size() > 1 && name.back() == '.') name.remove_suffix(1);
+  return name;
 }
 
 /// No name leads from one address to another: what is asked for by address is not rebound.
@@ -51,17 +52,18 @@ bool SitePolicy::is_ours(std::string_view name) const {
 
 std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
   const std::string host = head.field("host"), origin = head.field("origin");
-  const std::string_view name = name_in(host);
-  if (!name.empty() && !any_host() && !is_address(name) && !is_ours(name))
+  const std::optional<std::string_view> name = name_in(host);
+  const bool known = name && (is_address(*name) || is_ours(*name));
+  if (!host.empty() && !known && !any_host())
     return Problem(HttpProblem::kForeignHost,
-                   std::string(name.substr(0, 100)) +
+                   host.substr(0, 100) +
                        " is no name of this server that it knows, and it asks for no token: it answers to "
                        "addresses, to localhost and to the names given as --allow-host.");
   if (origin.empty() || cors_.allows(origin)) return std::nullopt;
   const std::size_t scheme = origin.find("://");
-  const std::string_view site =
-      scheme == std::string::npos ? std::string_view() : name_in(std::string_view(origin).substr(scheme + 3));
-  if (!site.empty() && (is_ours(site) || is_loopback_address(site) || equals_ignoring_case(site, name)))
+  const std::optional<std::string_view> site =
+      scheme == std::string::npos ? std::nullopt : name_in(std::string_view(origin).substr(scheme + 3));
+  if (site && (is_ours(*site) || is_loopback_address(*site) || (name && equals_ignoring_case(*site, *name))))
     return std::nullopt;
   return Problem(HttpProblem::kForeignOrigin,
                  "A page of '" + origin.substr(0, 100) +

@@ -136,8 +136,11 @@ TEST(Sites, ANameThatIsNotOursIsRefusedWhereNoTokenIsAskedFor) {
        {"127.0.0.1", "127.0.0.1:8080", "[::1]:8080", "localhost", "LocalHost:8080", "a.localhost",
         "192.168.3.4:8080", "farm.example", "FARM.example:80", "farm.example.", ""})
     EXPECT_EQ(status_for(server, std::string("Host: ") + host + "\r\n"), 200) << host;
-  for (const char* host : {"evil.example", "evil.example:8080", "localhost.evil.example", "notlocalhost",
-                           "127.0.0.1.evil.example", "1.2.3", "[::1"})
+  for (const char* host :
+       {"evil.example", "evil.example:8080", "localhost.evil.example", "notlocalhost",
+        "127.0.0.1.evil.example", "1.2.3", "[::1", "[::1]evil.example", "[::1].evil.example",
+        "[::1]:80.evil.example", "[[::1]]", "[]", "localhost:evil.example", "127.0.0.1:80:evil.example",
+        "farm.example:80.evil.example", "evil.example:80.localhost", ":80", "localhost:", "localhost:123456"})
     for (const std::uint16_t port : {server.port(), server.server.admin_port()}) {
       const std::string target = port == server.port() ? "/version" : "/metrics";
       EXPECT_EQ(status_for(server, std::string("Host: ") + host + "\r\n", port, target), 403) << host;
@@ -155,8 +158,11 @@ TEST(Sites, APageOfAnotherSiteCannotPost) {
   options.server.cors_origins = {"https://game.example"};
   TestServer server(options);
   const std::string host = "Host: 127.0.0.1\r\n";
-  for (const char* origin : {"https://evil.example", "null", "http://127.0.0.1.evil.example",
-                             "http://6.6.6.6", "https://game.example.evil.example", "localhost"})
+  for (const char* origin :
+       {"https://evil.example", "null", "http://127.0.0.1.evil.example", "http://6.6.6.6",
+        "https://game.example.evil.example", "localhost", "http://[::1]evil.example",
+        "http://localhost:evil.example", "http://localhost:80.evil.example",
+        "http://localhost:80, https://evil.example", "http://evil.example:80.localhost"})
     EXPECT_EQ(status_for(server, host + "Origin: " + origin + "\r\n"), 403) << origin;
   for (const char* origin : {"http://127.0.0.1:8080", "http://localhost:5173", "http://[::1]",
                              "https://game.example", "https://farm.example"})

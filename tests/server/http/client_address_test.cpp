@@ -60,6 +60,30 @@ TEST(ClientAddress, ForwardedIsBelievedOnlyOfTrustedProxiesAndOnlySoFar) {
   EXPECT_EQ(forwarded_client("192.0.2.1", "for=\"[\"", proxies), "192.0.2.1");
 }
 
+// RFC 7239, section 4: a proxy adds its element behind what it got, well-formed or not.
+TEST(ClientAddress, WhatAClientLeavesOpenSwallowsNothingOfItsProxys) {
+  const TrustedProxies proxies = trusted({"192.0.2.0/24"});
+  for (const char* own :
+       {"for=6.6.6.6;x=\"", "\"", "for=\"6.6.6.6", "for=6.6.6.6;x=\"a\\", "for=6.6.6.6\\\"",
+        "for=\"[::6]\";x=\"", ",\",\\\",", "for=6.6.6.6;x=\"a\\\"", "for=6.6.6.6;x=\";for=6.6.6.6"})
+    for (const char* proxys :
+         {"for=198.51.100.7", "for=\"198.51.100.7:80\"", "proto=https;for=198.51.100.7;host=\"a,b\"",
+          "host=\"a\\\",b\\\\\";for=198.51.100.7", "for=198.51.100.7, for=192.0.2.9"})
+      EXPECT_EQ(forwarded_client("192.0.2.1", std::string(own) + ", " + proxys, proxies), "198.51.100.7")
+          << own << " | " << proxys;
+  EXPECT_EQ(forwarded_client("192.0.2.1", "for=6.6.6.6;x=\"", proxies), "192.0.2.1") << "said by nobody";
+}
+
+TEST(ClientAddress, ANodeIsAnAddressAndAPortAndNothingBehindThem) {
+  const TrustedProxies proxies = trusted({"192.0.2.0/24"});
+  for (const char* node : {"6.6.6.6", "\"6.6.6.6:80\"", "\"6.6.6.6:_x\"", "6.6.6.6:80"})
+    EXPECT_EQ(forwarded_client("192.0.2.1", std::string("for=") + node, proxies), "6.6.6.6") << node;
+  EXPECT_EQ(forwarded_client("192.0.2.1", "for=\"[2620::6]:_x\"", proxies), "2620::6");
+  for (const char* node : {"\"[2620::6]x\"", "\"[2620::6]6.6.6.6\"", "\"6.6.6.6:x\"", "6.6.6.6:80:80",
+                           "\"6.6.6.6:\"", "\"[6.6.6.6\"", "\"[2620::6]]\"", "6.6.6.6;for=6.6.6.7"})
+    EXPECT_EQ(forwarded_client("192.0.2.1", std::string("for=") + node, proxies), "192.0.2.1") << node;
+}
+
 using State = ProxyHeader::State;
 
 TEST(ClientAddress, VersionOneOfTheProxyProtocol) {
