@@ -119,6 +119,9 @@ class Builder final : public nlohmann::json_sax<json> {
 }  // namespace
 
 tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
+  // The library takes a NUL for the end of the text, whatever stands behind it.
+  if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
+    return tl::unexpected<JsonFault>({.kind = JsonFault::Kind::kSyntax, .byte = nul + 1});
   Builder builder(limits);
   const bool whole = json::sax_parse(text.begin(), text.end(), &builder);
   return std::move(builder).take(whole);

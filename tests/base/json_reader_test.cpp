@@ -39,6 +39,18 @@ TEST(JsonReader, RefusesWhatIsNoJson) {
     EXPECT_EQ(fault_of(text), Kind::kSyntax) << text;
 }
 
+TEST(JsonReader, RefusesANulAndSaysWhere) {
+  const std::string nul(1, '\0');
+  for (const std::string& behind :
+       {std::string(), std::string("rubbish"), std::string("{\"seed\": 2}"), nul}) {
+    const auto read = read_json("{\"seed\": 1}" + nul + behind, {});
+    ASSERT_FALSE(read) << behind;
+    EXPECT_EQ(read.error().kind, Kind::kSyntax);
+    EXPECT_EQ(read.error().byte, 12u) << "the bytes up to it, and itself";
+  }
+  EXPECT_EQ(fault_of("{\"a\": \"" + nul + "\"}"), Kind::kSyntax) << "in a text, too: it is written \\u0000";
+}
+
 TEST(JsonReader, RefusesDepth) {
   EXPECT_TRUE(read_json("[[[1]]]", {.depth = 3}));
   EXPECT_EQ(fault_of("[[[[1]]]]", {.depth = 3}), Kind::kTooDeep);
