@@ -84,9 +84,12 @@ void log(spdlog::level::level_enum level, std::string_view event, const ordered_
 
 double hundredths(double value) { return std::round(value * 100) / 100; }
 
-/// Whatever is not plain is masked, so that no client writes lines into the log.
-std::string masked(const std::string& path) {
-  std::string plain = path.substr(0, 200);
+/// Bytes of what a client wrote that a line repeats: of a path, and of a method (the longest that is known here has 7).
+constexpr std::size_t kLongestPath = 200, kLongestMethod = 16;
+
+/// Cut, and whatever is not plain is masked, so that no client writes lines into the log, or long ones.
+std::string masked(const std::string& text, std::size_t most) {
+  std::string plain = text.substr(0, most);
   for (char& c : plain)
     if (static_cast<unsigned char>(c) <= 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
   return plain;
@@ -130,10 +133,9 @@ void log_event(std::string_view event, const ordered_json& fields) {
 void log_request(const RequestRecord& record) {
   const auto level = record.admin ? spdlog::level::debug : spdlog::level::info;
   if (!spdlog::should_log(level)) return;
-  const std::string path = masked(record.path);
   ordered_json fields = {{"id", record.id},
-                         {"method", record.method},
-                         {"path", path},
+                         {"method", masked(record.method, kLongestMethod)},
+                         {"path", masked(record.path, kLongestPath)},
                          {"route", record.route},
                          {"status", record.status},
                          {"in", record.bytes_in},
@@ -150,8 +152,12 @@ void log_request(const RequestRecord& record) {
 }
 
 void log_audit(const RequestRecord& record) {
-  ordered_json fields = {{"client", record.client},  {"method", record.method}, {"path", masked(record.path)},
-                         {"status", record.status},  {"in", record.bytes_in},   {"id", record.id},
+  ordered_json fields = {{"client", record.client},
+                         {"method", masked(record.method, kLongestMethod)},
+                         {"path", masked(record.path, kLongestPath)},
+                         {"status", record.status},
+                         {"in", record.bytes_in},
+                         {"id", record.id},
                          {"address", record.address}};
   if (!record.mesh.empty()) fields["mesh"] = record.mesh;
   log(spdlog::level::info, "audit", fields);

@@ -71,6 +71,24 @@ TEST(Logs, EveryRequestIsOneJsonLineWithItsFigures) {
   EXPECT_EQ(lines[2].at("status"), 400);
 }
 
+// A header of 16 KiB is no line of 16 KiB: what a client wrote is cut, wherever it stands in its request.
+TEST(Logs, NoRequestMakesALongLine) {
+  ServeProcess server;
+  const std::string far(3'000, 'x'), far_method(15'000, 'X');
+  ask(server.port, far_method, "/version");
+  ask(server.port, "GET", "/" + far,
+      "X-Request-Id: " + far + "\r\ntraceparent: " + far + "\r\nForwarded: for=" + far + "\r\n");
+  ask(server.port, "GET", "/version", "Host: " + far + "\r\n");
+  ask(server.port, "POST", "/fracture?" + far + "=1", kObj + "Prefer: " + far + "\r\nOrigin: " + far + "\r\n",
+      kCube);
+  const std::vector<json> lines = requests(log_of(server));
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0].at("method"), far_method.substr(0, 16));
+  EXPECT_EQ(lines[0].at("status"), 501);
+  EXPECT_EQ(lines[1].at("path"), "/" + far.substr(0, 199));
+  for (const json& line : lines) EXPECT_LT(line.dump().size(), 600u) << line.dump();
+}
+
 TEST(Logs, TheStartIsLoggedWithEverySetting) {
   Process server({"serve", "--port", "0", "--admin-port", "0", "--max-uri", "2KiB", "--drain-delay", "0"});
   const json start = json::parse(server.error_line_with("\"configuration\""), nullptr, false);
