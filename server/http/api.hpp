@@ -172,6 +172,7 @@ class Api {
   /// 202 when the job is accepted; with `wait` the answer itself where it is there in time.
   Answered start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
                      const Reply& reply);
+  static bool sees(const Payer& payer, const JobView& job);
   std::optional<JobView> find_job(const Request& request);
   Answered get_jobs(const Request& request);
   Answered get_job(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);

@@ -19,9 +19,12 @@ constexpr std::chrono::seconds kKeepAlive{10};
 /// finished.
 class JobEvents final : public BodyStream {
  public:
-  JobEvents(Jobs& jobs, Timer& timer, std::string id, std::string request_id)
+  /// `sees`: whether the reader may still see the job; asked before each event.
+  using Sees = std::function<bool(const JobView&)>;
+  JobEvents(Jobs& jobs, Timer& timer, std::string id, std::string request_id, Sees sees)
       : jobs_(jobs), timer_(timer), id_(std::move(id)) {
     state_->request_id = std::move(request_id);
+    state_->sees = std::move(sees);
   }
   ~JobEvents() override { jobs_.unwatch(id_, watch_); }
 
@@ -44,7 +47,9 @@ class JobEvents final : public BodyStream {
           timer.cancel(alarm);
           // Nobody else touches the stream before ready() is called.
           state->seen = job.version;
-          state->ended = job.finished();
+          const bool seen = state->sees(job);
+          state->ended = job.finished() || !seen;
+          if (!seen) return once->ready(std::nullopt);
           once->ready("id: " + std::to_string(job.version) +
                       "\nevent: " + (state->ended ? name_of(job.state) : "progress") +
                       "\ndata: " + json_text(describe(job, state->request_id)) + "\n\n");
@@ -64,6 +69,7 @@ class JobEvents final : public BodyStream {
   // Shared with the watcher, which may be called when the stream is gone with its session.
   struct State {
     std::string request_id;
+    Sees sees;
     std::uint64_t seen = 0;
     bool ended = false;
   };
@@ -141,7 +147,7 @@ Answered Api::get_job(const std::shared_ptr<Request>& request, const std::stop_t
   wait_for_job(jobs_, dispatcher_.timer(), job->id, request->received + *preferences.wait, gone,
                [this, request, reply, preferences](std::optional<JobView> later) {
                  answering(*request, reply, [&]() -> Answered {
-                   if (!later) return tl::unexpected<Problem>(no_job());
+                   if (!later || !sees(request->payer, *later)) return tl::unexpected<Problem>(no_job());
                    Response response = job_response(*later, request->id, 200);
                    response.headers.emplace_back("Preference-Applied", applied(preferences));
                    return response;
@@ -164,7 +170,8 @@ Answered Api::get_job_events(const Request& request) {
   response.content_type = "text/event-stream";
   response.headers.emplace_back("Cache-Control", "no-store");
   response.stream =
-      std::make_shared<JobEvents>(jobs_, dispatcher_.timer(), request.admission.segment, request.id);
+      std::make_shared<JobEvents>(jobs_, dispatcher_.timer(), request.admission.segment, request.id,
+                                  [payer = request.payer](const JobView& job) { return sees(payer, job); });
   return response;
 }
 

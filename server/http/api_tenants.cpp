@@ -52,9 +52,13 @@ void Api::resume_jobs(
   });
 }
 
+bool Api::sees(const Payer& payer, const JobView& job) {
+  return !payer.account || payer.account->sees(job.owner);
+}
+
 std::optional<JobView> Api::find_job(const Request& request) {
   std::optional<JobView> job = jobs_.find(request.admission.segment);
-  if (job && request.payer.account && !request.payer.account->sees(job->owner)) return std::nullopt;
+  if (job && !sees(request.payer, *job)) return std::nullopt;
   return job;
 }
 

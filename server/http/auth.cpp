@@ -98,8 +98,9 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
   return std::move(found.account);
 }
 
-std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head) {
-  if (std::optional<Error> over = account.request()) return to_problem(std::move(*over));
+namespace {
+
+std::optional<Problem> refuse_scope(const tenants::Account& account, const RequestHead& head) {
   const Route* const route = route_of(head);
   if (!route) return std::nullopt;  // refused as what it is
   const Scopes wanted = needed(route->operation, head);
@@ -109,6 +110,22 @@ std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHea
                  "The scopes of this token do not allow this; it needs one of: " + names + ".")
       .with("WWW-Authenticate",
             "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
+}
+
+}  // namespace
+
+std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head) {
+  if (std::optional<Error> over = account.request()) return to_problem(std::move(*over));
+  return refuse_scope(account, head);
+}
+
+std::optional<Problem> refuse_by_now(const tenants::Accounts& accounts, const RequestHead& head,
+                                     const AccountPointer& account) {
+  if (!account) return std::nullopt;
+  const OrProblem<AccountPointer> now = authenticate(accounts, head, false);
+  if (!now) return now.error();
+  if (*now != account) return unauthorized("The token is another name's by now.", kInvalid);
+  return refuse_scope(*account, head);
 }
 
 }  // namespace fracture::http

@@ -22,4 +22,9 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
 /// none), 429 over its requests a second.
 std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head);
 
+/// Of a request that was let in as this account's and is not over: why it would be let in no more, because its token
+/// was revoked, has expired, or has lost the scope meanwhile. Nothing: it may go on. Counts nothing.
+std::optional<Problem> refuse_by_now(const tenants::Accounts& accounts, const RequestHead& head,
+                                     const AccountPointer& account);
+
 }  // namespace fracture::http

@@ -238,6 +238,7 @@ void HttpServer::stop_accepting() { impl_->stop_accepting(); }
 void HttpServer::cancel_jobs() { impl_->cancel_jobs(); }
 void HttpServer::replace_tokens(tenants::TokenFile tokens) {
   impl_->policy_.accounts.replace(std::move(tokens));
+  for (const auto& session : impl_->connections_.sessions()) session->tokens_changed();
 }
 std::size_t HttpServer::connections() const { return impl_->connections_.count(); }
 std::size_t HttpServer::requests_in_progress() const { return impl_->connections_.in_progress.load(); }

@@ -52,7 +52,8 @@ class HttpServer {
   /// Stops the computation of every request that is still waiting for one: each is answered with 503. Jobs
   /// stop, too: those on the disk go on after a restart, the others are cancelled.
   void cancel_jobs();
-  /// From the next request on, these decide who may ask; what names have used so far stays counted.
+  /// From now on these decide who may ask, and whose stream of events goes on; what names have used so far stays
+  /// counted.
   void replace_tokens(tenants::TokenFile tokens);
   /// Open connections of the public listener.
   std::size_t connections() const;

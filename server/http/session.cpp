@@ -93,6 +93,11 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     asio::post(executor(), [self = shared_from_this()] { self->work_->cancel(); });
   }
 
+  void tokens_changed() override {
+    asio::post(executor(),
+               [self = shared_from_this()] { self->work_->wake(); });  // a stream of events looks again
+  }
+
  private:
   asio::any_io_executor executor() { return connection_->socket().get_executor(); }
   bool closing() const { return closing_ || connections_.stopping; }
@@ -212,6 +217,14 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         co_return false;
       }
       co_await compute();
+      // What was asked for is given. What is read is not read for longer than the token is good: a job may have been waited
+      // for.
+      if (head.method == "GET")
+        if (const std::optional<Problem> revoked =
+                refuse_by_now(context_.policy.accounts, head, request.payer.account)) {
+          co_await refuse_and_close(*revoked);
+          co_return false;
+        }
       record_.queue_milliseconds = exchange_->response.queue_milliseconds;
     }
 
@@ -298,7 +311,11 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   /// False when the client is gone or takes the answer too slowly.
   asio::awaitable<bool> write(Response& response, bool keep_alive, bool head_only) {
     if (response.stream) {
-      const StreamTarget target{*connection_, work_, api_.limits(), [this] { return closing(); }};
+      const Request& request = exchange_->request;
+      const auto allowed = [this, &request] {
+        return !refuse_by_now(context_.policy.accounts, request.head, request.payer.account);
+      };
+      const StreamTarget target{*connection_, work_, api_.limits(), [this] { return closing(); }, allowed};
       const bool chunked = exchange_->request.head.minor_version >= 1;
       co_return co_await write_stream(target, response, id_, policy_fields_, chunked, keep_alive, head_only);
     }

@@ -28,7 +28,7 @@ asio::awaitable<std::shared_ptr<Next>> next_of(BodyStream& stream, const StreamT
     });
   });
   const std::function<bool()> over = [&] {
-    return next->there || target.draining() || target.wait->stopped();
+    return next->there || target.draining() || !target.allowed() || target.wait->stopped();
   };
   co_await target.wait->until(over);
   co_return next;
@@ -51,7 +51,7 @@ asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& r
     target.connection.clear_deadline();
     const std::shared_ptr<Next> next = co_await next_of(*response.stream, target);
     if (target.wait->stopped()) co_return false;
-    const bool last = !next->there || !next->bytes;
+    const bool last = !target.allowed() || !next->there || !next->bytes;
     if (last && !chunked) break;
     target.connection.set_deadline(steady_clock::now() + target.limits.write_stall);
     // Chunks have names: g++ 12 destroys a temporary twice that is an argument of what is awaited.

@@ -17,9 +17,10 @@ struct StreamTarget {
   std::shared_ptr<WorkWait> wait;
   const HttpLimits& limits;
   std::function<bool()> draining;  ///< the server stops: the stream ends here
+  std::function<bool()> allowed;   ///< false: who asked may not ask any more, and gets nothing more
 };
 
-/// What the stream delivers, until it ends or the server drains; in chunks, or (a client of HTTP/1.0 knows none)
+/// What the stream delivers, until it ends, the server drains or its reader may read no more; in chunks, or (a client of HTTP/1.0 knows none)
 /// as it is: then the answer ends with the connection. False when the client is gone or takes it too slowly.
 asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& response,
                                    const std::string& id, const Fields& more, bool chunked, bool keep_alive,
