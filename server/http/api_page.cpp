@@ -28,12 +28,10 @@ Response page_response(const page::File& file, const RequestHead& head) {
   const std::string known = head.field("if-none-match");
   if (!known.empty() && names_etag(known, etag, Comparison::kWeak)) {
     response.status = 304;
-  } else if (packed) {
-    response.content_type = file.media_type;
-    response.body = file.gzip;
-    response.headers.emplace_back("Content-Encoding", "gzip");
   } else {
-    response = Response::text(200, std::string(file.media_type), page::plain(file));
+    response.content_type = file.media_type;
+    response.body = packed ? file.gzip : file.plain;
+    if (packed) response.headers.emplace_back("Content-Encoding", "gzip");
   }
   response.headers.emplace_back("ETag", etag);
   response.headers.emplace_back("Cache-Control",

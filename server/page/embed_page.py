@@ -63,8 +63,8 @@ def main():
                 packed = gzip.compress(plain, 9, mtime=0)
                 name = path.relative_to(dist).as_posix().removeprefix("page/")
                 entries.append(f"    {{{literal(name)}, {literal(TYPES[path.suffix])}, \"{hashlib.sha256(plain).hexdigest()[:16]}\", "
-                               f"{{kBytes + {len(blob)}, {len(packed)}}}, {len(plain)}}},")
-                blob += packed
+                               f"{{kBytes + {len(blob)}, {len(packed)}}}, {{kBytes + {len(blob) + len(packed)}, {len(plain)}}}}},")
+                blob += packed + plain
     if why:
         print(f"warning: the server is built without its page: {why}", file=sys.stderr)
     out.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-// Compressed bodies, as clients send them.
+// Compressed bodies, as clients send and get them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,6 +20,24 @@ inline std::string gzip(const std::string& text) {
   EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
   out.resize(out.size() - stream.avail_out);
   deflateEnd(&stream);
+  return out;
+}
+
+inline std::string gunzip(const std::string& packed) {
+  z_stream stream{};
+  inflateInit2(&stream, 16 + MAX_WBITS);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  std::string out;
+  for (int result = Z_OK; result == Z_OK;) {
+    char block[4096];
+    stream.next_out = reinterpret_cast<Bytef*>(block);
+    stream.avail_out = sizeof block;
+    result = inflate(&stream, Z_NO_FLUSH);
+    EXPECT_TRUE(result == Z_OK || result == Z_STREAM_END) << result;
+    out.append(block, sizeof block - stream.avail_out);
+  }
+  inflateEnd(&stream);
   return out;
 }
 
