@@ -1,6 +1,8 @@
 #include "common/parameters/nearest_name.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -9,31 +11,63 @@ namespace {
 
 /// How many letters are to be inserted, left out, changed or swapped with their neighbour (Damerau 1964; by
 /// the recurrence of Wagner and Fischer 1974, no letter edited twice).
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    before.swap(last);
-    last.swap(row);
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({last[j - 1] + (a[i - 1] != b[j - 1]), last[j] + 1, row[j - 1] + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        row[j] = std::min(row[j], before[j - 2] + 1);
-    }
+class EditDistance {
+ public:
+  explicit EditDistance(std::string_view a) : a_(a) {
+    for (const char c : a_) ++letters_[static_cast<unsigned char>(c)];
   }
-  return row.back();
-}
+
+  /// The distance is no less than this: letters that one of the two has and the other has not (Bartolini, Ciaccia and
+  /// Patella, "String matching with metric trees using an approximate distance", 2002). Of most names it is all that has to
+  /// be known.
+  std::size_t at_least(std::string_view b) const {
+    std::array<std::uint16_t, 256> left = letters_;
+    std::size_t common = 0;
+    for (const char c : b) {
+      std::uint16_t& count = left[static_cast<unsigned char>(c)];
+      if (count > 0) --count, ++common;
+    }
+    return std::max(a_.size(), b.size()) - common;
+  }
+
+  std::size_t to(std::string_view b) {
+    before_.assign(b.size() + 1, 0);
+    last_.assign(b.size() + 1, 0);
+    row_.resize(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row_[j] = j;
+    for (std::size_t i = 1; i <= a_.size(); ++i) {
+      before_.swap(last_);
+      last_.swap(row_);
+      row_[0] = i;
+      for (std::size_t j = 1; j <= b.size(); ++j) {
+        row_[j] = std::min({last_[j - 1] + (a_[i - 1] != b[j - 1]), last_[j] + 1, row_[j - 1] + 1});
+        if (i > 1 && j > 1 && a_[i - 1] == b[j - 2] && a_[i - 2] == b[j - 1])
+          row_[j] = std::min(row_[j], before_[j - 2] + 1);
+      }
+    }
+    return row_.back();
+  }
+
+ private:
+  const std::string_view a_;
+  std::array<std::uint16_t, 256> letters_{};
+  std::vector<std::size_t> before_, last_, row_;
+};
+
+/// Beyond so many letters a name is none that was misspelt.
+constexpr std::size_t kLongest = 40;
 
 }  // namespace
 
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> known) {
   std::optional<std::string> nearest;
+  if (name.size() > 2 * kLongest) return nearest;
+  EditDistance distance(name);
   std::size_t least = 1 + name.size() / 3;
   for (const std::string& candidate : known) {
-    if (name.size() > 2 * candidate.size()) continue;
-    if (const std::size_t distance = edit_distance(name, candidate); distance < least) {
-      least = distance;
+    if (distance.at_least(candidate) >= least) continue;
+    if (const std::size_t edits = distance.to(candidate); edits < least) {
+      least = edits;
       nearest = candidate;
     }
   }
@@ -42,10 +76,10 @@ std::optional<std::string> nearest_name(std::string_view name, std::span<const s
 
 std::vector<std::string> nearest_names(std::string_view name, std::span<const std::string> known,
                                        std::size_t most) {
-  constexpr std::size_t kLongest = 40;  // beyond this a name is none that was misspelt
   name = name.substr(0, kLongest);
+  EditDistance distance(name);
   std::vector<std::pair<std::size_t, std::size_t>> order;  // distance, index
-  for (std::size_t k = 0; k < known.size(); ++k) order.emplace_back(edit_distance(name, known[k]), k);
+  for (std::size_t k = 0; k < known.size(); ++k) order.emplace_back(distance.to(known[k]), k);
   most = std::min(most, order.size());
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(most), order.end());
   std::vector<std::string> names;

@@ -76,9 +76,7 @@ class Offences {
 using Given = std::map<std::string, const RawParameter*>;
 
 /// The first one names what there is instead.
-std::string unknown_parameter(const std::vector<ParameterSpec>& specs, const std::string& name, bool first) {
-  std::vector<std::string> known;
-  for (const ParameterSpec& spec : specs) known.push_back(spec.name);
+std::string unknown_parameter(const std::vector<std::string>& known, const std::string& name, bool first) {
   const std::optional<std::string> nearest = nearest_name(name, known);
   return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
          (nearest ? "Did you mean '" + *nearest + "'?" : std::string()) + (nearest && first ? " " : "") +
@@ -148,14 +146,17 @@ const ParameterSpec* ParameterTable::find(std::string_view name) const {
 Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter>& given) const {
   Offences offences;
   Given seen;
+  std::vector<std::string> names;  // all there are, where one is unknown
   std::map<std::string, ParameterValue> values;
   for (const RawParameter& raw : given) {
     const ParameterSpec* spec = find(raw.name);
     if (!spec) {
+      if (names.empty())
+        for (const ParameterSpec& known : specs_) names.push_back(known.name);
       if (offences.full())
         offences.count();
       else
-        offences.add(ErrorCode::kUnknownParameter, raw, unknown_parameter(specs_, raw.name, !offences.any()));
+        offences.add(ErrorCode::kUnknownParameter, raw, unknown_parameter(names, raw.name, !offences.any()));
       continue;
     }
     if (!seen.emplace(raw.name, &raw).second) {
