@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/bulk.hpp"
+
 namespace fracture {
 namespace {
 
@@ -119,6 +121,8 @@ class Builder final : public nlohmann::json_sax<json> {
 }  // namespace
 
 tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
+  constexpr std::size_t kAsHashed = 32;  // a byte that is parsed takes as long as so many that are hashed
+  count_bulk(kAsHashed * text.size());
   // The library takes a NUL for the end of the text, whatever stands behind it.
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
     return tl::unexpected<JsonFault>({.kind = JsonFault::Kind::kSyntax, .byte = nul + 1});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "common/base/bulk.hpp"
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
 
@@ -23,6 +24,7 @@ std::string Digest::hex() const {
 }
 
 Digest sha256(std::span<const std::byte> data) {
+  count_bulk(data.size());
   Digest d;
   SHA256(reinterpret_cast<const unsigned char*>(data.data()), data.size(), d.bytes.data());
   return d;
@@ -32,6 +34,7 @@ std::vector<std::uint8_t> digest_bytes(DigestAlgorithm algorithm, std::span<cons
                                        const Execution& execution) {
   const EVP_MD* const kind = algorithm == DigestAlgorithm::kSha256 ? EVP_sha256() : EVP_sha512();
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+  count_bulk(data.size());
   bool good = context && EVP_DigestInit_ex(context.get(), kind, nullptr) == 1;
   while (good && !data.empty()) {
     execution.poll();
