@@ -163,6 +163,8 @@ class Jobs {
   Shared get(const std::string& id);
   /// Takes the lock.
   JobView look_at(const Job& job);
+  /// Says of those that are queued how many go before them. Without the lock.
+  void place(std::vector<JobView>& views);
   /// What start() does once the job has its place.
   std::optional<Error> begin(const Shared& job, FractureRequest request, Terms terms, const Owner& owner,
                              std::function<void(const JobView&)> accepted);

@@ -32,13 +32,26 @@ std::optional<JobView> Jobs::find(const std::string& id) {
 }
 
 JobView Jobs::look_at(const Job& job) {
-  JobView view;
+  std::vector<JobView> view(1);
   {
     const std::lock_guard lock(mutex_);
-    view = job.view;
+    view.front() = job.view;
   }
-  if (view.state == JobState::kQueued) view.queue_position = dispatcher_.queue_position(view.result_key);
-  return view;
+  place(view);
+  return std::move(view.front());
+}
+
+void Jobs::place(std::vector<JobView>& views) {
+  std::vector<JobView*> queued;
+  std::vector<std::string> keys;
+  for (JobView& view : views) {
+    if (view.state != JobState::kQueued) continue;
+    queued.push_back(&view);
+    keys.push_back(view.result_key);
+  }
+  if (queued.empty()) return;
+  const auto positions = dispatcher_.queue_positions(keys);
+  for (std::size_t k = 0; k < queued.size(); ++k) queued[k]->queue_position = positions[k];
 }
 
 std::vector<JobView> Jobs::list(const Filter& filter, std::size_t limit) {
@@ -53,8 +66,7 @@ std::vector<JobView> Jobs::list(const Filter& filter, std::size_t limit) {
         views.push_back(view);
     }
   }
-  for (JobView& view : views)
-    if (view.state == JobState::kQueued) view.queue_position = dispatcher_.queue_position(view.result_key);
+  place(views);
   return views;
 }
 

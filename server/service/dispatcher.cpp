@@ -398,9 +398,14 @@ void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
     failures_->keep(c->request, outcome.error(), *outcome.error().extra);
 }
 
-std::optional<std::size_t> Dispatcher::queue_position(const std::string& result_key) const {
-  const auto flight = results_.find(result_key);
-  return flight ? pool_.position(flight->common.urgency.task()) : std::nullopt;
+std::vector<std::optional<std::size_t>> Dispatcher::queue_positions(
+    const std::vector<std::string>& result_keys) const {
+  std::vector<WorkerPool::TaskId> tasks;
+  for (const std::string& key : result_keys) {
+    const auto flight = results_.find(key);
+    tasks.push_back(flight ? flight->common.urgency.task() : 0);
+  }
+  return pool_.positions(tasks);
 }
 
 Dispatcher::Figures Dispatcher::figures() const {

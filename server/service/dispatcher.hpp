@@ -114,9 +114,9 @@ class Dispatcher {
     timer_.flush();
   }
 
-  /// How many tasks go before the computation of this result (RequestKeys::result); nothing when it is not
-  /// queued.
-  std::optional<std::size_t> queue_position(const std::string& result_key) const;
+  /// How many tasks go before the computations of these results (RequestKeys::result); nothing for one that is not
+  /// queued (WorkerPool::positions).
+  std::vector<std::optional<std::size_t>> queue_positions(const std::vector<std::string>& result_keys) const;
 
   struct Figures {
     std::uint64_t computed = 0;   ///< results computed to the end

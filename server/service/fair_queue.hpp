@@ -17,10 +17,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <map>
 #include <optional>
-#include <queue>
 #include <string>
 #include <utility>
 #include <vector>
@@ -105,31 +103,34 @@ class FairQueue {
     return std::nullopt;
   }
 
-  /// Ids in the order in which they would be served if nothing came and costs were right.
-  std::vector<std::uint64_t> order() const {
-    struct Place {
-      double start;
-      std::uint64_t id;
-      const State* state;
-      std::size_t k;
-      bool operator>(const Place& other) const {
-        return std::pair(start, id) > std::pair(other.start, other.id);
-      }
+  /// How many would be served before each of these tasks if nothing came and costs were right; nothing for a task that
+  /// is not here. All of them in two passes over the queue, because whoever asks holds a lock.
+  std::vector<std::optional<std::size_t>> places(const std::vector<std::uint64_t>& ids) const {
+    struct Wanted {
+      Tag tag;
+      std::size_t index;
+      std::size_t before = 0;
     };
-    std::priority_queue<Place, std::vector<Place>, std::greater<>> turns;
-    for (const auto& [name, state] : flows_)
-      if (!state.queue.empty()) turns.push({state.start, state.queue.front().id, &state, 0});
-    std::vector<std::uint64_t> served;
-    while (!turns.empty()) {
-      Place turn = turns.top();
-      turns.pop();
-      served.push_back(turn.id);
-      turn.start += turn.state->queue[turn.k].cost / turn.state->weight;
-      if (++turn.k == turn.state->queue.size()) continue;
-      turn.id = turn.state->queue[turn.k].id;
-      turns.push(turn);
-    }
-    return served;
+    std::vector<std::pair<std::uint64_t, std::size_t>> by_id;
+    for (std::size_t k = 0; k < ids.size(); ++k) by_id.emplace_back(ids[k], k);
+    std::sort(by_id.begin(), by_id.end());
+    std::vector<Wanted> wanted;
+    each_tag([&](const Tag& tag) {
+      for (auto at = std::lower_bound(by_id.begin(), by_id.end(), std::pair(tag.second, std::size_t{0}));
+           at != by_id.end() && at->first == tag.second; ++at)
+        wanted.push_back({tag, at->second});
+    });
+    std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) { return a.tag < b.tag; });
+    if (!wanted.empty())
+      each_tag([&](const Tag& tag) {
+        const auto behind = std::upper_bound(wanted.begin(), wanted.end(), tag,
+                                             [](const Tag& t, const Wanted& w) { return t < w.tag; });
+        if (behind != wanted.end()) ++behind->before;
+      });
+    std::vector<std::optional<std::size_t>> places(ids.size());
+    std::size_t before = 0;
+    for (const Wanted& one : wanted) places[one.index] = before += one.before;
+    return places;
   }
 
   /// The costs of what would be served before a new task of this flow.
@@ -181,6 +182,18 @@ class FairQueue {
     std::deque<Item> queue;
     double start = 0, finish = 0, weight = 1;
   };
+  using Tag = std::pair<double, std::uint64_t>;  ///< start, id: the least is served next
+  /// Of everything that is queued, as it would be served if nothing came and costs were right.
+  template <class Use>
+  void each_tag(Use use) const {
+    for (const auto& [name, state] : flows_) {
+      double start = state.start;
+      for (const Item& item : state.queue) {
+        use(Tag{start, item.id});
+        start += item.cost / state.weight;
+      }
+    }
+  }
   /// Ties go to who came first.
   template <class Flows>
   static auto next(Flows& flows) -> decltype(flows.begin()) {

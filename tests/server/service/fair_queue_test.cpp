@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numeric>
 #include <random>
 
 namespace fracture {
 namespace {
+
+using Places = std::vector<std::optional<std::size_t>>;
 
 struct Item {
   std::uint64_t id;
@@ -31,7 +34,7 @@ struct Queue : FairQueue<Item> {
 TEST(FairQueue, OneFlowIsServedInTheOrderOfArrival) {
   Queue queue;
   for (const double cost : {5.0, 0.0, 1.0}) queue.add("a", cost);
-  EXPECT_EQ(queue.order(), (std::vector<std::uint64_t>{1, 2, 3}));
+  EXPECT_EQ(queue.places({3, 1, 2}), (Places{2, 0, 1}));
   for (std::uint64_t id = 1; id <= 3; ++id) EXPECT_EQ(queue.pop().id, id);
 }
 
@@ -91,8 +94,12 @@ TEST(FairQueue, TheOrderIsForetold) {
   Queue queue;
   for (int k = 0; k < 200; ++k)
     queue.add(std::string(1, static_cast<char>('a' + random() % 5)), 0.25 * (1 + random() % 8), 1);
-  const std::vector<std::uint64_t> foretold = queue.order();
-  for (const std::uint64_t id : foretold) ASSERT_EQ(queue.pop().id, id);
+  std::vector<std::uint64_t> ids(200);
+  std::iota(ids.begin(), ids.end(), 1);
+  const Places foretold = queue.places(ids), of_some = queue.places({150, 201, 150, 3});
+  EXPECT_EQ(of_some, (Places{foretold[149], std::nullopt, foretold[149], foretold[2]})) << "each by itself";
+  EXPECT_TRUE(queue.places({}).empty());
+  for (std::size_t k = 0; k < 200; ++k) ASSERT_EQ(foretold.at(queue.pop().id - 1), k);
   EXPECT_TRUE(queue.empty());
 }
 

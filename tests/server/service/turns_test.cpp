@@ -185,7 +185,7 @@ TEST(Turns, BackgroundWorkIsQueuedForItself) {
   EXPECT_LT(pool.predicted_wait(kBatch).count(), 1) << "what stands back is not waited for";
   EXPECT_GT(pool.predicted_wait(kBackground).count(), 1000);
   pool.submit(kBatch, 1, [&](int) { order += 'b'; });
-  EXPECT_EQ(pool.position(last), 3u);
+  EXPECT_EQ(pool.positions({last}).front(), 3u);
   EXPECT_TRUE(pool.reclassify(last, kBatch));
   EXPECT_FALSE(pool.reclassify(last, kBatch)) << "it is one already";
   gate.count_down();
@@ -307,7 +307,8 @@ TEST(Turns, TwoNamesOneAtTenTimesItsShareAreServedInTurn) {
   for (int k = 0; k < 100; ++k) add("a");
   std::vector<WorkerPool::TaskId> quiet;
   for (int k = 0; k < 10; ++k) quiet.push_back(add("b"));
-  for (std::size_t k = 0; k < quiet.size(); ++k) EXPECT_EQ(pool.position(quiet[k]), 2 * k + 1);
+  const auto positions = pool.positions(quiet);
+  for (std::size_t k = 0; k < quiet.size(); ++k) EXPECT_EQ(positions[k], 2 * k + 1);
   EXPECT_DOUBLE_EQ(pool.predicted_wait(kBatch, {"c", 1}).count(), 2) << "one of each, not all 110";
   gate.count_down();
   pool.wait_idle();
