@@ -22,6 +22,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -49,6 +50,12 @@ class MemoryCache {
     const std::lock_guard lock(mutex_);
     const auto at = index_.find(key);
     return at == index_.end() ? nullptr : at->second->value;
+  }
+  /// What the entry was said to take when it was inserted; nothing when it is absent.
+  std::optional<std::size_t> size_of(const std::string& key) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = index_.find(key);
+    return at == index_.end() ? std::nullopt : std::optional(at->second->size);
   }
   /// Null when absent.
   Pointer find(const std::string& key) {

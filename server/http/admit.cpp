@@ -89,9 +89,10 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
   if (carries == Carries::kQuery) {
     // Its handler says what may stand there.
   } else if (carries != Carries::kNothing) {
-    // Parameters first: their errors are the most useful ones.
-    if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
-      return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
+    // Parameters first: their errors are the most useful ones. Many of them are read on the pool, with the body.
+    if (head.query.size() <= kParseInline)
+      if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
+        return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
   } else if (!admission.query.empty()) {
     return tl::unexpected<Problem>(to_problem(
         {ErrorCode::kUnknownParameter, "This path takes no parameters.", admission.query.front().first}));
@@ -145,7 +146,9 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   OrProblem<Terms> terms = terms_of(head, *admission.route, payer);
   if (!terms) return std::move(terms.error());
   if (bytes <= kSmallBody) return std::nullopt;
-  const auto parsed = service_.parameters().parse(raw_parameters(admission.query));
+  const auto parsed = head.query.size() <= kParseInline
+                          ? service_.parameters().parse(raw_parameters(admission.query))
+                          : Expected<RequestParameters>();
   const ExpectedWork work =
       parsed ? expected_work(parsed->fracture, bytes, nullptr, 0, parsed->selection) : expected_work(bytes);
   std::optional<Error> overload = dispatcher_.refuses(work, *terms);

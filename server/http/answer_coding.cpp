@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 
+#include "common/base/bulk.hpp"
 #include "common/base/text.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/content_coding.hpp"
@@ -132,6 +133,7 @@ CodingWishes coding_wishes(std::string_view accept_encoding) {
 
 std::vector<std::uint8_t> encode_body(std::span<const std::uint8_t> body, ContentCoding coding,
                                       const Execution& execution) {
+  count_bulk(body.size());
   if (coding == ContentCoding::kGzip) return gzipped(body, execution);
   if (coding == ContentCoding::kZstd) return zstandard(body, execution);
   return {body.begin(), body.end()};

@@ -137,7 +137,7 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
     case Operation::kGetJob:
       return get_job(request, gone, reply);
     case Operation::kGetJobs:
-      return get_jobs(*request);
+      return get_jobs(request, gone, reply);
     case Operation::kDeleteJob:
       return delete_job(*request);
     case Operation::kGetJobEvents:

@@ -104,6 +104,9 @@ class Api {
   using Step = std::function<Answered(const Execution&)>;
   Answered on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
                    const Reply& reply, Step step);
+  /// Goes on here where so many bytes of parameters are few (kParseInline), else on the pool.
+  Answered with_parameters(std::uint64_t bytes, const std::shared_ptr<Request>& request, const Terms& terms,
+                           const Reply& reply, std::function<Answered()> go_on);
   /// What a body takes to be made ready: hashed, decoded, taken apart.
   struct Preparation {
     std::string digest{};  ///< Content-Digest, of the bytes as they were sent; empty: nothing to check
@@ -119,7 +122,7 @@ class Api {
   void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
-  /// Takes a mesh out of the body, here or on the pool when it is large, and goes on with it.
+  /// Takes a mesh out of the body and goes on with it: on the pool, but for a small one that is only fractured.
   using WithMesh =
       std::function<Answered(FractureRequest input, std::shared_ptr<Body> body, const Terms& terms)>;
   Answered with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,
@@ -174,7 +177,8 @@ class Api {
                      const Reply& reply);
   static bool sees(const Payer& payer, const JobView& job);
   std::optional<JobView> find_job(const Request& request);
-  Answered get_jobs(const Request& request);
+  Answered get_jobs(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
+  Response list_jobs(const Jobs::Filter& filter, std::size_t limit, const std::string& request_id);
   Answered get_job(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
   Answered delete_job(const Request& request);
   Answered get_job_events(const Request& request);

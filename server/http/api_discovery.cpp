@@ -57,6 +57,8 @@ nlohmann::ordered_json Api::describe_limits() const {
           {"max_answers_bytes", limits_.max_answers},
           {"max_answers_per_address_bytes", limits_.answer_share()},
           {"max_header_bytes", limits_.max_header},
+          {"max_header_fields", kMaxFields},
+          {"max_header_members", kMaxMembers},
           {"max_uri_bytes", limits_.max_uri},
           {"header_timeout_ms", limits_.header_timeout.count()},
           {"body_grace_ms", limits_.body_grace.count()},

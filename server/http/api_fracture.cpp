@@ -16,6 +16,7 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   auto read = [this, request, body = std::move(body), terms = *terms,
                go_on = std::move(go_on)]() mutable -> Answered {
     std::shared_ptr<Body> own = std::move(body);
+    if (own->bytes.capacity() / 2 > own->bytes.size()) own->bytes.shrink_to_fit();  // it came in chunks
     OrProblem<FractureRequest> input = read_mesh_input(
         *request, own, service_, [&](const std::string& key) { return may_see(*request, key); });
     if (!input) return tl::unexpected<Problem>(std::move(input.error()));
@@ -26,8 +27,12 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
     input->digest = digest_of(*input, here).hex();
     return go_on(std::move(*input), std::move(own), terms);
   };
+  // A form has parameters of its own, of any size; a mesh that is to be stored is compared and described.
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";
-  if (request->on_pool || size <= (form ? kReadFormInline : kReadInline)) return read();
+  const bool stored = request->admission.route->operation != Operation::kPostFracture;
+  const bool few = request->head.query.size() <= kParseInline &&
+                   service_.earlier_bytes(raw_parameters(request->admission.query)) <= kParseInline;
+  if (request->on_pool || (!form && !stored && size <= kReadInline && few)) return read();
   return on_pool(expected_reading(size), request, *terms, reply,
                  [read = std::move(read)](const Execution&) mutable { return read(); });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stop_token>
 
+#include "common/base/json_text.hpp"
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/service/mesh_report.hpp"
@@ -17,13 +18,23 @@ Problem no_mesh() {
       "then ask again.");
 }
 
-nlohmann::ordered_json describe(const StoredMesh& mesh, const StoreConfig& config) {
-  return {{"id", std::string(kDigestScheme) + mesh.digest},
-          {"format", extension_of(mesh.format)},
-          {"bytes", mesh.bytes()},
-          {"files", mesh.files.size()},
-          {"ttl_s", config.ttl.count() / 1000},
-          {"report", mesh.report}};
+std::string describe(const StoredMesh& mesh, const PreparedMesh& prepared, const StoreConfig& config) {
+  const nlohmann::ordered_json document = {{"id", std::string(kDigestScheme) + mesh.digest},
+                                           {"format", extension_of(mesh.format)},
+                                           {"bytes", mesh.bytes()},
+                                           {"files", mesh.files.size()},
+                                           {"ttl_s", config.ttl.count() / 1000},
+                                           {"report", mesh_report(prepared)}};
+  return json_text(document, 2) + "\n";
+}
+
+Response description_of(const StoredMesh& mesh, int status) {
+  Response response;
+  response.status = status;
+  response.content_type = "application/json";
+  response.body = {reinterpret_cast<const std::uint8_t*>(mesh.description->data()), mesh.description->size()};
+  response.owner = mesh.description;
+  return response;
 }
 
 }  // namespace
@@ -71,7 +82,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   if (is_kept_as_copy(asked, capacity) && !body.reservation.grow_to(2 * capacity))
     return tl::unexpected<Problem>(no_memory(body.reservation));
   const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity);
-  stored->report = mesh_report(prepared);
+  stored->description = std::make_shared<const std::string>(describe(*stored, prepared, meshes_.config()));
   stored->triangles = prepared.solid.triangles.size();
   MeshStore::Owner owner{owner_of(request)};
   if (!owner.name.empty()) owner.share = request.payer.account->shares().stored_bytes;
@@ -87,8 +98,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   // From here on the quota of the store counts the body that it keeps. One that it does not keep goes with
   // its reservation.
   if (stored->owner == asked.owner) body.reservation = {};
-  Response response =
-      Response::json(describe(*stored, meshes_.config()), put == MeshStore::Put::kCreated ? 201 : 200);
+  Response response = description_of(*stored, put == MeshStore::Put::kCreated ? 201 : 200);
   response.headers.emplace_back("Location", "/meshes/" + std::string(kDigestScheme) + stored->digest);
   return response;
 }
@@ -103,7 +113,7 @@ OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(const Request& req
 Answered Api::get_mesh(const Request& request) {
   auto mesh = stored_mesh(request, request.admission.segment);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
-  return Response::json(describe(**mesh, meshes_.config()));
+  return description_of(**mesh, 200);
 }
 
 Answered Api::delete_mesh(const Request& request) {
@@ -119,38 +129,40 @@ Answered Api::delete_mesh(const Request& request) {
 
 Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::string_view text,
                               std::string_view id, const std::stop_token& gone, const Reply& reply) {
-  std::vector<RawParameter> given = raw_parameters(request->admission.query);
-  if (!text.empty()) {
-    Expected<std::vector<RawParameter>> more = read_params(text, "body");
-    if (!more) return tl::unexpected<Problem>(to_problem(std::move(more.error())));
-    given.insert(given.end(), more->begin(), more->end());
-  }
-  std::string named(id);
-  if (id.empty()) {  // POST /fracture: the body names the mesh beside the parameters
-    const auto mesh =
-        std::find_if(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "mesh"; });
-    if (mesh == given.end() || !mesh->value.is_string())
-      return tl::unexpected<Problem>(to_problem(
-          {ErrorCode::kBadParameter,
-           "A JSON body has to name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. A glTF "
-           "file has Content-Type: model/gltf+json.",
-           "mesh"}));
-    named = mesh->value.get<std::string>();
-    given.erase(mesh);
-  }
-  if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
-    return tl::unexpected<Problem>(to_problem(
-        {ErrorCode::kBadParameter, "The format of a stored mesh is known: leave 'format' out.", "format"}));
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
-  const std::uint64_t earlier = service_.earlier_bytes(given);
-  auto go_on = [this, request, given = std::move(given), named = std::move(named), terms = *terms, reply] {
-    return fracture_stored_mesh(request, given, named, terms, reply);
-  };
-  if (earlier <= kParseInline) return go_on();
-  return on_pool(expected_reading(earlier), request, *terms, reply,
-                 [go_on = std::move(go_on)](const Execution&) { return go_on(); });
+  return with_parameters(
+      text.size() + request->head.query.size(), request, *terms, reply,
+      [this, request, text, id = std::string(id), terms = *terms, reply]() mutable -> Answered {
+        std::vector<RawParameter> given = raw_parameters(request->admission.query);
+        if (!text.empty()) {
+          Expected<std::vector<RawParameter>> more = read_params(text, "body");
+          if (!more) return tl::unexpected<Problem>(to_problem(std::move(more.error())));
+          given.insert(given.end(), more->begin(), more->end());
+        }
+        if (id.empty()) {  // POST /fracture: the body names the mesh beside the parameters
+          const auto mesh = std::find_if(given.begin(), given.end(),
+                                         [](const RawParameter& p) { return p.name == "mesh"; });
+          if (mesh == given.end() || !mesh->value.is_string())
+            return tl::unexpected<Problem>(to_problem(
+                {ErrorCode::kBadParameter,
+                 "A JSON body has to name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. A glTF "
+                 "file has Content-Type: model/gltf+json.",
+                 "mesh"}));
+          id = mesh->value.get<std::string>();
+          given.erase(mesh);
+        }
+        if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
+          return tl::unexpected<Problem>(
+              to_problem({ErrorCode::kBadParameter,
+                          "The format of a stored mesh is known: leave 'format' out.", "format"}));
+        // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
+        const std::uint64_t earlier = service_.earlier_bytes(given);
+        return with_parameters(earlier, request, terms, reply,
+                               [this, request, given = std::move(given), id = std::move(id), terms, reply] {
+                                 return fracture_stored_mesh(request, given, id, terms, reply);
+                               });
+      });
 }
 
 Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,

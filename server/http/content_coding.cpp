@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/bulk.hpp"
 #include "server/http/request_head.hpp"
 
 namespace fracture::http {
@@ -76,7 +77,11 @@ Outcome each_zstd_block(std::string_view body, Sink sink) {
 /// `sink(piece)`, of nothing too where a step of the decoder made nothing; false: no further ones.
 template <class Sink>
 Outcome each_block(std::string_view body, ContentCoding coding, Sink sink) {
-  return coding == ContentCoding::kGzip ? each_gzip_block(body, sink) : each_zstd_block(body, sink);
+  const auto counted = [&sink](std::string_view block) {
+    count_bulk(block.size());
+    return sink(block);
+  };
+  return coding == ContentCoding::kGzip ? each_gzip_block(body, counted) : each_zstd_block(body, counted);
 }
 
 }  // namespace

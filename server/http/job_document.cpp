@@ -16,7 +16,7 @@ nlohmann::ordered_json describe(const JobView& job, std::string_view request_id)
   if (job.finished_at) document["finished"] = time_text(*job.finished_at);
   if (job.queue_position) document["queue_position"] = *job.queue_position;
   if (job.state == JobState::kDone) document["result"] = "/fractures/sha256:" + job.result_key;
-  if (job.error) document["error"] = nlohmann::ordered_json::parse(to_problem(*job.error).body(request_id));
+  if (job.error) document["error"] = to_problem(*job.error).document(request_id);
   document["links"] = {{"self", "/jobs/" + job.id}, {"events", "/jobs/" + job.id + "/events"}};
   return document;
 }

@@ -40,6 +40,16 @@ Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& 
   return std::nullopt;
 }
 
+Answered Api::with_parameters(std::uint64_t bytes, const std::shared_ptr<Request>& request,
+                              const Terms& terms, const Reply& reply, std::function<Answered()> go_on) {
+  if (request->on_pool || bytes <= kParseInline) return go_on();
+  return on_pool(expected_reading(bytes), request, terms, reply,
+                 [request, go_on = std::move(go_on)](const Execution&) {
+                   request->on_pool = true;
+                   return go_on();
+                 });
+}
+
 void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply reply) {
   request->received = std::chrono::steady_clock::now();
   if (request->payer.account) {
@@ -57,7 +67,7 @@ void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply re
     const std::uint64_t size = request->body.size();
     if (coding && size > 0) preparation.coding = *coding;
     if (preparation.coding == ContentCoding::kIdentity) {
-      if (size <= kReadInline || preparation.digest.empty()) {
+      if (size <= kDigestInline || preparation.digest.empty()) {
         if (!preparation.digest.empty())
           if (auto wrong = check_content_digest(preparation.digest, request->body)) {
             release_body(*request);

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "common/base/json_text.hpp"
+
 namespace fracture::http {
 namespace {
 
@@ -79,7 +81,7 @@ Problem to_problem(Error error) {
   return problem;
 }
 
-std::string Problem::body(std::string_view request_id) const {
+nlohmann::ordered_json Problem::document(std::string_view request_id) const {
   nlohmann::ordered_json document;
   document["type"] = "/problems/" + std::string(type->slug);
   document["title"] = type->title;
@@ -88,11 +90,13 @@ std::string Problem::body(std::string_view request_id) const {
   if (!pointer.empty()) document["parameter"] = pointer;
   document["request_id"] = request_id;
   for (const auto& [name, value] : extra.items())
-    if (!document.contains(name))
-      document[name] =
-          nlohmann::ordered_json::parse(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    if (!document.contains(name)) document[name] = nlohmann::ordered_json(value);
+  return document;
+}
+
+std::string Problem::body(std::string_view request_id) const {
   // Details may quote what the client sent: bytes that are no UTF-8 are replaced, never an exception.
-  return document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(document(request_id), 2) + "\n";
 }
 
 }  // namespace fracture::http

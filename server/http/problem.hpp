@@ -54,8 +54,9 @@ struct Problem {
     return std::move(*this);
   }
 
-  /// The application/problem+json body: type (/problems/<slug>), title, status, detail, request_id,
-  /// parameter, extras.
+  /// type (/problems/<slug>), title, status, detail, request_id, parameter, extras.
+  nlohmann::ordered_json document(std::string_view request_id) const;
+  /// The same as an application/problem+json body.
   std::string body(std::string_view request_id) const;
 };
 

@@ -20,6 +20,8 @@ constexpr std::uint64_t kWireAllowance = 1u << 20;
 
 /// Of one read, where the buffer has no more room already.
 constexpr std::size_t kPiece = 16u << 10;
+/// Chunks, or parts of them, that are taken apart before others are served: 0.1 ms.
+constexpr int kPartsInTurn = 500;
 
 Problem over_limit(const Admission& admission) {
   return Problem(HttpProblem::kBodyTooLarge,
@@ -81,8 +83,16 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   const Clock::time_point start = Clock::now();
   const Clock::time_point end = start + limits.body_timeout;
   for (;;) {
+    // What a chunked body may come to is set aside at once, and taken when it is written to: a string that grew by itself
+    // would copy megabytes. What is too much is given back on the pool (with_mesh_input).
+    std::string& body = parser.get().body();
+    if (request.head.chunked && body.size() + buffer.size() > kReadInline) body.reserve(admission.max_body);
     // All that is there is taken apart at once: a chunk of few bytes costs no turn of the event loop.
-    while (!parser.is_done() && buffer.size() > 0) {
+    for (int parts = 0; !parser.is_done() && buffer.size() > 0; ++parts) {
+      if (parts == kPartsInTurn) {
+        parts = 0;
+        co_await asio::post(connection.socket().get_executor(), asio::use_awaitable);
+      }
       ec.clear();
       const std::size_t taken = parser.put(buffer.cdata(), ec);
       buffer.consume(taken);

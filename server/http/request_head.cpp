@@ -82,6 +82,11 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
 }
 
 OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
+  const auto parts = std::count_if(block.begin(), block.end(), [](char c) { return c == ',' || c == ';'; });
+  if (static_cast<std::size_t>(parts) > kMaxMembers)
+    return refuse(HttpProblem::kHeaderTooLarge,
+                  "The fields of the request header are lists of " + std::to_string(parts) +
+                      " members and parameters together; the limit is " + std::to_string(kMaxMembers) + ".");
   while (!block.empty()) {
     const std::size_t end = block.find("\r\n");
     const std::string_view line = block.substr(0, end);
@@ -95,6 +100,9 @@ OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
     const std::string_view value = trimmed(line.substr(colon + 1));
     if (!is_field_value(value))
       return malformed_request("A header field has a control character in its value.");
+    if (head.fields.size() == kMaxFields)
+      return refuse(HttpProblem::kHeaderTooLarge,
+                    "The request header has more than " + std::to_string(kMaxFields) + " fields.");
     head.fields.emplace_back(line.substr(0, colon), value);
   }
   return true;

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/bulk.hpp"
+#include "common/base/processor_time.hpp"
 #include "server/http/asio.hpp"
 #include "server/http/connections.hpp"
 #include "server/http/session.hpp"
@@ -49,11 +51,12 @@ std::size_t connection_limit(std::size_t wanted) {
 }
 
 /// io_context::run() with a last line of defence: an exception out of a handler is logged, and the loop goes
-/// on.
-void run_forever(asio::io_context& context) {
+/// on. `turned` is called after each turn.
+template <class Turned>
+void run_forever(asio::io_context& context, Turned turned) {
   for (;;) {
     try {
-      context.run();
+      while (context.run_one() > 0) turned();
       return;
     } catch (const std::exception& e) {
       spdlog::error("an exception reached the io loop: {}", e.what());
@@ -61,6 +64,17 @@ void run_forever(asio::io_context& context) {
       spdlog::error("an unknown exception reached the io loop");
     }
   }
+}
+
+/// Of the public listener: everybody waits for it, so what it does in a turn is measured and limited.
+void run_public(asio::io_context& context, ops::Metrics& metrics, BulkLimit& bulk) {
+  limit_bulk(&bulk);
+  double before = processor_seconds_of_this_thread();
+  run_forever(context, [&] {
+    const double now = processor_seconds_of_this_thread();
+    metrics.count_io_turn(now - std::exchange(before, now));
+    begin_bulk_turn();
+  });
 }
 
 tcp::acceptor open_acceptor(asio::io_context& context, const std::string& address, std::uint16_t port) {
@@ -174,6 +188,9 @@ class HttpServer::Impl {
       writer.gauge("fracture_requests_in_progress",
                    "From the first byte of a request to the last of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
+      writer.counter("fracture_io_bulk_turns_total",
+                     "Turns of io threads that hashed, inflated, parsed or sorted more than they may: a bug.",
+                     static_cast<double>(bulk_.exceeded.load()));
       const auto holdings = [this](const std::string& name) {
         return Holdings{api_.meshes().bytes_of(name) + api_.jobs().disk_bytes_of(name),
                         api_.ledger().bytes_of(name)};
@@ -186,8 +203,8 @@ class HttpServer::Impl {
       return nullptr;
     });
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
-      threads_.emplace_back([this] { run_forever(context_); });
-    threads_.emplace_back([this] { run_forever(admin_context_); });
+      threads_.emplace_back([this] { run_public(context_, api_.metrics(), bulk_); });
+    threads_.emplace_back([this] { run_forever(admin_context_, [] {}); });
   }
 
   ~Impl() {
@@ -226,6 +243,7 @@ class HttpServer::Impl {
   tcp::acceptor public_acceptor_, admin_acceptor_;
   std::uint16_t port_, admin_port_;
   int metrics_source_ = 0;
+  BulkLimit bulk_{kMostInTurn};
   std::vector<std::thread> threads_;
 };
 
@@ -240,6 +258,7 @@ void HttpServer::replace_tokens(tenants::TokenFile tokens) {
   impl_->policy_.accounts.replace(std::move(tokens));
   for (const auto& session : impl_->connections_.sessions()) session->tokens_changed();
 }
+std::uint64_t HttpServer::bulk_turns() const { return impl_->bulk_.exceeded; }
 std::size_t HttpServer::connections() const { return impl_->connections_.count(); }
 std::size_t HttpServer::requests_in_progress() const { return impl_->connections_.in_progress.load(); }
 

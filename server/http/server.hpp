@@ -55,6 +55,8 @@ class HttpServer {
   /// From now on these decide who may ask, and whose stream of events goes on; what names have used so far stays
   /// counted.
   void replace_tokens(tenants::TokenFile tokens);
+  /// Turns of the io threads that hashed, inflated, parsed or sorted more than kMostInTurn: none, or it is a bug.
+  std::uint64_t bulk_turns() const;
   /// Open connections of the public listener.
   std::size_t connections() const;
   /// Public connections that have a request in progress.

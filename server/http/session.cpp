@@ -219,7 +219,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       co_await compute();
       // What was asked for is given. What is read is not read for longer than the token is good: a job may have been waited
       // for.
-      if (head.method == "GET")
+      if (waited_ && head.method == "GET")
         if (const std::optional<Problem> revoked =
                 refuse_by_now(context_.policy.accounts, head, request.payer.account)) {
           co_await refuse_and_close(*revoked);
@@ -288,6 +288,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
                  });
                });
     const std::function<bool()> done = [exchange] { return exchange->done; };
+    waited_ = !done();
     co_await work_->until(done);
     if (work_->was_reset()) api_.metrics().count_abandoned_work();  // nobody wants the answer any more
   }
@@ -368,6 +369,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   bool busy_ = false;       // a request is in progress
   bool answering_ = false;  // its header is there, the last byte of its answer not
   bool writing_ = false;    // of that answer nothing is left to be done but to send it
+  bool waited_ = false;     // for the answer: it was not there at once
   bool giving_way_ = false;
   bool closing_ = false;  // drain: answer what is in progress, then close
 };

@@ -40,6 +40,9 @@ class Metrics {
   void count_connection();
   enum class Refusal { kFull, kTooManyOfAddress };
   void count_refused_connection(Refusal reason);
+  /// An io thread of the public listener has served what was ready: so many processor seconds until it looked for the
+  /// next.
+  void count_io_turn(double seconds);
   /// A client reset its connection while its work waited or ran: the work was told to stop.
   void count_abandoned_work();
 

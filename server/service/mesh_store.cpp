@@ -4,8 +4,6 @@
 #include <iterator>
 #include <utility>
 
-#include "common/base/json_reader.hpp"
-
 namespace fracture {
 namespace {
 
@@ -19,7 +17,7 @@ std::uint64_t size_of(const FractureRequest& request) { return input_bytes(reque
 std::uint64_t StoredMesh::own_bytes() const {
   // The object, and its nodes in three tables with digest and owner (measured: mesh_store_test.cpp).
   constexpr std::uint64_t kTables = 1024;
-  return kTables + files.capacity() * sizeof(ImportFile) + json_bytes(report);
+  return kTables + files.capacity() * sizeof(ImportFile) + description->capacity();
 }
 
 bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity) {
@@ -100,8 +98,11 @@ MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owne
   Bytes& kept = bytes_[mesh->owner.get()];
   if (++kept.entries == 1) figures_.bytes += kept.held = shared;
   figures_.bytes += own;
-  owned_[owner.name] += bytes;
   entries_.push_front({std::move(mesh), owner.name, bytes, now});
+  Owned& owned = owned_[owner.name];
+  owned.bytes += bytes;
+  owned.entries.push_front(entries_.begin());
+  entries_.front().among_own = owned.entries.begin();
   index_.emplace(std::pair(entries_.front().mesh->digest, owner.name), entries_.begin());
   ++figures_.stored;
   return replaces ? Put::kReplaced : Put::kCreated;
@@ -118,11 +119,19 @@ std::shared_ptr<const StoredMesh> MeshStore::find(const std::string& digest, con
                                                   Whose whose, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   expire(now);
-  const Iterator found = at(digest, owner, whose);
-  if (found == entries_.end()) return nullptr;
-  found->used = now;
-  entries_.splice(entries_.begin(), entries_, found);
-  return found->mesh;
+  for (Iterator found; (found = at(digest, owner, whose)) != entries_.end();) {
+    if (has_expired(*found, now)) {  // its turn has not come yet
+      remove(found);
+      ++figures_.expired;
+      continue;
+    }
+    found->used = now;
+    entries_.splice(entries_.begin(), entries_, found);
+    std::list<Iterator>& own = owned_.at(found->owner).entries;
+    own.splice(own.begin(), own, found->among_own);
+    return found->mesh;
+  }
+  return nullptr;
 }
 
 bool MeshStore::erase(const std::string& digest, const std::string& owner, Whose whose) {
@@ -139,24 +148,22 @@ std::uint64_t MeshStore::bytes_of(const std::string& owner) const {
 
 std::uint64_t MeshStore::bytes_of_locked(const std::string& owner) const {
   const auto owned = owned_.find(owner);
-  return owned == owned_.end() ? 0 : owned->second;
+  return owned == owned_.end() ? 0 : owned->second.bytes;
 }
 
 std::string MeshStore::owner_of_most() const {
   return std::max_element(owned_.begin(), owned_.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
+                          [](const auto& a, const auto& b) { return a.second.bytes < b.second.bytes; })
       ->first;
 }
 
-void MeshStore::remove_least_recent_of(const std::string& owner) {
-  const auto last = std::find_if(entries_.rbegin(), entries_.rend(),
-                                 [&](const Entry& entry) { return entry.owner == owner; });
-  remove(std::prev(last.base()));
-}
+void MeshStore::remove_least_recent_of(const std::string& owner) { remove(owned_.at(owner).entries.back()); }
 
 void MeshStore::sweep(Clock::time_point now) {
-  const std::lock_guard lock(mutex_);
-  expire(now);
+  for (bool done = false; !done;) {
+    const std::lock_guard lock(mutex_);
+    done = expire(now);
+  }
 }
 
 StoreFigures MeshStore::figures() const {
@@ -166,11 +173,14 @@ StoreFigures MeshStore::figures() const {
   return figures;
 }
 
-void MeshStore::expire(Clock::time_point now) {
-  while (!entries_.empty() && entries_.back().used + config_.ttl <= now) {
+bool MeshStore::expire(Clock::time_point now) {
+  int most = kExpiredAtOnce;
+  for (; !entries_.empty() && has_expired(entries_.back(), now); --most) {
+    if (most == 0) return false;
     remove(std::prev(entries_.end()));
     ++figures_.expired;
   }
+  return true;
 }
 
 void MeshStore::remove(Iterator at) {
@@ -181,11 +191,11 @@ void MeshStore::remove(Iterator at) {
   }
   figures_.bytes -= at->mesh->own_bytes();
   const auto owned = owned_.find(at->owner);
-  owned->second -= at->bytes;
-  const std::string owner = at->owner;
-  index_.erase({at->mesh->digest, owner});
+  owned->second.bytes -= at->bytes;
+  owned->second.entries.erase(at->among_own);
+  index_.erase({at->mesh->digest, at->owner});
+  if (owned->second.entries.empty()) owned_.erase(owned);
   entries_.erase(at);
-  if (owned->second == 0) owned_.erase(owned);
 }
 
 }  // namespace fracture

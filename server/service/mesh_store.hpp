@@ -11,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -33,7 +32,8 @@ struct StoredMesh {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> mesh;
   std::vector<ImportFile> files;
-  nlohmann::json report;        ///< mesh_report()
+  /// What GET says of it, as JSON: written once, because a file of many nodes has a long report. Never null.
+  std::shared_ptr<const std::string> description = std::make_shared<const std::string>();
   std::uint64_t triangles = 0;  ///< of the solid: what a fracture of it costs
   std::uint64_t capacity = 0;   ///< bytes that `owner` keeps, where that is more than bytes()
 
@@ -44,7 +44,7 @@ struct StoredMesh {
     return sum;
   }
   /// What it takes of the quota: everything that is kept for it. Of that, what equal meshes share, and what
-  /// each has for itself (its report, its places in the tables of the store).
+  /// each has for itself (its description, its places in the tables of the store).
   std::uint64_t held() const { return shared_bytes() + own_bytes(); }
   std::uint64_t shared_bytes() const { return std::max(bytes(), capacity); }
   std::uint64_t own_bytes() const;
@@ -65,7 +65,7 @@ struct StoreFigures {
 };
 
 /// Each owner has meshes of its own: what another stored is not there for it. Equal bytes are kept once,
-/// whoever stored them, and leave with the last owner; format and report are each owner's. Where nobody is
+/// whoever stored them, and leave with the last owner; format and description are each owner's. Where nobody is
 /// asked who it is, all are one owner, "".
 ///
 /// Invariant: what is held for the meshes that are stored is at most the quota, where equal ones count once;
@@ -99,20 +99,26 @@ class MeshStore {
   bool erase(const std::string& digest, const std::string& owner = "", Whose whose = Whose::kOwn);
   /// What this owner has.
   std::uint64_t bytes_of(const std::string& owner) const;
-  /// Forgets what has expired; put() and find() do it too.
+  /// Forgets what has expired; put() and find() do it too, a little at a time.
   void sweep(Clock::time_point now = Clock::now());
 
   StoreFigures figures() const;
   const StoreConfig& config() const { return config_; }
 
  private:
+  struct Entry;
+  using Iterator = std::list<Entry>::iterator;
   struct Entry {
     std::shared_ptr<const StoredMesh> mesh;
     std::string owner;
     std::uint64_t bytes;
     Clock::time_point used;
+    std::list<Iterator>::iterator among_own{};
   };
-  using Iterator = std::list<Entry>::iterator;
+  struct Owned {
+    std::uint64_t bytes = 0;
+    std::list<Iterator> entries{};  // most recently used first
+  };
   struct Bytes {
     std::size_t entries = 0;
     std::uint64_t held = 0;
@@ -124,14 +130,19 @@ class MeshStore {
   std::string owner_of_most() const;
   std::shared_ptr<const StoredMesh> equal_of(const StoredMesh& mesh);
   std::uint64_t bytes_of_locked(const std::string& owner) const;
-  void expire(Clock::time_point now);
+  bool has_expired(const Entry& entry, Clock::time_point now) const {
+    return entry.used + config_.ttl <= now;
+  }
+  /// At most so many: others wait for the lock. False: there may be more.
+  bool expire(Clock::time_point now);
+  static constexpr int kExpiredAtOnce = 16;
 
   const StoreConfig config_;
   mutable std::mutex mutex_;
   std::list<Entry> entries_;                                       // most recently used first
   std::map<std::pair<std::string, std::string>, Iterator> index_;  // by digest and owner
   std::unordered_map<const void*, Bytes> bytes_;                   // by StoredMesh::owner
-  std::map<std::string, std::uint64_t> owned_;                     // bytes by owner
+  std::map<std::string, Owned> owned_;                             // by owner
   StoreFigures figures_;
 };
 

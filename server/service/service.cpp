@@ -118,8 +118,9 @@ std::uint64_t FractureService::earlier_bytes(const std::vector<RawParameter>& gi
   if (of == given.end() || !of->value.is_string()) return 0;
   const std::string key = answer_key_in(of->value.get_ref<const std::string&>());
   if (const auto result = results_.peek(key)) return result->parameters.size();
-  const auto earlier = answers_.peek(key);
-  return earlier ? memory_size(*earlier) : 0;
+  // A number of a list takes five times its text in memory, a member ten times.
+  constexpr std::uint64_t kOfText = 8;
+  return answers_.size_of(key).value_or(0) / kOfText;
 }
 
 bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room,

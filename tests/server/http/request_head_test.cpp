@@ -142,6 +142,25 @@ TEST(RequestHead, LimitsHaveTheirOwnStatus) {
   EXPECT_EQ(status_of("GET / HTTP/1.1\r\nHost: a\r\nX: " + std::string(limits.max_header, 'a')), 431);
 }
 
+// What is looked at for each part is no more than so many parts, however short they are.
+TEST(RequestHead, FieldsAndTheirMembersAreFew) {
+  const auto repeated = [](const std::string& text, std::size_t count) {
+    std::string all;
+    while (count-- > 0) all += text;
+    return all;
+  };
+  const std::string begin = "GET / HTTP/1.1\r\nHost: a\r\n", end = "\r\n";
+  EXPECT_EQ(status_of(begin + repeated("a:\r\n", kMaxFields - 1) + end), 200) << "and the Host";
+  EXPECT_EQ(status_of(begin + repeated("a:\r\n", kMaxFields) + end), 431);
+  for (const std::string separator : {",", ";"}) {
+    EXPECT_EQ(status_of(begin + "Accept: " + repeated(separator, kMaxMembers) + "\r\n" + end), 200);
+    EXPECT_EQ(status_of(begin + "Accept: " + repeated(separator, kMaxMembers + 1) + "\r\n" + end), 431);
+  }
+  const std::string one = "Prefer: " + repeated("a,", kMaxMembers / 2) + "\r\n";
+  EXPECT_EQ(status_of(begin + one + one + end), 200);
+  EXPECT_EQ(status_of(begin + one + one + "Accept: a;q=1\r\n" + end), 431) << "all fields together";
+}
+
 TEST(RequestHead, ConnectionCloseIsFoundInAnyListAndHttp10AlwaysCloses) {
   EXPECT_FALSE(parse("GET / HTTP/1.1\r\nHost: a\r\nConnection: x, CLOSE ,y\r\n\r\n")->keep_alive);
   EXPECT_TRUE(parse("GET / HTTP/1.1\r\nHost: a\r\nConnection: closed\r\n\r\n")->keep_alive);

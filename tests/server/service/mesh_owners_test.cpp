@@ -52,14 +52,14 @@ TEST_F(MeshOwners, EqualUploadsHaveSeveralOwnersAndOneOfThemLeavingTakesNothingF
 TEST_F(MeshOwners, FormatAndReportAreEachOwners) {
   auto first = std::make_shared<StoredMesh>(*stored_mesh("a", 10));
   first->format = MeshFormat::kObj;
-  first->report = "of ana";
+  first->description = std::make_shared<const std::string>("of ana");
   auto second = std::make_shared<StoredMesh>(*stored_mesh("a", 10));
   second->format = MeshFormat::kStl;
-  second->report = "of bob";
+  second->description = std::make_shared<const std::string>("of bob");
   store.put(first, {"ana"});
   store.put(second, {"bob"});
   EXPECT_EQ(store.find("a", "ana", Whose::kOwn)->format, MeshFormat::kObj);
-  EXPECT_EQ(store.find("a", "ana", Whose::kOwn)->report, "of ana");
+  EXPECT_EQ(store.find("a", "ana", Whose::kOwn)->description, "of ana");
   EXPECT_EQ(store.find("a", "bob", Whose::kOwn)->format, MeshFormat::kStl);
 }
 

@@ -1,5 +1,6 @@
 #include "tests/server/support/test_server.hpp"
 
+#include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
 namespace fracture::test {
@@ -20,7 +21,10 @@ TestServer::TestServer(const TestServerOptions& options)
   spdlog::set_level(spdlog::level::off);
 }
 
-TestServer::~TestServer() = default;
+TestServer::~TestServer() {
+  EXPECT_EQ(server.bulk_turns(), 0u)
+      << "an io thread hashed, inflated, parsed or sorted more than it may in one turn";
+}
 
 Reply TestServer::get(const std::string& target, const std::string& fields) {
   return ask(port(), "GET", target, fields);
