@@ -67,6 +67,17 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   buffer.consume(head_size);
   if (parser.is_done()) co_return outcome;
 
+  // What follows the last chunk is taken in as a whole, and nobody reads it: its fields are as few as those of a header.
+  auto refuse_long_trailer = [&buffer](std::uint64_t size, beast::string_view extensions, error_code& wrong) {
+    if (size > 0) return;
+    const auto* const end = static_cast<const char*>(buffer.cdata().data()) + buffer.size();
+    const std::string_view rest(extensions.end(), static_cast<std::size_t>(end - extensions.end()));
+    const std::string_view trailer = rest.substr(0, rest.find("\r\n\r\n"));
+    if (static_cast<std::size_t>(std::count(trailer.begin(), trailer.end(), '\n')) > kMaxFields)
+      wrong = bhttp::error::buffer_overflow;
+  };
+  parser.on_chunk_header(refuse_long_trailer);
+
   request.reservation = api.bodies().begin(address);
 
   if (request.head.expects_continue && buffer.size() == 0) {

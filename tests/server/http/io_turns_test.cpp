@@ -182,6 +182,22 @@ TEST(IoTurns, ABodyInChunksIsKeptInNoMoreThanItTakes) {
   EXPECT_EQ(send(2'000, 1), 201) << "thousands of parts";
 }
 
+TEST(IoTurns, ATrailerHasFewFields) {
+  TestServer server;
+  const auto send = [&](std::size_t fields) {
+    std::string wire = "POST /fracture HTTP/1.1\r\nHost: a\r\n" + kGlb +
+                       "Transfer-Encoding: chunked\r\n\r\n6\r\na mesh\r\n0;a=b\r\n";
+    for (std::size_t k = 0; k < fields; ++k) wire += "a:\r\n";
+    RawClient client(server.port());
+    client.send(wire + "\r\nGET /version HTTP/1.1\r\nHost: a\r\n\r\n");
+    return client.receive()->status;
+  };
+  EXPECT_EQ(send(0), 200);
+  EXPECT_EQ(send(http::kMaxFields), 200);
+  EXPECT_EQ(send(http::kMaxFields + 1), 431);
+  EXPECT_EQ(send(10'000), 431);
+}
+
 TEST(IoTurns, AreMeasured) {
   TestServer server;
   const auto turns = [&] {
