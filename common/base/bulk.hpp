@@ -1,8 +1,8 @@
 // Work on many bytes at once, and threads that must not do it.
 //
 // A thread that serves many clients (an io thread of the server) keeps all of them waiting while it works for one.
-// Whatever hashes, inflates, compresses, parses or sorts says here how much it does. Where such a thread has a limit,
-// its turns that do more are counted: each of them is a fault of the program, whatever the client has sent.
+// Whatever hashes, inflates, compresses, parses or sorts says here how much it does. If such a thread has a limit, its
+// turns that do more are counted: each of them is a fault of the program, whatever the client has sent.
 #pragma once
 
 #include <atomic>

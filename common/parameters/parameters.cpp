@@ -146,7 +146,7 @@ const ParameterSpec* ParameterTable::find(std::string_view name) const {
 Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter>& given) const {
   Offences offences;
   Given seen;
-  std::vector<std::string> names;  // all there are, where one is unknown
+  std::vector<std::string> names;  // all there are, if one is unknown
   std::map<std::string, ParameterValue> values;
   for (const RawParameter& raw : given) {
     const ParameterSpec* spec = find(raw.name);

@@ -104,7 +104,7 @@ class Api {
   using Step = std::function<Answered(const Execution&)>;
   Answered on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
                    const Reply& reply, Step step);
-  /// Goes on here where so many bytes of parameters are few (kParseInline), else on the pool.
+  /// Goes on here if so many bytes of parameters are few (kParseInline), else on the pool.
   Answered with_parameters(std::uint64_t bytes, const std::shared_ptr<Request>& request, const Terms& terms,
                            const Reply& reply, std::function<Answered()> go_on);
   /// What a body takes to be made ready: hashed, decoded, taken apart.
@@ -122,7 +122,7 @@ class Api {
   void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
-  /// Takes a mesh out of the body and goes on with it: on the pool, but for a small one that is only fractured.
+  /// Takes a mesh out of the body and goes on with it: on the pool, unless it is a small one that is only fractured.
   using WithMesh =
       std::function<Answered(FractureRequest input, std::shared_ptr<Body> body, const Terms& terms)>;
   Answered with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,

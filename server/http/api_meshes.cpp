@@ -140,7 +140,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
           if (!more) return tl::unexpected<Problem>(to_problem(std::move(more.error())));
           given.insert(given.end(), more->begin(), more->end());
         }
-        if (id.empty()) {  // POST /fracture: the body names the mesh beside the parameters
+        if (id.empty()) {  // POST /fracture: the body names the mesh with the parameters
           const auto mesh = std::find_if(given.begin(), given.end(),
                                          [](const RawParameter& p) { return p.name == "mesh"; });
           if (mesh == given.end() || !mesh->value.is_string())

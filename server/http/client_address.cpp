@@ -41,8 +41,8 @@ std::vector<std::string_view> split(std::string_view list, char separator) {
   return pieces;
 }
 
-/// Takes the last element of the list off it. Read from its end, where the nearest proxy has written: a quote that
-/// somebody left open before that ends no later than with their own words.
+/// Takes the last element of the list off it. It is read from its end, because that is what the nearest proxy has
+/// written: a quote that a client leaves open before that ends no later than with the words of the client.
 std::string_view take_last(std::string_view& list) {
   const auto is_escaped = [&list](std::size_t quote) {
     const std::size_t before = list.substr(0, quote).find_last_not_of('\\');
@@ -72,7 +72,7 @@ std::optional<Address> address_of(std::string_view node) {
   return parse_address(host.front() == '[' ? host.substr(1, host.size() - 2) : host);
 }
 
-/// The address of `for=` in one element; nothing for nodes that are none, and where it is said twice.
+/// The address of `for=` in one element; nothing for nodes that are none, and if it is said twice.
 std::optional<Address> node_of(std::string_view element) {
   std::optional<std::string_view> node;
   for (const std::string_view pair : split(element, ';')) {

@@ -21,7 +21,7 @@ class Drainable {
   virtual ~Drainable() = default;
   virtual void close_when_idle() = 0;
   virtual void cancel_job() = 0;
-  /// Other tokens are in force: what it still delivers may be for nobody any more.
+  /// Other tokens are in force: it may have to stop what it delivers.
   virtual void tokens_changed() = 0;
   /// Closes, unless it computes an answer by now.
   virtual void give_way() = 0;

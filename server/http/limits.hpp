@@ -63,7 +63,7 @@ inline constexpr std::size_t kReadInline = 64u << 10, kDigestInline = 16u << 10;
 /// made a name in the caches, there: 0.1 ms.
 inline constexpr std::uint64_t kParseInline = 1u << 10;
 /// Bytes that are hashed, inflated or sorted in one turn, or what takes as long: a body, with its names in the caches and
-/// the token of who sends it. More is counted as a bug (HttpServer::bulk_turns).
+/// the token of its client. More is counted as a bug (HttpServer::bulk_turns).
 inline constexpr std::size_t kMostInTurn = 2 * kReadInline;
 
 /// Bytes of a body that is a JSON object of parameters.

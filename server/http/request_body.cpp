@@ -67,7 +67,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   buffer.consume(head_size);
   if (parser.is_done()) co_return outcome;
 
-  // What follows the last chunk is taken in as a whole, and nobody reads it: its fields are as few as those of a header.
+  // What follows the last chunk is taken in as a whole, and is not used: its fields are as few as those of a header.
   auto refuse_long_trailer = [&buffer](std::uint64_t size, beast::string_view extensions, error_code& wrong) {
     if (size > 0) return;
     const auto* const end = static_cast<const char*>(buffer.cdata().data()) + buffer.size();

@@ -17,7 +17,7 @@ struct StreamTarget {
   std::shared_ptr<WorkWait> wait;
   const HttpLimits& limits;
   std::function<bool()> draining;  ///< the server stops: the stream ends here
-  std::function<bool()> allowed;   ///< false: who asked may not ask any more, and gets nothing more
+  std::function<bool()> allowed;   ///< false: its reader may read no more, and gets nothing more
 };
 
 /// What the stream delivers, until it ends, the server drains or its reader may read no more; in chunks, or (a client of HTTP/1.0 knows none)

@@ -1,5 +1,5 @@
 // What an io thread does for one client while all others wait: nothing is hashed, inflated, parsed or sorted there beyond
-// what limits.hpp says. Every TestServer counts turns that do more, and fails where there are any; here is what goes to
+// what limits.hpp says. Every TestServer counts turns that do more, and fails if there are any; here is what goes to
 // the pool instead, and what is made once and for all.
 #include <gtest/gtest.h>
 
