@@ -12,7 +12,8 @@ std::vector<std::optional<std::size_t>> WorkerPool::positions(const std::vector<
   const std::lock_guard lock(mutex_);
   const std::size_t queued = queued_locked();
   if (queued > kMostPlaced) return positions;
-  count_bulk(queued * sizeof(TaskId) * 4);  // two passes over tags of two words
+  constexpr std::size_t kAsHashed = 16;  // bytes: two passes over a task take as long as hashing so many
+  count_bulk(kAsHashed * queued);
   std::size_t before = 0;
   for (const Class& waits : classes_) before += waits.resumed.size();
   for (const Class& waits : classes_) {
