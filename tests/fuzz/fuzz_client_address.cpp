@@ -48,6 +48,10 @@ void check_forwarded(std::string_view text) {
   const std::string client = forwarded_client(peer, field, named);
   if (!named.contains(peer)) require(client == peer);
   require(parse_address(client).has_value());
+  // A proxy says last whom it speaks for, whatever stands before that.
+  TrustedProxies only;
+  require(only.add("192.0.2.0/24"));
+  require(forwarded_client(peer, std::string(field) + ", for=198.51.100.7", only) == "198.51.100.7");
   require(client_of(client_of(client)) == client_of(client));
   if (const auto address = parse_address(field)) require(parse_address(to_string(*address)) == address);
 }
