@@ -27,6 +27,7 @@
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 namespace fracture {
 
@@ -75,9 +76,11 @@ class MemoryCache {
   /// replaced.
   bool insert(const std::string& key, Pointer value, std::size_t size) {
     if (size > budget_) return false;
+    std::vector<Pointer>
+        dropped;  // freed without the lock: io threads wait for it, and large values take a while
     const std::lock_guard lock(mutex_);
-    if (const auto at = index_.find(key); at != index_.end()) remove(at->second);
-    while (figures_.bytes + size > budget_) make_room();
+    if (const auto at = index_.find(key); at != index_.end()) remove(at->second, dropped);
+    while (figures_.bytes + size > budget_) make_room(dropped);
     const bool again = forget_ghost(key);
     Queue& queue = again ? main_ : small_;
     queue.entries.push_front({key, std::move(value), size, 0, again});
@@ -89,8 +92,9 @@ class MemoryCache {
   }
 
   void erase(const std::string& key) {
+    std::vector<Pointer> dropped;
     const std::lock_guard lock(mutex_);
-    if (const auto at = index_.find(key); at != index_.end()) remove(at->second);
+    if (const auto at = index_.find(key); at != index_.end()) remove(at->second, dropped);
   }
 
   CacheFigures figures() const {
@@ -120,7 +124,7 @@ class MemoryCache {
 
   /// Looks at the oldest entry of the queue that is over its share: evicts it, or gives it another turn. Each
   /// turn costs a use, so that finitely many calls free something.
-  void make_room() {
+  void make_room(std::vector<Pointer>& dropped) {
     if (main_.entries.empty() || small_.bytes > budget_ / kSmallShare) {
       const Iterator oldest = std::prev(small_.entries.end());
       if (oldest->uses > 0) {
@@ -132,7 +136,7 @@ class MemoryCache {
       } else {
         remember_ghost(oldest->key);
         ++figures_.evictions;
-        remove(oldest);
+        remove(oldest, dropped);
       }
     } else {
       const Iterator oldest = std::prev(main_.entries.end());
@@ -141,12 +145,13 @@ class MemoryCache {
         main_.entries.splice(main_.entries.begin(), main_.entries, oldest);
       } else {
         ++figures_.evictions;
-        remove(oldest);
+        remove(oldest, dropped);
       }
     }
   }
 
-  void remove(Iterator at) {
+  void remove(Iterator at, std::vector<Pointer>& dropped) {
+    dropped.push_back(std::move(at->value));
     Queue& queue = at->in_main ? main_ : small_;
     queue.bytes -= at->size;
     figures_.bytes -= at->size;
