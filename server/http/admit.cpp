@@ -36,6 +36,15 @@ std::optional<int> urgency_of(std::string_view field) {
 
 }  // namespace
 
+bool makes_job(Operation operation, const RequestHead& head) {
+  return (operation == Operation::kPostFracture || operation == Operation::kPostMeshFracture) &&
+         preferences_of(head).respond_async;
+}
+
+bool goes_on_alone(Operation operation, const RequestHead& head) {
+  return operation == Operation::kPutMesh || operation == Operation::kPostMesh || makes_job(operation, head);
+}
+
 Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
   if (reservation.over_share())
     return Problem(ErrorCode::kOverShare,
@@ -164,9 +173,7 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
     terms.priority = *urgency <= kRealtimeUrgency ? Priority::kRealtime : Priority::kBatch;
   if (payer.account && !payer.account->shares().realtime) terms.priority = Priority::kBatch;
   // Nobody waits for a job as one waits for a collision: it has a class and a deadline of its own.
-  const bool job =
-      (route.operation == Operation::kPostFracture || route.operation == Operation::kPostMeshFracture) &&
-      preferences_of(head).respond_async;
+  const bool job = makes_job(route.operation, head);
   if (job) terms.priority = Priority::kBackground;
   terms.payer = payer;
   std::chrono::milliseconds time = job                                     ? jobs_.config().deadline

@@ -41,6 +41,11 @@ using Answered = OrProblem<std::optional<Response>>;
 
 /// Whether this asks for the page, which holds no secret.
 bool is_page(Operation operation, const RequestHead& head);
+/// Whether a job is made of this request (Prefer: respond-async).
+bool makes_job(Operation operation, const RequestHead& head);
+/// Whether it is done also when its client closes the connection: a job, or a mesh that is to be stored, is wanted
+/// for itself and not for the answer.
+bool goes_on_alone(Operation operation, const RequestHead& head);
 
 class Api {
  public:

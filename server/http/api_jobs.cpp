@@ -99,7 +99,8 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
   const auto waited = [this, request, terms, reply, preferences, accepted](std::optional<JobView> job) {
     answering(*request, reply, [&]() -> Answered {
       if (!job) return tl::unexpected<Problem>(no_job());
-      if (!job->finished()) {
+      // A client that has left finds it among its jobs.
+      if (!job->finished() || request->client_left.stop_requested()) {
         accepted(*job);
         return std::nullopt;
       }
@@ -128,7 +129,7 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
                         waited(job);
                       else
                         wait_for_job(jobs_, dispatcher_.timer(), job.id,
-                                     request->received + *preferences.wait, terms.gone, waited);
+                                     request->received + *preferences.wait, request->client_left, waited);
                       return std::nullopt;
                     });
                   });

@@ -28,7 +28,7 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   count("fracture_results_computed_total", "Results computed to the end.", work.computed);
   count("fracture_requests_collapsed_total", "Requests that waited for the computation of another one.",
         work.collapsed);
-  count("fracture_waiters_left_total", "Waiters who left: reset, cancelled or past their deadline.",
+  count("fracture_waiters_left_total", "Waiters who left: closed, cancelled or past their deadline.",
         work.abandoned);
   count("fracture_jobs_expired_total", "Jobs whose deadline had passed when their turn came.", work.expired);
   count("fracture_requests_not_admitted_total", "Requests refused at once for lack of time or memory.",

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,7 +42,8 @@ struct Request {
   Payer payer;  ///< whose it is: of the token, else of the client's address
   /// Of a name: its place among the name's computations, between the steps that need one (Terms::seat).
   std::shared_ptr<tenants::Account::Seat> seat{};
-  bool on_pool = false;  ///< it is at a thread of the pool, admitted for all that it has brought along
+  std::stop_token client_left{};  ///< also of a request that goes on without its client (goes_on_alone)
+  bool on_pool = false;           ///< it is at a thread of the pool, admitted for all that it has brought along
 };
 
 /// A body that is not all there when the answer begins: it is written in chunks as it comes.

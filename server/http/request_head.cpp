@@ -155,6 +155,13 @@ OrProblem<bool> decide_framing(RequestHead& head) {
                     "The only expectation that can be met is '100-continue'.");
     head.expects_continue = head.minor_version == 1 && head.has_body();
   }
+
+  const std::string half_close = head.field("half-close");
+  if (!half_close.empty()) {
+    if (!equals_ignoring_case(half_close, "yes"))
+      return malformed_request("The only value of the Half-Close field is 'yes'.");
+    head.half_closes = true;
+  }
   return true;
 }
 

@@ -29,6 +29,8 @@ struct RequestHead {
   bool chunked = false;
   bool keep_alive = true;
   bool expects_continue = false;
+  bool half_closes =
+      false;  ///< Half-Close: yes: its client closes its side of the connection and still reads
 
   bool has_body() const { return chunked || content_length.value_or(0) > 0; }
   /// The value of the only field of this name (case-insensitive); empty when absent. Repeated fields are

@@ -42,7 +42,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   Session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
           std::string address)
       : connection_(std::make_shared<TimedSocket>(std::move(socket))),
-        work_(std::make_shared<WorkWait>(connection_)),
+        work_(std::make_shared<WorkWait>(connection_, buffer_)),
         context_(context),
         api_(context.api),
         connections_(context.connections),
@@ -216,7 +216,13 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         finish_record(none, false);
         co_return false;
       }
-      co_await compute();
+      if (!co_await compute()) {
+        const Problem gone(HttpProblem::kClientClosed,
+                           "The client closed its side of the connection while it waited for the answer. "
+                           "A client that half-closes and still reads sends 'Half-Close: yes'.");
+        co_await refuse_and_close(gone);
+        co_return false;
+      }
       // What was asked for is given. What is read is not read for longer than the token is good: a job may have been waited
       // for.
       if (waited_ && head.method == "GET")
@@ -276,10 +282,14 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         [this](bool started) { return giving_way_ || (closing() && !started); }, [this] { set_busy(true); });
   }
 
-  /// Fills exchange_->response.
-  asio::awaitable<void> compute() {
+  /// Fills exchange_->response. False: the client has left, and what it asked for was stopped.
+  asio::awaitable<bool> compute() {
     const std::shared_ptr<Exchange> exchange = exchange_;
-    api_.start(std::shared_ptr<Request>(exchange, &exchange->request), work_->begin(),
+    Request& request = exchange->request;
+    const bool alone = goes_on_alone(request.admission.route->operation, request.head);
+    work_->expect(request.head.half_closes ? HalfClose::kStillReads : HalfClose::kIsGone);
+    request.client_left = work_->begin();
+    api_.start(std::shared_ptr<Request>(exchange, &request), alone ? work_->cancelled() : request.client_left,
                [self = shared_from_this(), exchange](Response response) {
                  asio::dispatch(self->executor(), [self, exchange, response = std::move(response)]() mutable {
                    exchange->response = std::move(response);
@@ -290,7 +300,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     const std::function<bool()> done = [exchange] { return exchange->done; };
     waited_ = !done();
     co_await work_->until(done);
-    if (work_->was_reset()) api_.metrics().count_abandoned_work();  // nobody wants the answer any more
+    if (alone || !work_->client_left()) co_return true;
+    api_.metrics().count_abandoned_work();
+    co_return false;
   }
 
   /// Counts the answer as on its way, from `hold` on; where there is no room for it, a refusal takes its

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <utility>
 
 #include "server/http/limits.hpp"
@@ -58,6 +59,14 @@ bool TimedSocket::is_reset() {
   int error = 0;
   socklen_t size = sizeof error;
   return ::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error != 0;
+}
+
+bool TimedSocket::read_ahead(beast::flat_buffer& buffer) {
+  constexpr std::size_t kAtOnce = 16u << 10;  // little enough that other connections get their turn
+  const auto room = buffer.prepare(std::min(kAtOnce, buffer.max_size() - buffer.size()));
+  const ssize_t n = ::recv(socket_.native_handle(), room.data(), room.size(), MSG_DONTWAIT);
+  if (n > 0) buffer.commit(static_cast<std::size_t>(n));
+  return n > 0 || (n < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
 bool TimedSocket::take_urgent_byte() {

@@ -30,6 +30,9 @@ class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
   std::uint64_t unsent();
   /// The connection was reset; urgent data, which wakes the same wait, is none.
   bool is_reset();
+  /// Takes what the client has sent into the buffer, which must have room. False: the client has closed its side, or
+  /// the connection was reset.
+  bool read_ahead(beast::flat_buffer& buffer);
   /// Takes a byte of urgent data, which no request has a use for. False where there is none.
   bool take_urgent_byte();
   /// After an answer that ends the connection, what the client still sends is read and thrown away for a

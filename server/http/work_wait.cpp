@@ -4,13 +4,13 @@
 
 namespace fracture::http {
 
-WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection)
-    : connection_(std::move(connection)), woken_(connection_->socket().get_executor()) {}
+WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection, beast::flat_buffer& ahead)
+    : connection_(std::move(connection)), ahead_(ahead), woken_(connection_->socket().get_executor()) {}
 
 std::stop_token WorkWait::begin() {
   stop_ = std::stop_source();
-  if (cancelled_) stop_.request_stop();
-  reset_ = false;
+  if (cancel_.stop_requested()) stop_.request_stop();
+  left_ = false;
   woken_.expires_at(asio::steady_timer::time_point::max());
   return stop_.get_token();
 }
@@ -18,7 +18,7 @@ std::stop_token WorkWait::begin() {
 asio::awaitable<void> WorkWait::until(const std::function<bool()>& done) {
   if (done()) co_return;
   watching_ = true;
-  watch_for_reset();
+  watch();
   do {
     error_code ignored;
     co_await woken_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
@@ -27,19 +27,29 @@ asio::awaitable<void> WorkWait::until(const std::function<bool()>& done) {
   connection_->abort();  // ends the watch
 }
 
-void WorkWait::watch_for_reset() {
-  connection_->socket().async_wait(tcp::socket::wait_error, [weak = weak_from_this()](error_code ec) {
-    const auto self = weak.lock();
-    if (ec || !self) return;
-    if (!self->connection_->is_reset()) {
-      // While an urgent byte waits to be taken, a new watch ends at once.
-      if (self->watching_ && self->connection_->take_urgent_byte()) self->watch_for_reset();
-      return;
-    }
-    self->reset_ = true;
-    self->stop_.request_stop();
-    self->wake();
-  });
+void WorkWait::watch() {
+  if (std::exchange(armed_, true)) return;
+  const bool reads = half_close_ == HalfClose::kIsGone && ahead_.size() < ahead_.max_size();
+  connection_->socket().async_wait(reads ? tcp::socket::wait_read : tcp::socket::wait_error,
+                                   [weak = weak_from_this(), reads](error_code ec) {
+                                     const auto self = weak.lock();
+                                     if (!self) return;
+                                     self->armed_ = false;
+                                     if (self->watching_) self->look(ec, reads);
+                                   });
+}
+
+void WorkWait::look(error_code ec, bool reads) {
+  if (ec == asio::error::operation_aborted) return watch();  // it was the watch of the wait before
+  if (ec) return;
+  if (reads ? connection_->read_ahead(ahead_) : !connection_->is_reset()) {
+    // While an urgent byte waits to be taken, a new watch for errors ends at once.
+    if (reads || connection_->take_urgent_byte()) watch();
+    return;
+  }
+  left_ = true;
+  stop_.request_stop();
+  wake();
 }
 
 }  // namespace fracture::http

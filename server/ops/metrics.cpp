@@ -84,7 +84,7 @@ struct Metrics::Impl {
                                      "Connections that were only told that there are too many.");
   Family<Counter>& abandoned =
       counter("fracture_work_abandoned_total",
-              "Requests whose client reset its connection while they waited or ran.");
+              "Requests that were stopped because their client closed or reset its connection (status 499).");
   Family<Histogram>& durations =
       histogram("fracture_request_duration_seconds", "From the whole header to the last byte of the answer.");
   Histogram& queue_wait =

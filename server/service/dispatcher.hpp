@@ -121,7 +121,7 @@ class Dispatcher {
   struct Figures {
     std::uint64_t computed = 0;   ///< results computed to the end
     std::uint64_t collapsed = 0;  ///< requests that waited for the computation of another one
-    std::uint64_t abandoned = 0;  ///< waiters who left: reset, cancelled or past their deadline
+    std::uint64_t abandoned = 0;  ///< waiters who left: closed, cancelled or past their deadline
     std::uint64_t expired = 0;    ///< work whose deadline passed before its turn came
     std::uint64_t refused = 0;    ///< by admission
     std::size_t flights = 0;      ///< of results, now

@@ -67,6 +67,7 @@ SERVER: Dict[str, Reaction] = {
     "foreign-host": Reaction.RAISE,
     "foreign-origin": Reaction.RAISE,
     "header-too-large": Reaction.RAISE,
+    "client-closed-request": Reaction.RAISE,
     "not-implemented": Reaction.RAISE,
     "overloaded": Reaction.WAIT,
     "draining": Reaction.WAIT,

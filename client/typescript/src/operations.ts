@@ -42,7 +42,7 @@ export type OperationId = keyof typeof operations;
 
 /** Header fields of requests that the document names; the rest (Authorization, Accept) are HTTP's own. */
 export const requestFields = [
-  'If-Match', 'If-None-Match', 'If-Range', 'Prefer', 'Priority', 'Range', 'Request-Timeout',
+  'Half-Close', 'If-Match', 'If-None-Match', 'If-Range', 'Prefer', 'Priority', 'Range', 'Request-Timeout',
 ] as const;
 
 /** Statuses of problems that the document names; any other one is a FractureError all the same. */

@@ -9,7 +9,7 @@ export const serverProblems = [
   'unauthorized', 'forbidden', 'not-found', 'method-not-allowed', 'not-acceptable', 'request-timeout', 'precondition-failed',
   'body-too-large', 'uri-too-long', 'unsupported-coding', 'unsupported-media-type', 'range-not-satisfiable', 'digest-mismatch',
   'expectation-failed', 'too-many-connections', 'over-share', 'foreign-host', 'foreign-origin', 'header-too-large',
-  'not-implemented', 'overloaded', 'draining', 'version-not-supported',
+  'client-closed-request', 'not-implemented', 'overloaded', 'draining', 'version-not-supported',
 ] as const;
 
 /** What no server answers. */

@@ -201,23 +201,6 @@ TEST(Hostile, AClientThatNeverReadsIsDroppedWhenItsWindowIsFull) {
       eventually(kPatience, "the end of the connection", [&] { return server.server.connections() == 0; }));
 }
 
-TEST(Hostile, AHalfClosingClientGetsItsAnswer) {
-  TestServer server;
-  server.control->during_cut = [](const Execution& execution) {
-    for (int i = 0; i < 100; ++i) {
-      std::this_thread::sleep_for(milliseconds(1));  // pause: work that takes a tenth of a second
-      execution.poll();
-    }
-  };
-  RawClient client(server.port());
-  client.send(kPostObj + "Content-Length: 4\r\n\r\nmesh");
-  client.half_close();
-  const auto reply = client.receive();
-  ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->status, 200);
-  EXPECT_EQ(server.control->cancelled, 0);
-}
-
 TEST(Hostile, AHalfCloseInsideTheBodyIsAnswered) {
   TestServer server;
   RawClient client(server.port());

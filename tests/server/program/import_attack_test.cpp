@@ -153,6 +153,26 @@ std::string gzip(const std::string& text) {
   return out;
 }
 
+TEST(ImportIsolation, AClientThatLeavesEndsTheProcessThatReadsItsFile) {
+  Server server;
+  for (const pid_t worker : server.workers()) ::kill(worker, SIGSTOP);  // it reads for ever
+  {
+    RawClient client(server.port);
+    client.send("POST /fracture?format=off HTTP/1.1\r\nHost: a\r\nContent-Length: " +
+                std::to_string(kTetrahedron.size()) + "\r\n\r\n" + kTetrahedron);
+    require_eventually(kPatience, "the file to be read", [&] {
+      return server.metric("fracture_import_workers_busy") == "fracture_import_workers_busy 1";
+    });
+  }
+  for (const char* const expected : {"fracture_import_workers_busy 0", "fracture_flights 0",
+                                     "fracture_memory_reserved_bytes{part=\"working\"} 0",
+                                     "fracture_imports_total{outcome=\"interrupted\"} 1"}) {
+    const std::string line = expected, name = line.substr(0, line.rfind(' '));
+    EXPECT_TRUE(eventually(kPatience, line, [&] { return server.metric(name) == line; }));
+  }
+  EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
+}
+
 TEST(ImportAttack, KillerBodiesGetTheirStatusAndLeaveNothingBehind) {
   Server server({"--all-formats"});
   EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
