@@ -54,6 +54,7 @@ def haproxy():
     for side in "client", "server":
         seconds = int(re.search(rf"timeout {side} (\d+)s", text)[1])
         expect(seconds > deadline, f"timeout {side}: the proxy gives up before the server's deadline of {deadline} s")
+    expect("option abortonclose" in text, "a client that leaves does not stop its computation")
     program = ask_program("haproxy")
     path = os.path.join(DOCKER, "haproxy", "haproxy.cfg")
     run(program, "-c", "-f", path)

@@ -151,6 +151,32 @@ TEST_F(Topology, WithoutRedisServiceContinues) {
   expect_no_failure(fresh, "new results");
 }
 
+// HAProxy closes its own side when its client does (option abortonclose).
+TEST_F(Topology, AClientThatLeavesStopsItsComputation) {
+  const StoredMesh mesh(1);
+  GameClient game(farm->port);
+  EXPECT_EQ(game.fracture(mesh, 1).status, 200);
+  const std::string parameters = R"({"sites": 20000, "lloyd": 50})";  // a minute of one thread
+  for (int k = 1; k <= 2; ++k) {
+    RawClient client(farm->port);
+    client.send("POST " + mesh.path + "/fracture HTTP/1.1\r\nHost: localhost\r\nPriority: u=3\r\n" +
+                "Content-Type: application/json\r\nContent-Length: " + std::to_string(parameters.size()) +
+                "\r\n\r\n" + parameters);
+    require_eventually(kPatience, "the computation", [&] { return farm->sum("fracture_jobs_running") == 1; });
+    if (k == 1)
+      client.half_close();
+    else
+      client.reset();
+    EXPECT_TRUE(eventually(kPatience, "the computation to stop", [&] {
+      return farm->sum("fracture_flights") == 0 && farm->sum("fracture_jobs_running") == 0;
+    }));
+    EXPECT_TRUE(eventually(kPatience, "the request to be counted",
+                           [&] { return farm->sum("fracture_requests_total", "status=\"499\"") == k; }));
+  }
+  EXPECT_EQ(farm->sum("fracture_work_abandoned_total"), 2);
+  EXPECT_EQ(game.fracture(mesh, 2).status, 200);
+}
+
 TEST_F(Topology, ARollingRestartUnderLoadFailsNoRequest) {
   if (kFull) farm = std::make_unique<Farm>("5");  // as docker/compose.yaml has it
   Load load(farm->port, kClients, kMeshes, kSeeds);
