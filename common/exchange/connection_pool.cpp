@@ -211,10 +211,7 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
                   request.target.substr(0, 40) + ": " + error.message() + ".";
     if (exchange.outcome == Exchange::Outcome::kTimedOut)
       exchange.detail = "No whole answer within " + std::to_string(time.count()) + " ms.";
-    // Nobody reads the answer any more: a reset says so, and the server stops computing. One that sees an orderly
-    // end has to take it for a client that has said all it had to say.
-    connection->stream.socket().set_option(asio::socket_base::linger(true, 0), error);
-    connection.reset();
+    connection.reset();  // so that the server stops computing
     co_return exchange;
   }
   auto response = parser.release();

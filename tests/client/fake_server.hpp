@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
@@ -80,8 +79,8 @@ class FakeServer {
     return requests_;
   }
   int connections() const { return connections_; }
-  /// How many connections their clients have reset.
-  int resets() const { return resets_; }
+  /// How many connections their clients have closed while they waited for a silent answer.
+  int closes() const { return closes_; }
 
  private:
   struct Conversation {
@@ -108,7 +107,6 @@ class FakeServer {
       char bytes[65536];
       const ssize_t n = ::recv(fd, bytes, sizeof bytes, 0);
       if (n > 0) received.append(bytes, static_cast<std::size_t>(n));
-      if (n < 0 && errno == ECONNRESET) ++resets_;
       return n > 0;
     };
     while (!stopping_) {
@@ -137,6 +135,7 @@ class FakeServer {
       if (reply.silent) {
         while (fill()) {
         }
+        ++closes_;
         return hang_up(fd);
       }
       std::size_t sent = 0;
@@ -154,7 +153,7 @@ class FakeServer {
   int listener_ = -1;
   std::uint16_t port_ = 0;
   std::atomic<bool> stopping_ = false;
-  std::atomic<int> connections_ = 0, resets_ = 0;
+  std::atomic<int> connections_ = 0, closes_ = 0;
   mutable std::mutex mutex_;
   std::vector<FakeRequest> requests_;
   std::list<Conversation> conversations_;

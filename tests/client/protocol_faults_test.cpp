@@ -36,7 +36,7 @@ TEST(ProtocolClient, CancelledRequestsSaySo) {
   EXPECT_EQ(cancelled, (std::set<Ticket>{first, second}));
 }
 
-TEST(ProtocolClient, WhatIsTakenBackIsResetSoThatTheServerStops) {
+TEST(ProtocolClient, WhatIsTakenBackIsClosedSoThatTheServerStops) {
   FakeServer server([](const FakeRequest&) { return FakeReply{"", false, true}; });
   Client client(settings(server.port()));
   const Ticket ticket = client.fracture("sha256:0", {});
@@ -44,7 +44,7 @@ TEST(ProtocolClient, WhatIsTakenBackIsResetSoThatTheServerStops) {
       test::eventually(test::kPatience, "the request", [&] { return server.requests().size() == 1; }));
   client.cancel(ticket);
   EXPECT_EQ(wait_for_one(client).failure, Failure::kCancelled);
-  EXPECT_TRUE(test::eventually(test::kPatience, "the reset", [&] { return server.resets() == 1; }));
+  EXPECT_TRUE(test::eventually(test::kPatience, "the close", [&] { return server.closes() == 1; }));
 }
 
 TEST(ProtocolClient, TheClientEndsWhileRequestsAreOpen) {

@@ -5,10 +5,8 @@ and can neither be stopped from another thread nor kept from waiting for ever on
 """
 from __future__ import annotations
 
-import os
 import re
 import socket
-import struct
 import time
 from dataclasses import dataclass, field
 from typing import Dict, Generator, Iterator, Tuple, Union
@@ -68,15 +66,6 @@ class Connection:
         self.reusable = True
 
     def close(self) -> None:
-        self.socket.close()
-
-    def abort(self) -> None:
-        """Closes with a reset. A server takes an orderly end for that of the request alone, and goes on computing an answer
-        that nobody waits for any more."""
-        try:  # 1, 0: linger for no time at all (SO_LINGER of POSIX): what is unsent is dropped
-            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("hh" if os.name == "nt" else "ii", 1, 0))
-        except OSError:
-            pass  # it is closed already
         self.socket.close()
 
     def wake(self) -> None:

@@ -128,7 +128,7 @@ class Pool:
         try:
             response = connection.exchange(request, self.address.authority, call, self._settings.max_answer_bytes)
         except BaseException:
-            connection.abort()
+            connection.close()
             raise
         with self._free:
             keep = connection.reusable and not self._closed
