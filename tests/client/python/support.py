@@ -11,13 +11,16 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
+import urllib.request
 import zlib
 from dataclasses import dataclass
 
@@ -285,6 +288,53 @@ class Server:
             self.process.wait(PATIENCE)
         self._reader.join(PATIENCE)
         self.process.stderr.close()
+
+
+class Haproxy:
+    """HAProxy with the repository's configuration before one server: only addresses and the number of connections are
+    other ones. `HAProxy is not installed` skips the test."""
+
+    def __init__(self, server):
+        program = shutil.which("haproxy", path=os.environ.get("PATH", "") + ":/usr/sbin:/usr/local/sbin")
+        if program is None:
+            raise unittest.SkipTest("HAProxy is not installed")
+        admin = server.admin_url.rsplit(":", 1)[1]
+        listeners = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]  # inherited, so that nobody takes the ports
+        public, statistics = (listener.fileno() for listener in listeners)
+        text = (ROOT / "docker" / "haproxy" / "haproxy.cfg").read_text(encoding="utf-8")
+        for old, new in ((r"bind :8080", f"bind fd@{public}"), (r"bind :8404", f"bind fd@{statistics}"), (r"maxconn 4000", "maxconn 200"),
+                         (r"(?m)^    server fracture[23] .*\n", ""), (r"fracture1:8080 track", f"127.0.0.1:{server.port} track"),
+                         (r"fracture1:8080\n", f"127.0.0.1:{server.port} port {admin}\n")):
+            text, count = re.subn(old, new, text)
+            if count == 0:
+                raise AssertionError(f"haproxy.cfg: where is {old}?")
+        self._folder = tempfile.TemporaryDirectory()
+        path = pathlib.Path(self._folder.name, "haproxy.cfg")
+        path.write_text(text, encoding="utf-8")
+        self.log = open(pathlib.Path(self._folder.name, "log"), "w+", encoding="utf-8")
+        self.process = subprocess.Popen([program, "-db", "-f", str(path)], stdout=self.log, stderr=self.log,
+                                        pass_fds=(public, statistics))
+        self.port = listeners[0].getsockname()[1]
+        self.url = f"http://127.0.0.1:{self.port}"
+        for listener in listeners:
+            listener.close()
+        eventually("HAProxy to pass on what it is asked", self._answers)
+
+    def _answers(self):
+        if self.process.poll() is not None:
+            self.log.seek(0)
+            raise RuntimeError("HAProxy ended: " + self.log.read())
+        try:
+            with urllib.request.urlopen(self.url + "/version", timeout=PATIENCE) as answer:
+                return answer.status == 200
+        except OSError:
+            return False
+
+    def stop(self):
+        self.process.kill()
+        self.process.wait(PATIENCE)
+        self.log.close()
+        self._folder.cleanup()
 
 
 class WithServer(unittest.TestCase):

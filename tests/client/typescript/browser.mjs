@@ -34,8 +34,8 @@ export async function example(name) {
     [`/${name}/bundle.js`]: ['text/javascript', await bundle({ entryPoints: [path.join(at, 'game.js')] })] };
 }
 
-/** Around the tests of a `describe`: pages, a server that they may ask, and a browser. `files()`: {path: [type, content]}. */
-export function around(files) {
+/** Around the tests of a `describe`: pages, a server that they may ask, with these flags besides, and a browser. `files()`: {path: [type, content]}. */
+export function around(files, flags = []) {
   const here = {};
   let pages, browser;
   before(async () => {
@@ -47,7 +47,7 @@ export function around(files) {
     });
     await new Promise(resolve => pages.listen(0, '127.0.0.1', resolve));
     here.port = pages.address().port;
-    here.server = await realServer('--cors-origin', `http://127.0.0.1:${here.port}`, '--cors-origin', `http://game.test:${here.port}`);
+    here.server = await realServer('--cors-origin', `http://127.0.0.1:${here.port}`, '--cors-origin', `http://game.test:${here.port}`, ...flags);
     browser = await (await dependency('playwright-core')).default.chromium.launch({ executablePath: chromium, args: FLAGS, headless: true });
   });
   after(async () => {

@@ -27,7 +27,7 @@ if (name === 'prepare') {
 }
 if (!fs.existsSync(tsc)) skip('node_modules of client/typescript is missing (npm ci)');
 if (!fs.existsSync(at('dist/index.js'))) skip('client/typescript is not built (npm run build)');
-if (['babylon', 'physics', 'service', 'web'].includes(name) && !process.env.FRACTURE_TEST_SERVER) skip('FRACTURE_TEST_SERVER names no fracture-server');
+if (['babylon', 'closed', 'physics', 'service', 'web'].includes(name) && !process.env.FRACTURE_TEST_SERVER) skip('FRACTURE_TEST_SERVER names no fracture-server');
 if (['babylon', 'web'].includes(name) && !['/usr/bin/chromium', '/usr/bin/chromium-browser'].some(file => fs.existsSync(file)))
   skip('there is no Chromium (scripts/install-deps pictures)');
 process.exit(spawnSync(process.execPath, ['--test', '--test-reporter=spec', path.join(here, `${name}.test.mjs`)], { stdio: 'inherit' }).status ?? 1);

@@ -4,6 +4,7 @@ import { spawn } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
 import net from 'node:net';
+import os from 'node:os';
 import path from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
@@ -132,6 +133,43 @@ export async function realServer(...flags) {
   server.unref();
   server.stderr.unref();
   return { url: `http://127.0.0.1:${ports[1]}`, admin: `http://127.0.0.1:${ports[2]}`, kill };
+}
+
+/** HAProxy with the repository's configuration before one server, with other addresses and fewer connections: {url}; null where it is
+ * not installed. Until the end of the test. */
+export async function haproxy(test, server) {
+  const program = ['/usr/sbin/haproxy', '/usr/local/sbin/haproxy', '/usr/bin/haproxy'].find(name => fs.existsSync(name));
+  if (!program) return null;
+  const [port, statistics] = await Promise.all([freePort(), freePort()]), address = new URL(server.url).host, admin = new URL(server.admin).port;
+  let text = read('docker/haproxy/haproxy.cfg');
+  for (const [old, other] of [[/bind :8080/, `bind 127.0.0.1:${port}`], [/bind :8404/, `bind 127.0.0.1:${statistics}`], [/maxconn 4000/, 'maxconn 200'],
+    [/^    server fracture[23] .*\n/gm, ''], [/fracture1:8080 track/, `${address} track`], [/fracture1:8080\n/, `${address} port ${admin}\n`]]) {
+    if (!new RegExp(old.source, 'm').test(text)) throw new Error(`haproxy.cfg: where is ${old}?`);
+    text = text.replace(old, other);
+  }
+  const at = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-haproxy-')), file = path.join(at, 'haproxy.cfg');
+  fs.writeFileSync(file, text);
+  const process = spawn(program, ['-db', '-f', file], { stdio: 'ignore' });
+  test.after(() => {
+    process.kill('SIGKILL');
+    fs.rmSync(at, { recursive: true });
+  });
+  const url = `http://127.0.0.1:${port}`;
+  await eventually('HAProxy to pass on what it is asked', () => fetch(`${url}/version`).then(({ ok }) => ok, () => false));
+  return { url };
+}
+async function freePort() {
+  const server = net.createServer();
+  await new Promise((resolve, reject) => server.once('error', reject).listen(0, '127.0.0.1', resolve));
+  const { port } = server.address();
+  await new Promise(resolve => server.close(resolve));
+  return port;
+}
+
+/** Asks until it holds, for a minute at most: hundreds of times what it takes. */
+export async function eventually(what, holds) {
+  for (const end = Date.now() + 60_000; !await holds(); await new Promise(resolve => setTimeout(resolve, 5)))
+    if (Date.now() > end) throw new Error(`not within a minute: ${what}`);
 }
 
 /** The reason of a promise that is to be refused. */

@@ -1,0 +1,86 @@
+// An AbortSignal stops the computation of fracture-server (FRACTURE_TEST_SERVER), from node and from Debian's Chromium, directly and through
+// the HAProxy of docker/haproxy. Asserted by what the server says of itself.
+import assert from 'node:assert/strict';
+import { before, describe, test } from 'node:test';
+import { Admin } from '../../../client/typescript/dist/index.js';
+import { around, bundle, noBrowser } from './browser.mjs';
+import { Client, eventually, folder, haproxy, noServer, realServer, refusal, torusFile } from './support.mjs';
+
+const LONG = { sites: 20000, lloyd: 50 };  // a minute of one thread
+const FLAGS = ['--deadline', '36000'];  // what takes long is not refused for that
+const PATIENT = { timeout: 36e6, deadline: 36e6, retries: 0 };
+
+/** Of the server's metrics: the sum of those whose name, with its labels, is this one or matches it. */
+async function figure(server, name) {
+  const lines = (await new Admin(server.admin).metrics()).split('\n').map(line => [line.slice(0, line.lastIndexOf(' ')), Number(line.slice(line.lastIndexOf(' ') + 1))]);
+  return lines.filter(([key]) => (name instanceof RegExp ? name.test(key) : key === name)).reduce((sum, [, value]) => sum + value, 0);
+}
+const CANCELLED = /^fracture_requests_total\{.*status="499"/;
+
+/** `start(url, parameters)` begins a computation and returns what takes it back; `url` is of the server, or of HAProxy before it. */
+async function check(t, server, start) {
+  const proxy = await haproxy(t, server);
+  if (!proxy) console.log('skipped: HAProxy is not installed; directly only');
+  for (const { url } of [server, ...(proxy ? [proxy] : [])]) {
+    const was = await figure(server, CANCELLED);
+    const abort = await start(url, { ...LONG, seed: was });
+    await eventually('the computation', async () => await figure(server, 'fracture_jobs_running') === 1);
+    await abort();
+    for (const name of ['fracture_jobs_running', 'fracture_flights', 'fracture_memory_reserved_bytes{part="working"}'])
+      await eventually(`${name} to be 0, through ${url}`, async () => await figure(server, name) === 0);
+    await eventually('the request to be counted as cancelled', async () => await figure(server, CANCELLED) === was + 1);
+  }
+}
+
+describe('from node', { skip: noServer, timeout: 120_000 }, () => {
+  let server, id;
+  before(async () => {
+    server = await realServer(...FLAGS);
+    ({ id } = await new Client(server.url).put(torusFile));
+  });
+
+  test('an AbortSignal', t => check(t, server, (url, parameters) => {
+    const controller = new AbortController(), asked = refusal(new Client(url, PATIENT).mesh(id).fracture(parameters, { signal: controller.signal }));
+    return async () => {
+      controller.abort();
+      assert.equal((await asked).problem, 'aborted');
+    };
+  }));
+
+  test('the end of the time that a call has', t => check(t, server, (url, parameters) => {
+    const asked = refusal(new Client(url, PATIENT).mesh(id).fracture(parameters, { signal: AbortSignal.timeout(2000) }));
+    return async () => assert.equal((await asked).problem, 'aborted');
+  }));
+});
+
+describe('from Chromium', { skip: noBrowser, timeout: 120_000 }, () => {
+  const here = around(async () => ({
+    '/': ['text/html', '<!DOCTYPE html><title>closed</title><link rel="icon" href="data:,"><script type="module" src="/client.js"></script>'],
+    '/client.js': ['text/javascript', await bundle({ stdin: { contents: "import { Client } from 'fracture-client';\nglobalThis.Client = Client;", resolveDir: folder } })],
+  }), FLAGS);
+
+  /** A page that asks, and whose request is on its way. */
+  async function asking(url, parameters) {
+    const { id } = await new Client(here.server.url).put(torusFile), { page } = await here.open(`http://127.0.0.1:${here.port}/`);
+    await page.waitForFunction(() => globalThis.Client);
+    await page.evaluate(([at, settings, mesh, wanted]) => {
+      globalThis.controller = new AbortController();
+      globalThis.asked = new globalThis.Client(at, settings).mesh(mesh).fracture(wanted, { signal: globalThis.controller.signal })
+        .then(() => 'answered', ({ problem }) => problem);
+    }, [url, PATIENT, id, parameters]);
+    return page;
+  }
+
+  test('an AbortSignal', t => check(t, here.server, async (url, parameters) => {
+    const page = await asking(url, parameters);
+    return async () => {
+      await page.evaluate(() => globalThis.controller.abort());
+      assert.equal(await page.evaluate(() => globalThis.asked), 'aborted');
+    };
+  }));
+
+  test('a page that is closed', t => check(t, here.server, async (url, parameters) => {
+    const page = await asking(url, parameters);
+    return () => page.close();
+  }));
+});
