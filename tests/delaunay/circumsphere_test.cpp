@@ -120,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Family{"small", random_corners, {}, 0.999, 1e-30},
                     Family{"too_small_for_doubles_to_the_sixth", random_corners, {}, 0, 1e-60},
                     Family{"large", random_corners, {}, 0.999, 1e12}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& one) { return one.param.name; });
 
 TEST(Circumsphere, TwoAtATimeAreTheSame) {
   Random random(7);
