@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/pacer.hpp"
+#include "common/fragment/cap_area.hpp"
 
 namespace fracture {
 
@@ -11,7 +12,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   Pacer pacer(execution);
   struct Contact {
     std::uint32_t a, b, region;
-    bool reversed;  // the cap's normal leads from b to a
+    bool reversed;  // the cap leads from b to a
   };
   std::vector<Contact> contacts;
   contacts.reserve(d.caps.regions.size());
@@ -41,22 +42,18 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   }
   std::vector<Bond> bonds(begin.size());
   begin.push_back(contacts.size());
-  const bool rough = d.positions.are_rough();
   const auto measured = [&](std::size_t first, std::size_t last, Pacer& own_pacer) {
     Bond bond{contacts[first].a, contacts[first].b, 0, {}, {}};
     Vec3d normal, moment;
     for (std::size_t k = first; k < last; ++k) {
       const CapRegion& r = d.caps.regions[contacts[k].region];
       own_pacer.step(2 * r.triangle_count);
-      const Vec3d across = rough ? d.diagram.facet_normal(r.lo, r.hi) : Vec3d{};
+      const CapArea cap(d, r);
       for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
-        const auto& v = d.caps.triangles[t];
-        const Vec3d a = d.point(v[0]), b = d.point(v[1]), c = d.point(v[2]);
-        const Vec3d n = 0.5 * cross(b - a, c - a);
-        const double area = rough ? dot(n, across) / length(across) : length(n);
-        bond.area += area;
-        normal = contacts[k].reversed ? normal - n : normal + n;
-        moment = moment + (area / 3) * (a + b + c);
+        const CapArea::Measured triangle = cap.of(t);
+        bond.area += triangle.area;
+        normal = contacts[k].reversed ? normal - triangle.normal : normal + triangle.normal;
+        moment = moment + (triangle.area / 3) * triangle.corners_sum;
       }
     }
     if (!(bond.area > 0)) return bond;

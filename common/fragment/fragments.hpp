@@ -74,8 +74,8 @@ struct Fragment {
 struct Bond {
   std::uint32_t a, b;  ///< indices into FragmentSet::fragments, a < b
   double area = 0;  ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
-  Vec3d centroid;   ///< m
-  Vec3d normal;     ///< unit, from a to b, area-weighted
+  Vec3d centroid;   ///< m; the mean of the caps, by that area
+  Vec3d normal;     ///< unit, from a to b, the mean of the caps by their own area
 };
 
 /// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/fragment/cap_area.hpp"
+
 namespace fracture {
 
 GroupContacts::GroupContacts(const RestrictedDiagram& diagram, const Pieces& pieces, PieceGroups& groups,
@@ -11,20 +13,15 @@ GroupContacts::GroupContacts(const RestrictedDiagram& diagram, const Pieces& pie
 
 // As find_bonds() sums a bond's area, term by term: what is chosen by it must not hang on the last bit.
 double GroupContacts::area_of(const std::vector<std::uint32_t>& regions) {
-  const bool rough = d_.positions.are_rough();
   double area = 0;
   for (const std::uint32_t region : regions) {
     const CapRegion& r = d_.caps.regions[region];
-    const Vec3d across = rough ? d_.diagram.facet_normal(r.lo, r.hi) : Vec3d{};
+    const CapArea cap(d_, r);
     pacer_.step(r.triangle_count);
-    for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t) {
-      const auto& v = d_.caps.triangles[t];
-      const Vec3d a = d_.point(v[0]), b = d_.point(v[1]), c = d_.point(v[2]);
-      const Vec3d n = 0.5 * cross(b - a, c - a);
-      area += rough ? dot(n, across) / length(across) : length(n);
-    }
+    for (std::uint32_t t = r.first_triangle; t < r.first_triangle + r.triangle_count; ++t)
+      area += cap.of(t).area;
   }
-  return area > 0 ? area : 0;
+  return area;
 }
 
 GroupContacts::Neighbors& GroupContacts::known(std::uint32_t set) {

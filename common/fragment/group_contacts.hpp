@@ -13,7 +13,7 @@ namespace fracture {
 
 struct Neighbor {
   std::uint32_t group;
-  double area;  ///< m², of the caps between them, summed in their order; 0 where that is not positive
+  double area;  ///< m², of the caps between them, summed in their order (cap_area.hpp)
 };
 
 /// Knows the caps between groups for the groups that were asked about, and keeps them up to date: a union
