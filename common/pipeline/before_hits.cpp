@@ -9,8 +9,8 @@
 #include "common/base/pacer.hpp"
 #include "common/fragment/unite.hpp"
 #include "common/pipeline/aggregate.hpp"
-#include "common/pipeline/keep_region.hpp"
 #include "common/pipeline/split_large.hpp"
+#include "common/rough/roughen.hpp"
 #include "common/solid/image.hpp"
 
 namespace fracture {
@@ -123,6 +123,15 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
   return groups;
 }
 
+std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,
+                               const FractureParameters& parameters, const Execution& execution) {
+  if (!parameters.keep) return {};
+  std::vector<Movement> movements;
+  if (parameters.roughness.amplitude > 0 && parameters.dual == Dual::kCircumcenter)
+    movements = movements_of_cuts(seen.original(), parameters.roughness, diagram.map());
+  return cells_meeting(*parameters.keep, diagram, seen.seen().box, execution, movements);
+}
+
 void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups) {
   if (kept.size() < 2) return;
   if (groups.empty()) {
@@ -167,9 +176,7 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
   const VoronoiDiagram voronoi(*t, seen.seen().box, diagram.map, execution);
   const RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
   std::vector<std::uint32_t> of_sites = groups_of_sites(*t, first(diagram.groups), execution);
-  if (parameters.keep)
-    keep_together(t->site_count(), cells_meeting(*parameters.keep, voronoi, seen.seen().box, execution),
-                  of_sites);
+  keep_together(t->site_count(), kept_cells(seen, voronoi, parameters, execution), of_sites);
   const Ownership ownership = Ownership::from_groups(t->site_count(), of_sites, execution);
   const Pieces pieces = gather_pieces(restricted, ownership, execution);
   PieceGroups groups(pieces.pieces.size());

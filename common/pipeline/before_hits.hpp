@@ -23,6 +23,11 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
                                            const std::vector<std::uint32_t>& groups_of_input,
                                            const Execution& execution);
 
+/// The cells that FractureParameters::keep keeps together: those that meet the region, and those whose rough cuts might.
+/// Ascending. Throws Interrupted.
+std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,
+                               const FractureParameters& parameters, const Execution& execution);
+
 /// Whatever the groups of these cells (none: each for itself), they stay together.
 void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups);
 

@@ -120,9 +120,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   const Tetrahedralization& t = diagram.tetrahedralization;
   const SeenSolid seen(solid, diagram.map, execution);
   const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
-  std::vector<SiteId> kept;
-  if (parameters.keep) kept = cells_meeting(*parameters.keep, voronoi, seen.seen().box, execution);
-
+  const std::vector<SiteId> kept = kept_cells(seen, voronoi, parameters, execution);
   CutCells cut;
   cut.kept = kept.size();
   if (parameters.dual == Dual::kBarycenter) {

@@ -1,6 +1,7 @@
 #include "common/pipeline/keep_region.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -44,7 +45,20 @@ Box box_of(const Region& region) {
   return {region.center - r, region.center + r};
 }
 
-Box image_of(const Box& box, const CellMap::Frame& frame, double margin) {
+/// All from where a point may move into the region, or more.
+Region grown(Region region, const Movement& movement) {
+  region.radius += movement.distance();
+  constexpr std::array<Vec3d, 3> kAxes{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Vec3d wide = movement.along(kAxes[axis]) * kAxes[axis];
+    region.box.min = region.box.min - wide;
+    region.box.max = region.box.max + wide;
+  }
+  return region;
+}
+
+/// Of a box, and of all from where a point may move into it.
+Box image_of(const Box& box, const CellMap::Frame& frame, double margin, const Movement& movement) {
   Box image;
   for (int corner = 0; corner < 8; ++corner) {
     Vec3d p = box.min;
@@ -52,7 +66,8 @@ Box image_of(const Box& box, const CellMap::Frame& frame, double margin) {
       if (corner >> a & 1) p[a] = box.max[a];
     image.add(frame.image(p));
   }
-  const Vec3d wide{margin, margin, margin};
+  Vec3d wide{margin, margin, margin};
+  for (int a = 0; a < 3; ++a) wide[a] += movement.along(frame.matrix.rows[static_cast<std::size_t>(a)]);
   return {image.min - wide, image.max + wide};
 }
 
@@ -69,23 +84,26 @@ class RegionWalk {
  public:
   /// Within the place of one frame of the diagram's map, if it has one.
   RegionWalk(const Region& region, const VoronoiDiagram& diagram, std::size_t frame, const Box& bounds,
-             const Execution& execution)
+             const Movement& movement, const Execution& execution)
       : region_(region),
         diagram_(diagram),
         margin_(1e-9 * bounds.longest_side()),
         execution_(execution),
         pacer_(execution) {
-    Box wide = box_of(region);
+    Box wide;
     Box all = bounds;
     if (const CellMap& map = diagram.map()) {
       // Vertices of the image are rounded to float.
-      wide = image_of(wide, map.frames()[frame], 1e-6 * bounds.longest_side());
+      wide = image_of(box_of(region), map.frames()[frame], 1e-6 * bounds.longest_side(), movement);
       region_.shape = Region::Shape::kBox;
       Box place = map.place_of(frame);
       const double off = 1e-6 * bounds.longest_side();
       place.min = place.min - Vec3d{off, off, off};
       place.max = place.max + Vec3d{off, off, off};
       all = common_of(all, place);
+    } else {
+      region_ = grown(region, movement);
+      wide = box_of(region_);
     }
     limits_ = common_of(wide, all);
   }
@@ -184,12 +202,13 @@ class RegionWalk {
 }  // namespace
 
 std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
-                                  const Execution& execution) {
+                                  const Execution& execution, std::span<const Movement> movements) {
   if (diagram.dual().site_count() == 0 || bounds.empty()) return {};
   const std::size_t frames = std::max<std::size_t>(1, diagram.map().frames().size());
   std::vector<SiteId> cells;
   for (std::size_t frame = 0; frame < frames; ++frame) {
-    const std::vector<SiteId> found = RegionWalk(region, diagram, frame, bounds, execution).run();
+    const Movement movement = movements.empty() ? Movement() : movements[frame];
+    const std::vector<SiteId> found = RegionWalk(region, diagram, frame, bounds, movement, execution).run();
     cells.insert(cells.end(), found.begin(), found.end());
   }
   if (frames > 1) {

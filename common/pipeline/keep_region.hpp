@@ -2,8 +2,10 @@
 // through it.
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "common/rough/displacement.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
 
 namespace fracture {
@@ -20,8 +22,10 @@ struct Region {
 /// region lies outside. Judged in doubles with a margin of 1e-9 of the box: a cell that only almost meets the
 /// region may be among them, one that meets it is never missing. Walks over the facets that meet the region,
 /// from the cell of one of its points: a convex region is not divided by the cells it does not meet. Linear
-/// in the tetrahedra around the cells that meet it. Throws Interrupted.
+/// in the tetrahedra around the cells that meet it. `movements`: of the cuts, one for each frame of the diagram's map
+/// (one without a map); also the cells whose cuts may come into the region by that are found. Empty: cuts stay flat.
+/// Throws Interrupted.
 std::vector<SiteId> cells_meeting(const Region& region, const VoronoiDiagram& diagram, const Box& bounds,
-                                  const Execution& execution = {});
+                                  const Execution& execution = {}, std::span<const Movement> movements = {});
 
 }  // namespace fracture

@@ -37,9 +37,17 @@ double bound_of_norm(const Matrix3& m) {
 
 }  // namespace
 
+// The change is dot(g, d), whose d lies in a cube and so in the ball around it.
+double Movement::along(const Vec3d& n) const {
+  const Vec3d g = n + (further * dot(n, grain)) * grain;
+  const double sum = std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z);
+  return each * std::fmin(sum, std::sqrt(3.0) * length(g));
+}
+
 Displacement::Displacement(double amplitude, double frequency, std::uint32_t octaves, std::uint64_t seed,
                            const CellMap& map, double still)
-    : amplitude_(amplitude),
+    : most_(amplitude),
+      amplitude_(amplitude),
       frequency_(frequency),
       fading_(fading(amplitude)),
       still_(still),
@@ -66,6 +74,10 @@ Displacement::Displacement(double amplitude, double frequency, std::uint32_t oct
     to_waves_.emplace_back();
     grain_.emplace_back();
   }
+}
+
+Movement Displacement::most(std::size_t frame) const {
+  return {most_, grain_[frame].direction, grain_[frame].further};
 }
 
 double Displacement::fading(double amplitude) { return kFade * amplitude; }

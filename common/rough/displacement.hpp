@@ -1,6 +1,7 @@
 // How far and whereto a point of a cut moves: several octaves of noise, faded out towards the outer surface.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,17 @@
 #include "common/rough/noise.hpp"
 
 namespace fracture {
+
+/// How far points may move at most: by d + further · dot(d, grain) · grain, each coordinate of d at most `each`, m.
+struct Movement {
+  double each = 0;
+  Vec3d grain{};  ///< of unit length, or zero
+  double further = 0;
+  /// The most by which dot(n, p) changes when p moves.
+  double along(const Vec3d& n) const;
+  /// The most by which p moves.
+  double distance() const { return std::sqrt(3.0) * (1 + further) * each; }
+};
 
 /// A function of position alone.
 class Displacement {
@@ -22,13 +34,18 @@ class Displacement {
   /// Across a grain, movement fades over so many metres.
   static double fading(double amplitude);
 
+  /// Of the points of a frame of the map.
+  Movement most(std::size_t frame = 0) const;
+  std::size_t frames() const { return grain_.size(); }
   /// The distance to the surface from which on the movement is not faded, m: the most that matters.
   double reach() const;
   /// `surface`: min(distance from p to the surface, reach()). `frame`: of the map, where it has several.
   Vec3d at(const Vec3d& p, double surface, std::size_t frame = 0) const;
 
  private:
-  double amplitude_, frequency_, fading_, still_;
+  double most_;       // m, along each axis, but for grain
+  double amplitude_;  // that of the coarsest octave of noise
+  double frequency_, fading_, still_;
   std::uint32_t octaves_;
   std::uint64_t seed_;
   struct Grain {

@@ -132,6 +132,16 @@ std::vector<std::array<Vec3d, 3>> corners_near(const Solid& whole, Box box, doub
 
 }  // namespace
 
+std::vector<Movement> movements_of_cuts(const Solid& solid, const Roughness& roughness, const CellMap& map) {
+  const double size = size_of(solid);
+  const Displacement displacement =
+      displacement_of(asked_of(size, roughness), roughness, size, /*seed=*/0, map);
+  std::vector<Movement> movements;
+  for (std::size_t frame = 0; frame < displacement.frames(); ++frame)
+    movements.push_back(displacement.most(frame));
+  return movements;
+}
+
 RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
                     const Execution& execution, std::optional<RoughTrace>* trace) {

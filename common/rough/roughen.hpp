@@ -19,6 +19,7 @@
 #include "common/base/execution.hpp"
 #include "common/clip/restricted_diagram.hpp"
 #include "common/rough/crossings.hpp"
+#include "common/rough/displacement.hpp"
 #include "common/rough/restraint.hpp"
 #include "common/rough/roughness.hpp"
 #include "common/rough/trace.hpp"
@@ -55,6 +56,9 @@ inline constexpr double kMostRoughTriangles = 400'000;
 RoughReport roughen(RestrictedDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
                     const Execution& execution, std::optional<RoughTrace>* trace = nullptr);
+
+/// How far cuts move at most, for each frame of the map (one without a map).
+std::vector<Movement> movements_of_cuts(const Solid& solid, const Roughness& roughness, const CellMap& map);
 
 /// The whole of which a diagram is a part.
 struct RoughWhole {

@@ -81,5 +81,29 @@ TEST(Displacement, WithoutOneGrainItIsTheSameInAllDirections) {
   }
 }
 
+// Fibres move four times as far, along the grain alone.
+TEST(Displacement, NothingMovesFartherThanIsSaidInAnyDirection) {
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  const Matrix3 turned{{Vec3d{c, s, 0}, Vec3d{-s, c, 0}, Vec3d{0, 0, 1.0 / 8}}},
+      along_a_diagonal{{Vec3d{c / 8, s / 8, 0}, Vec3d{-s, c, 0}, Vec3d{0, 0, 1}}};
+  for (const CellMap& map : {CellMap(), CellMap(turned), CellMap(along_a_diagonal)})
+    for (const std::uint32_t octaves : {1u, 3u}) {
+      const Displacement displacement(0.02, 8, octaves, 1, map, 0);
+      ASSERT_EQ(displacement.frames(), 1u);
+      const Movement most = displacement.most();
+      EXPECT_EQ(most.further, map ? 3 : 0);
+      Random random(6);
+      double farthest = 0;
+      for (int n = 0; n < 50'000; ++n) {
+        const Vec3d d = displacement.at(point_in_unit_cube(random), displacement.reach());
+        const Vec3d normal = point_in_unit_cube(random) - Vec3d{0.5, 0.5, 0.5};
+        farthest = std::fmax(farthest, length(d));
+        EXPECT_LE(std::fabs(dot(d, normal)), most.along(normal));
+      }
+      EXPECT_LE(farthest, most.distance());
+      EXPECT_GT(farthest, 0.2 * most.distance());
+    }
+}
+
 }  // namespace
 }  // namespace fracture

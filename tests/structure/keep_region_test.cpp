@@ -4,15 +4,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/bvh/surface_tree.hpp"
+#include "common/materials/materials.hpp"
+#include "common/solid/cut_materials.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/structure/seed.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
+#include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 
 namespace fracture::test {
 namespace {
+
+/// Calls visit(a, b, c) for each triangle of the cuts, by its corners.
+template <class Visit>
+void each_cut(const FragmentSet& set, const Visit& visit) {
+  for (const Fragment& f : set.fragments)
+    for (const FragmentPrimitive& p : f.primitives) {
+      if (!is_of_cuts(p.material)) continue;
+      const auto at = [&](std::uint32_t k) { return to_double(f.positions[f.indices[k]]) + f.pivot; };
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3)
+        visit(at(k), at(k + 1), at(k + 2));
+    }
+}
 
 /// By brute force over points of the region: cells that hold one of them must be among `found`.
 void expect_holds_every_cell(const Region& region, const std::vector<SiteId>& found,
@@ -88,16 +104,46 @@ TEST(KeepRegion, NothingInsideIsCutAndAllInvariantsHold) {
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     expect_outside_untouched(f.set, mesh);
     EXPECT_GT(f.report.kept_cells.value(), 0u);
-    for (const Fragment& fragment : f.set.fragments)
-      for (const FragmentPrimitive& primitive : fragment.primitives) {
-        if (primitive.material != kInteriorMaterial) continue;
-        for (std::uint32_t k = 0; k < primitive.index_count; ++k) {
-          const Vec3d q =
-              to_double(fragment.positions[fragment.indices[primitive.first_index + k]]) + fragment.pivot;
-          EXPECT_GT(length(q - ball.center), ball.radius * (1 - 1e-6));
-        }
+    each_cut(f.set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+      EXPECT_GT(distance_to_triangle(ball.center, a, b, c), ball.radius * (1 - 1e-6));
+    });
+  }
+}
+
+TEST(KeepRegion, NoRoughCutRunsThroughIt) {
+  std::size_t rough = 0, cuts = 0;
+  for (const MaterialPreset& preset : material_presets()) {
+    if (!(preset.roughness.amplitude > 0)) continue;
+    ++rough;
+    SCOPED_TRACE(preset.name);
+    for (const Mesh& mesh : {cube(), torus(24, 12), box({0, 0, 0}, {3, 1, 0.5})})
+      for (const std::uint64_t seed : {kSeed, kSeed + 1}) {
+        const Box bounds = box_of(mesh);
+        const double side = bounds.longest_side();
+        FractureParameters p = of_material(preset, 60, seed);
+        const Region ball{.center = bounds.center() + 0.3 * Vec3d{bounds.size().x, 0, 0},
+                          .radius = 0.12 * side};
+        p.keep = ball;
+        each_cut(fracture_mesh(mesh, p).set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+          ++cuts;
+          EXPECT_GT(distance_to_triangle(ball.center, a, b, c), ball.radius * (1 - 1e-6));
+        });
+        const Vec3d half = side * Vec3d{0.15, 0.05, 0.1};
+        const Region block{.shape = Region::Shape::kBox, .box = {ball.center - half, ball.center + half}};
+        p.keep = block;
+        each_cut(fracture_mesh(mesh, p).set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+          ++cuts;
+          for (const Vec3d& q : {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
+            const Vec3d off = q - ball.center;
+            const double slack = 1e-6 * side;
+            EXPECT_FALSE(std::fabs(off.x) < half.x - slack && std::fabs(off.y) < half.y - slack &&
+                         std::fabs(off.z) < half.z - slack);
+          }
+        });
       }
   }
+  EXPECT_GE(rough, 10u);
+  EXPECT_GT(cuts, 10'000u);
 }
 
 TEST(KeepRegion, AllOfTheSolidKeptIsTheSolid) {
