@@ -85,23 +85,33 @@ bool SurfaceTree::within(const Vec3d& p, double distance, Pacer& pacer) const {
   }) < distance;
 }
 
-std::optional<bool> SurfaceTree::near_triangle(const std::array<Vec3d, 3>& triangle, double distance,
-                                               Pacer& pacer) const {
-  const double near = kBeyondRounding * distance + 4 * slack_;
-  Box around = box_of(triangle);
-  around.add({around.min - Vec3d{near, near, near}, around.max + Vec3d{near, near, near}});
+/// visit(k) for each triangle of the surface that may be within reach() of the triangle, which may become less
+/// meanwhile; none where that is negative.
+template <class Reach, class Visit>
+void SurfaceTree::each_within(const std::array<Vec3d, 3>& triangle, const Reach& reach, Pacer& pacer,
+                              const Visit& visit) const {
+  const Box around = box_of(triangle);
   const PlaneTriangle plane(triangle);
   const Vec3d along{std::fabs(plane.normal.x), std::fabs(plane.normal.y), std::fabs(plane.normal.z)};
-  std::array<std::uint32_t, kMostAsked> asked;
-  std::size_t count = 0;
   tree_.each_entered(
       [&](const Box& box) {
         pacer.step();
-        return count <= kMostAsked && box.intersects(around) &&
+        const double near = reach();
+        const Vec3d wide{near, near, near};
+        return near >= 0 && box.intersects({around.min - wide, around.max + wide}) &&
                std::fabs(dot(plane.normal, box.center() - triangle[0])) <=
                    near + dot(along, 0.5 * box.size());
       },
-      [] {},
+      [] {}, visit);
+}
+
+std::optional<bool> SurfaceTree::near_triangle(const std::array<Vec3d, 3>& triangle, double distance,
+                                               Pacer& pacer) const {
+  const double near = kBeyondRounding * distance + 4 * slack_;
+  std::array<std::uint32_t, kMostAsked> asked;
+  std::size_t count = 0;
+  each_within(
+      triangle, [&] { return count <= kMostAsked ? near : -1; }, pacer,
       [&](std::uint32_t k) {
         if (count < kMostAsked) asked[count] = k;
         ++count;
@@ -110,6 +120,17 @@ std::optional<bool> SurfaceTree::near_triangle(const std::array<Vec3d, 3>& trian
   pacer.step(4 * count);
   return std::any_of(asked.begin(), asked.begin() + count,
                      [&](std::uint32_t k) { return are_within(triangle, corners_[k], near); });
+}
+
+double SurfaceTree::distance_of(const std::array<Vec3d, 3>& triangle, double most, Pacer& pacer) const {
+  double least = most;
+  each_within(
+      triangle, [&] { return kBeyondRounding * least + 4 * slack_; }, pacer,
+      [&](std::uint32_t k) {
+        pacer.step(4);
+        least = distance_of_triangles(triangle, corners_[k], least);
+      });
+  return least;
 }
 
 void SurfaceTree::distances(std::span<const Vec3d> points, double most, std::span<double> out,

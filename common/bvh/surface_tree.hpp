@@ -23,6 +23,8 @@ class SurfaceTree {
   /// min(distance from p to the surface, most), m. The same to the bit with other triangles farther away, unless the
   /// nearest is a needle that rounding hides. Throws Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
+  /// min(distance from the triangle to the surface, most), m: of its nearest place. Throws Interrupted.
+  double distance_of(const std::array<Vec3d, 3>& triangle, double most, Pacer& pacer) const;
   /// Whether the surface is nearer to p than that, m: ends at the first triangle that is.
   bool within(const Vec3d& p, double distance, Pacer& pacer) const;
   /// Whether the surface is nearer to any place of the triangle than that, m; where rounding hides it, it is. Nothing
@@ -44,6 +46,10 @@ class SurfaceTree {
  private:
   /// The distance to that triangle where it is less than `most`, which is returned otherwise.
   double nearer(const Vec3d& p, std::uint32_t triangle, double most, Pacer& pacer) const;
+
+  template <class Reach, class Visit>
+  void each_within(const std::array<Vec3d, 3>& triangle, const Reach& reach, Pacer& pacer,
+                   const Visit& visit) const;
 
   std::vector<std::array<Vec3d, 3>> corners_;
   BoxTree tree_;

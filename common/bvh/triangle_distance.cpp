@@ -43,6 +43,20 @@ bool pierces(const Corners& s, const Corners& t) {
   return false;
 }
 
+/// Calls ends(distance) for each corner and the other triangle and for each two edges, until it returns true. The least
+/// of these is the distance of triangles that do not pierce each other.
+template <class Ends>
+bool any_distance(const Corners& s, const Corners& t, const Ends& ends) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (ends(distance_to_triangle(s[k], t[0], t[1], t[2])) ||
+        ends(distance_to_triangle(t[k], s[0], s[1], s[2])))
+      return true;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (ends(distance_of_segments(s[i], s[(i + 1) % 3], t[k], t[(k + 1) % 3]))) return true;
+  return false;
+}
+
 }  // namespace
 
 double distance_of_segments(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
@@ -64,14 +78,17 @@ double distance_of_segments(const Vec3d& a, const Vec3d& b, const Vec3d& c, cons
 
 bool are_within(const Corners& s, const Corners& t, double distance) {
   if (Heights(t, s).beyond(distance) || Heights(s, t).beyond(distance)) return false;
-  for (std::size_t k = 0; k < 3; ++k)
-    if (distance_to_triangle(s[k], t[0], t[1], t[2]) < distance ||
-        distance_to_triangle(t[k], s[0], s[1], s[2]) < distance)
-      return true;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (distance_of_segments(s[i], s[(i + 1) % 3], t[k], t[(k + 1) % 3]) < distance) return true;
-  return pierces(s, t) || pierces(t, s);
+  return any_distance(s, t, [&](double d) { return d < distance; }) || pierces(s, t) || pierces(t, s);
+}
+
+double distance_of_triangles(const Corners& s, const Corners& t, double most) {
+  if (Heights(t, s).beyond(most) || Heights(s, t).beyond(most)) return most;
+  double least = most;
+  any_distance(s, t, [&](double d) {
+    least = std::fmin(least, d);
+    return false;
+  });
+  return pierces(s, t) || pierces(t, s) ? 0 : least;
 }
 
 }  // namespace fracture

@@ -15,4 +15,7 @@ double distance_of_segments(const Vec3d& a, const Vec3d& b, const Vec3d& c, cons
 /// because an edge of one pierces the other. The distance is far more than rounding does to coordinates.
 bool are_within(const std::array<Vec3d, 3>& s, const std::array<Vec3d, 3>& t, double distance);
 
+/// min(distance between two triangles, most), m; 0 where they cross.
+double distance_of_triangles(const std::array<Vec3d, 3>& s, const std::array<Vec3d, 3>& t, double most);
+
 }  // namespace fracture

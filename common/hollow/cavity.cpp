@@ -61,6 +61,16 @@ void measure(Cavity& cavity, const SurfaceTree& outside, Pacer& pacer) {
     least = std::fmin(least, thickness);
     cavity.walls.push_back({thickness, length(cross(b - a, c - a)) / 2});
   }
+  // Where the outside bends inwards, a large triangle is nearest to it anywhere, mostly within one of its edges. No place
+  // is nearer than its middle less what it is away from that.
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto corners = corners_of(surface, t);
+    const Vec3d middle = (1.0 / 3) * (corners[0] + corners[1] + corners[2]);
+    double radius = 0;
+    for (const Vec3d& corner : corners) radius = std::fmax(radius, length(corner - middle));
+    if (cavity.walls[t].thickness < kBeyondRounding * (least + radius))
+      least = outside.distance_of(corners, least, pacer);
+  }
   cavity.least_thickness = least;
 }
 

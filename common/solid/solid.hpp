@@ -71,8 +71,8 @@ struct SolidReport {
   std::uint64_t parts_hollowed = 0;    ///< that became walls (hollow/hollow.hpp)
   std::uint64_t hollow_triangles = 0;  ///< of their inner sides
   double hollow_volume = 0;            ///< m³, of what they enclose
-  double least_thickness = 0;      ///< metres, of the walls: measured from corners and middles of triangles
-  double mean_thickness = 0;       ///< the same, by area
+  double least_thickness = 0;          ///< metres: the least distance between the two sides of a wall
+  double mean_thickness = 0;       ///< metres, by area: measured in the middles of the inner side's triangles
   std::vector<std::string> notes;  ///< sentences for people, each with a count and a sample place
   struct Sample {
     std::string figure;  ///< the name of the figure above, as each_figure() has it

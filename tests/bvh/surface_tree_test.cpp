@@ -75,6 +75,10 @@ TEST(SurfaceTree, KnowsWhetherItIsNearATriangle) {
       const bool expected =
           std::any_of(surface.corners().begin(), surface.corners().end(),
                       [&](const std::array<Vec3d, 3>& t) { return are_within(triangle, t, 0.08); });
+      double least = 0.5;
+      for (const std::array<Vec3d, 3>& t : surface.corners())
+        least = std::min(least, distance_of_triangles(triangle, t, 0.5));
+      EXPECT_NEAR(surface.distance_of(triangle, 0.5, pacer), least, 1e-12) << n;
       const std::optional<bool> said = surface.near_triangle(triangle, 0.08, pacer);
       if (said) {
         EXPECT_EQ(*said, expected) << n;

@@ -32,6 +32,12 @@ TEST(AreWithin, WhereOnePiercesTheOtherFarFromCornersAndEdges) {
   EXPECT_FALSE(are_within(flat, beside, 0.01));
 }
 
+TEST(DistanceOfTriangles, IsZeroWhereTheyCross) {
+  const Corners flat{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}}, through{{{0, 0, -5}, {0.1, 0, 5}, {0, 0.1, 5}}};
+  EXPECT_EQ(distance_of_triangles(flat, through, 1), 0);
+  EXPECT_EQ(distance_of_triangles(through, flat, 1), 0);
+}
+
 TEST(AreWithin, AgreesWithPlacesOfBoth) {
   Random random(3);
   const auto place = [&](double x) -> Vec3d {
@@ -51,6 +57,11 @@ TEST(AreWithin, AgreesWithPlacesOfBoth) {
     // Some place that was asked is nearer than this to any other.
     const double between = 1.8 / kParts;
     EXPECT_TRUE(are_within(s, t, least + 1e-9)) << n;
+    const double distance = distance_of_triangles(s, t, 9);
+    EXPECT_LE(distance, least + 1e-9) << n;
+    EXPECT_GE(distance, least - between) << n;
+    EXPECT_TRUE(are_within(s, t, distance + 1e-9)) << n;
+    EXPECT_EQ(distance_of_triangles(s, t, 0.5 * distance), 0.5 * distance) << n;
     if (least < 2 * between) continue;
     EXPECT_FALSE(are_within(s, t, least - between)) << n;
     ++apart;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/pipeline/fracture.hpp"
@@ -39,6 +41,107 @@ TEST(Hollow, APartBecomesAWall) {
   EXPECT_NEAR(r.volume, solid.report.volume - r.hollow_volume, 1e-12);
   EXPECT_NEAR(wall.parts[0].volume, r.volume, 1e-12);
   EXPECT_EQ(r.source_triangles, solid.report.source_triangles);
+}
+
+using Corners = std::array<Vec3d, 3>;
+
+/// The least of a convex function on [0, 1].
+template <class Function>
+double least_of(const Function& f) {
+  double low = 0, high = 1;
+  for (int k = 0; k < 50; ++k) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    (f(a) < f(b) ? high : low) = f(a) < f(b) ? b : a;
+  }
+  return std::min({f((low + high) / 2), f(0), f(1)});
+}
+
+double from_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+  const Vec3d ab = b - a;
+  const double s = dot(ab, ab) > 0 ? std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0) : 0;
+  return length(p - (a + s * ab));
+}
+
+double from_triangle(const Vec3d& p, const Corners& t) {
+  const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
+  double least = HUGE_VAL;
+  bool above = dot(n, n) > 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d &a = t[k], &b = t[(k + 1) % 3];
+    above = above && dot(n, cross(b - a, p - a)) > 0;
+    least = std::min(least, from_segment(p, a, b));
+  }
+  return above ? std::fabs(dot(n, p - t[0])) / length(n) : least;
+}
+
+/// Of two triangles that do not cross. How far a place of an edge is from another edge is a convex function.
+double apart(const Corners& s, const Corners& t) {
+  double least = HUGE_VAL;
+  for (std::size_t i = 0; i < 3; ++i) {
+    least = std::min({least, from_triangle(s[i], t), from_triangle(t[i], s)});
+    for (std::size_t k = 0; k < 3; ++k)
+      least = std::min(least, least_of([&](double x) {
+                         return from_segment(s[i] + x * (s[(i + 1) % 3] - s[i]), t[k], t[(k + 1) % 3]);
+                       }));
+  }
+  return least;
+}
+
+/// Over all pairs of triangles of the inner and the outer side.
+double thinnest_place(const Solid& wall) {
+  std::vector<Corners> inner, outer;
+  for (std::size_t k = 0; k < wall.triangles.size(); ++k) {
+    Corners corners;
+    for (std::size_t c = 0; c < 3; ++c) corners[c] = to_double(wall.positions[wall.triangles[k][c]]);
+    (wall.material[k] == kCavityMaterial ? inner : outer).push_back(corners);
+  }
+  const auto ball = [](const Corners& t) {
+    const Vec3d middle = (1.0 / 3) * (t[0] + t[1] + t[2]);
+    return std::pair(middle, std::max({length(t[0] - middle), length(t[1] - middle), length(t[2] - middle)}));
+  };
+  double least = HUGE_VAL;
+  for (const Corners& s : inner)
+    for (const Corners& t : outer) {
+      const auto [p, r] = ball(s);
+      const auto [q, u] = ball(t);
+      if (length(p - q) - r - u < least) least = std::min(least, apart(s, t));
+    }
+  return least;
+}
+
+/// A prism of height 1 over an L, whose inner edge large triangles of the inner side come near to.
+Mesh angle() {
+  Mesh mesh;
+  const std::array<std::pair<float, float>, 6> outline{{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}};
+  for (const float z : {0.0f, 1.0f})
+    for (const auto& [x, y] : outline) mesh.positions.push_back({x, y, z});
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const std::uint32_t next = (k + 1) % 6;
+    mesh.triangles.push_back({k, next, next + 6});
+    mesh.triangles.push_back({k, next + 6, k + 6});
+  }
+  for (std::uint32_t k = 1; k + 1 < 6; ++k) {
+    mesh.triangles.push_back({0, k + 1, k});
+    mesh.triangles.push_back({6, k + 6, k + 7});
+  }
+  mesh.material.assign(mesh.triangles.size(), kNoIndex);
+  return mesh;
+}
+
+TEST(Hollow, TheLeastThicknessIsThatOfTheThinnestPlace) {
+  for (const auto& [mesh, fraction] : {std::pair{angle(), 0.0024},
+                                       {angle(), 0.05},
+                                       {cube(2), 0.05},
+                                       {torus(12, 6), 0.03},
+                                       {box({0, 0, 0}, {3, 1, 0.5}), 0.02},
+                                       {ico_sphere(1), 0.04}}) {
+    SCOPED_TRACE(mesh.triangles.size());
+    const Solid wall = hollowed(solid_of(mesh), {.fraction = fraction, .max_triangles = 2000}, {});
+    ASSERT_EQ(wall.report.parts_hollowed, 1u);
+    const double measured = thinnest_place(wall);
+    EXPECT_NEAR(wall.report.least_thickness, measured, 1e-8);
+    EXPECT_GE(wall.report.least_thickness, fraction * wall.box.longest_side() * (1 - 1e-9));
+  }
 }
 
 TEST(Hollow, FragmentsOfAWallPartitionIt) {
