@@ -8,6 +8,7 @@
 #include "common/fragment/contact_table.hpp"
 #include "common/fragment/outline.hpp"
 #include "common/fragment/part_quotas.hpp"
+#include "common/fragment/union_triangles.hpp"
 
 namespace fracture {
 
@@ -210,66 +211,6 @@ class SmallestFirst {
   std::uint32_t count_ = 0;
 };
 
-/// Triangles of all groups after some of the unions. The group that a union makes is always the same pieces,
-/// whichever number of unions is asked about, and its faces are joined once.
-class TriangleCount {
- public:
-  TriangleCount(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
-                const std::vector<std::pair<std::uint32_t, std::uint32_t>>& unions,
-                const Execution& execution)
-      : d_(d),
-        pieces_(pieces),
-        before_(groups),
-        unions_(unions),
-        execution_(execution),
-        of_union_(unions.size(), kUnknown),
-        of_group_before_(pieces.pieces.size(), kUnknown) {}
-
-  std::uint64_t after(std::size_t count) {
-    PieceGroups groups = before_;
-    Pacer pacer(execution_);
-    std::vector<std::uint32_t> made_by(groups.pieces(), kNoIndex);  // per group: its last union
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const auto [a, b] = unions_[k];
-      groups.unite(a, b, pacer);
-      pacer.step(8);
-      made_by[groups.of(a)] = k;
-    }
-    const auto triangles = [&](std::uint32_t g) -> std::uint64_t& {
-      return made_by[g] != kNoIndex ? of_union_[made_by[g]] : of_group_before_[g];
-    };
-    std::vector<std::uint32_t> unknown;
-    for (std::uint32_t g = 0; g < groups.pieces(); ++g) {
-      pacer.step(4);
-      if (!groups.is_group(g) || triangles(g) != kUnknown) continue;
-      if (groups.size(g) == 1)
-        triangles(g) = pieces_.pieces[g].faces.size();
-      else
-        unknown.push_back(g);
-    }
-    parallel_for(execution_, unknown.size(), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k)
-        triangles(unknown[k]) = join_pieces(d_, pieces_, groups, unknown[k], execution_).faces.size();
-    });
-    std::uint64_t sum = 0;
-    for (std::uint32_t g = 0; g < groups.pieces(); ++g) {
-      pacer.step(4);
-      if (groups.is_group(g)) sum += triangles(g);
-    }
-    return sum;
-  }
-
- private:
-  static constexpr std::uint64_t kUnknown = ~std::uint64_t{0};
-
-  const RestrictedDiagram& d_;
-  const Pieces& pieces_;
-  const PieceGroups& before_;
-  const std::vector<std::pair<std::uint32_t, std::uint32_t>>& unions_;
-  const Execution& execution_;
-  std::vector<std::uint64_t> of_union_, of_group_before_;  // triangles of what that made, when counted
-};
-
 }  // namespace
 
 std::vector<double> volumes_of_groups(const RestrictedDiagram& d, const Pieces& pieces,
@@ -336,9 +277,9 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     return figures;
   }
 
-  // One sequence of unions: first what is too small, then what is beyond the share of its part, then beyond
-  // the number for all, always the smallest group with its neighbour. Of those that would go on from there a
-  // budget of triangles takes as many as it needs.
+  // One sequence of unions, always the smallest group with its neighbour: first what is too small, then what is
+  // beyond the share of its part, then what is beyond the number for all or too small beside the mean of what is
+  // left. A budget of triangles takes as many of the unions that would go on from there as it needs.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unions;
   SmallestFirst order(d, pieces, groups, volumes, execution);
   std::vector<std::uint32_t> of_part;
@@ -347,19 +288,16 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     if (of_part.size() <= part) of_part.resize(part + 1, 0);
     of_part[part] += groups.is_group(g);
   }
-  /// The part of the two that are one now; kNoIndex where there was nothing to unite the smallest with.
+  /// The part of the two that are one now; kNoIndex if there was nothing to unite the smallest with.
   const auto unite_smallest = [&] {
     const auto [group, with] = order.unite_smallest();
     if (group == with) return kNoIndex;
     unions.emplace_back(group, with);
     return pieces.pieces[group].part;
   };
-  while (!order.done() && order.smallest_volume() < least(order.groups())) {
-    if (const std::uint32_t part = unite_smallest(); part != kNoIndex)
-      --of_part[part];
-    else
-      ++figures.alone;
-  }
+  const auto is_too_small = [&] { return !order.done() && order.smallest_volume() < least(order.groups()); };
+  while (is_too_small())
+    if (const std::uint32_t part = unite_smallest(); part != kNoIndex) --of_part[part];
   if (limits.fragments > 0) {
     PartQuotas quotas(pieces, volumes, std::move(of_part), limits.fragments, execution);
     figures.parts = quotas.parts();
@@ -371,32 +309,40 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     }
     order.take_back();
   }
-  while (limits.max_fragments > 0 && order.groups() > limits.max_fragments && !order.done()) unite_smallest();
+  const auto are_too_many = [&] {
+    return limits.max_fragments > 0 && order.groups() > limits.max_fragments && !order.done();
+  };
+  while (is_too_small() || are_too_many()) unite_smallest();
   std::size_t needed = unions.size();
-  figures.min_volume = least(order.groups());
-  while (limits.max_triangles > 0 && !order.done()) unite_smallest();
 
   if (limits.max_triangles > 0) {
-    TriangleCount triangles(d, pieces, groups, unions, execution);
-    figures.fewest_triangles = triangles.after(unions.size());
-    if (figures.fewest_triangles <= limits.max_triangles) {
-      // The fewest unions that are enough; each one takes triangles away.
-      std::size_t enough = unions.size();
-      for (std::size_t low = needed; low < enough;) {
-        const std::size_t middle = low + (enough - low) / 2;
-        if (triangles.after(middle) <= limits.max_triangles)
-          enough = middle;
-        else
-          low = middle + 1;
-      }
-      needed = std::max(needed, enough);
+    // Numbers of unions after which nothing is too small, ascending.
+    std::vector<std::size_t> ends;
+    while (!order.done()) {
+      if (!is_too_small() && (ends.empty() || ends.back() < unions.size())) ends.push_back(unions.size());
+      unite_smallest();
     }
+    if (ends.empty() || ends.back() < unions.size()) ends.push_back(unions.size());
+    UnionTriangles triangles(d, pieces, groups, unions, execution);
+    figures.fewest_triangles = triangles.after(unions.size());
+    if (figures.fewest_triangles <= limits.max_triangles)
+      // The fewest unions that are enough; each one takes triangles away.
+      needed = *std::partition_point(ends.begin(), ends.end() - 1, [&](std::size_t so_many) {
+        return triangles.after(so_many) > limits.max_triangles;
+      });
   }
   Pacer pacer(execution);
+  std::vector<double> left = volumes;
   for (std::size_t k = 0; k < needed; ++k) {
-    groups.unite(unions[k].first, unions[k].second, pacer);
+    const auto [a, b] = std::minmax(unions[k].first, unions[k].second);
+    groups.unite(a, b, pacer);
+    left[a] += left[b];
   }
   figures.united = static_cast<std::uint32_t>(needed);
+  figures.min_volume = least(count - figures.united);
+  // Whatever touches something has been united; what has no volume does not stay.
+  for (std::uint32_t g = 0; g < left.size(); ++g)
+    figures.alone += groups.is_group(g) && left[g] > 0 && left[g] < figures.min_volume;
   return figures;
 }
 

@@ -58,6 +58,51 @@ TEST(SizeLimits, CrumbsThatTouchNothingAreReported) {
   EXPECT_TRUE(warns(made.report, "touch no other piece"));
 }
 
+// What is small beside the mean is known when nothing is united any more: fewer fragments have a larger mean.
+TEST(SizeLimits, CrumbsBesideTheMeanOfWhatIsLeftAreReported) {
+  std::vector<Mesh> boxes;
+  double x = 0;
+  for (const double side : {1.0, 0.8, 0.6, 0.4, 0.3, 0.2}) {
+    boxes.push_back(box({x, 0, 0}, {x + side, side, side}));
+    x += 2;
+  }
+  const double mean = (1 + 0.512 + 0.216 + 0.064 + 0.027 + 0.008) / 6;  // half of it: 0.152
+  for (const bool by_triangles : {false, true}) {
+    FractureParameters p;
+    p.sites = 60;
+    p.size.min_of_mean = 0.5;
+    p.size.max_fragments = by_triangles ? 0 : 6;
+    p.size.max_triangles = by_triangles ? 6 * 12 : 0;
+    const Fractured made = fracture_mesh(joined(boxes), p);
+    ASSERT_EQ(made.set.fragments.size(), 6u);
+    EXPECT_EQ(made.set.size.alone, 3u);
+    EXPECT_NEAR(made.set.size.min_volume, 0.5 * mean, 1e-6);
+    EXPECT_TRUE(warns(made.report, "3 pieces below"));
+  }
+}
+
+TEST(SizeLimits, AFractionOfTheMeanHoldsForTheMeanOfWhatIsLeft) {
+  const Mesh mesh = with_traced_triangles(torus(24, 12));
+  const auto expect_none_smaller = [&](const SizeLimits& limits) {
+    FractureParameters p = at_random(mesh, 80);
+    p.size = limits;
+    const Fractured made = fracture_mesh(mesh, p);
+    expect_invariants(made.set, mesh);
+    const double mean = made.solid.report.volume / static_cast<double>(made.set.fragments.size());
+    for (const Fragment& f : made.set.fragments)
+      EXPECT_GE(f.mass.volume, limits.min_of_mean * mean * (1 - 1e-9));
+    EXPECT_EQ(made.set.size.alone, 0u);
+    EXPECT_NEAR(made.set.size.min_volume, limits.min_of_mean * mean, 1e-9 * mean);
+  };
+  for (const double least : {0.3, 0.7, 0.95}) {
+    SCOPED_TRACE(least);
+    expect_none_smaller({.min_of_mean = least});
+    expect_none_smaller({.min_of_mean = least, .max_fragments = 12});
+    expect_none_smaller({.min_of_mean = least, .max_triangles = 1200});
+    expect_none_smaller({.min_of_mean = least, .max_fragments = 20, .max_triangles = 1000});
+  }
+}
+
 TEST(SizeLimits, SmallFragmentJoinsTheNeighborOfLargestSharedArea) {
   // A bar along x in pieces of 1, 0.52 and 0.7.
   const Mesh mesh = box({0, 0, 0}, {2.22, 1, 1});
