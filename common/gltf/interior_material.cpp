@@ -45,7 +45,8 @@ Expected<ReusedMaterial> common_look(const InteriorLook& look, const Mesh& mesh,
   if (look.roughness) sound_pbr(base.material)["roughnessFactor"] = *look.roughness;
   if (look.metallic) sound_pbr(base.material)["metallicFactor"] = *look.metallic;
   if (look.opacity) set_opacity(base.material, *look.opacity);
-  if (look.detail != CutDetail::kNone) add_detail(base.material, mesh.library->textures.size());
+  if (look.detail != CutDetail::kNone && !look.has_maps)
+    add_detail(base.material, mesh.library->textures.size());
   return base;
 }
 
@@ -126,7 +127,7 @@ class Mixer {
   Pacer& pacer_;
   const double share_;
   std::array<Kind, 2> kinds_;  ///< [translucent]
-  InteriorMaterials result_{.uvs = look_.uvs, .detail = look_.detail};
+  InteriorMaterials result_{.uvs = look_.uvs, .detail = look_.has_maps ? CutDetail::kNone : look_.detail};
 };
 
 /// The inner side of a wall looks as the cuts do, without textures: it has no place on one.
@@ -175,6 +176,7 @@ Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const S
   Pacer pacer(execution);
   const Vec3d base_color = base->color;
   InteriorMaterials made = Mixer(look, std::move(*base), solid, pacer).run();
+  if (look.detail != CutDetail::kNone) made.in_relief = static_cast<std::uint32_t>(made.materials.size());
   if (solid.report.parts_hollowed > 0)
     for (const json& cut : made.materials)
       made.cavities.push_back(cavity_of(cut, base_color, made.cavities.size()));

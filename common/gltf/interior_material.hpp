@@ -52,6 +52,8 @@ struct InteriorLook {
       mortar{};  ///< base colour of the joints between bricks, as `color`; none: as other cuts
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;
+  /// Whoever reads the file has the maps of `detail`, which are left out; the cuts lie under them all the same.
+  bool has_maps = false;
   friend bool operator==(const InteriorLook&, const InteriorLook&) = default;
 };
 
@@ -64,6 +66,9 @@ struct InteriorMaterials {
   std::vector<nlohmann::json> cavities{};
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;  ///< its two textures stand behind those of the source
+  /// So many of the first `materials` have the normal map of a detail, here or in an earlier answer: their cuts need
+  /// tangents.
+  std::uint32_t in_relief = 0;
   /// The last of `materials` is for the cuts of fragments smaller than this, m³. 0: of none, and there is no such
   /// material.
   double crushed_below = 0;

@@ -39,6 +39,8 @@ MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& 
     normal_mapped_.push_back(has_normal_texture(material, pacer));
   for (const auto* list : {&interior.materials, &interior.cavities, &exterior.materials})
     for (const auto& material : *list) normal_mapped_.push_back(has_normal_texture(material, pacer));
+  std::fill_n(normal_mapped_.begin() + static_cast<std::ptrdiff_t>(first_interior_), interior.in_relief,
+              true);
 }
 
 std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p,
@@ -60,20 +62,33 @@ std::size_t MeshWriter::put_positions(const std::vector<Vec3f>& positions, const
   return accessors_.add(view, at, component_type::kFloat, positions.size(), "VEC3", &bounds.min, &bounds.max);
 }
 
-void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures, bool tangents) {
+// The source has normals and tangents where its own materials need them (import/complete_attributes.hpp). If those of its
+// cuts need some that it does not have, these are made for the cuts: the outside stays as it is.
+void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures) {
+  bool any_mapped = false, any_mapped_cuts = false;
+  for (std::size_t k = 0; k < f.primitives.size(); ++k) {
+    any_mapped = any_mapped || is_mapped(k);
+    any_mapped_cuts = any_mapped_cuts || (is_mapped(k) && is_of_cuts(f.primitives[k].material));
+  }
   BufferContents& contents = accessors_.contents();
   const std::size_t count = f.positions.size();
   attributes_.clear();
-  attributes_.emplace_back("POSITION", put_positions(f.positions, figures.bounds));
-  const auto attribute = [&](const std::string& semantic, int stride, const char* type, const auto& put) {
+  attributes_.push_back({"POSITION", put_positions(f.positions, figures.bounds)});
+  const auto attribute = [&](const std::string& semantic, int stride, const char* type, const auto& put,
+                             Bearers bearers = Bearers::kAll) {
     const std::size_t view = contents.view(semantic, stride, kArrayBuffer);
     const std::size_t at = put(view, count * static_cast<std::size_t>(stride));
-    attributes_.emplace_back(semantic, accessors_.add(view, at, component_type::kFloat, count, type));
+    attributes_.push_back({semantic, accessors_.add(view, at, component_type::kFloat, count, type), bearers});
   };
   if (!f.attributes.normals.empty())
     attribute("NORMAL", sizeof(Vec3f), "VEC3", [&](std::size_t view, std::size_t bytes) {
       return contents.put<write_normals>(view, bytes, f);
     });
+  else if (any_mapped_cuts)
+    attribute(
+        "NORMAL", sizeof(Vec3f), "VEC3",
+        [&](std::size_t view, std::size_t bytes) { return contents.put<write_cut_normals>(view, bytes, f); },
+        Bearers::kMappedCuts);
   for (std::size_t set = 0; set < f.attributes.uvs.size(); ++set)
     attribute("TEXCOORD_" + std::to_string(set), sizeof(Vec2f), "VEC2",
               [&](std::size_t view, std::size_t bytes) {
@@ -87,10 +102,16 @@ void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures, b
               [&](std::size_t view, std::size_t bytes) {
                 return contents.put<write_colors>(view, bytes, f.attributes.colors[set]);
               });
-  if (tangents)
-    attribute("TANGENT", sizeof(Vec4f), "VEC4", [&](std::size_t view, std::size_t bytes) {
-      return contents.put<write_tangents>(view, bytes, f);
-    });
+  if (any_mapped && !f.attributes.tangents.empty())
+    attribute(
+        "TANGENT", sizeof(Vec4f), "VEC4",
+        [&](std::size_t view, std::size_t bytes) { return contents.put<write_tangents>(view, bytes, f); },
+        Bearers::kMapped);
+  else if (any_mapped_cuts)
+    attribute(
+        "TANGENT", sizeof(Vec4f), "VEC4",
+        [&](std::size_t view, std::size_t bytes) { return contents.put<write_cut_tangents>(view, bytes, f); },
+        Bearers::kMappedCuts);
 }
 
 void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& figures,
@@ -107,10 +128,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
                        const ExteriorMaterials& exterior) {
   materials_.clear();
   for (const FragmentPrimitive& p : f.primitives) materials_.push_back(material_of(f, p, exterior));
-  const auto needs_tangents = [&](const auto& material) { return material && normal_mapped_[*material]; };
-  put_attributes(
-      f, figures,
-      !f.attributes.tangents.empty() && std::any_of(materials_.begin(), materials_.end(), needs_tangents));
+  put_attributes(f, figures);
 
   const bool wide = f.positions.size() > kMaxShortVertices;
   BufferContents& contents = accessors_.contents();
@@ -124,8 +142,11 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
     const FragmentPrimitive& p = f.primitives[k];
     const std::size_t bytes = wide ? 4 : 2;
     json.begin_object().key("attributes").begin_object();
-    for (const auto& [semantic, accessor] : attributes_)
-      if (semantic != "TANGENT" || needs_tangents(materials_[k])) json.member(semantic, accessor);
+    const Bearers here = !is_mapped(k)             ? Bearers::kAll
+                         : !is_of_cuts(p.material) ? Bearers::kMapped
+                                                   : Bearers::kMappedCuts;
+    for (const Attribute& attribute : attributes_)
+      if (attribute.bearers <= here) json.member(attribute.semantic, attribute.accessor);
     json.end_object();
     json.member("indices",
                 accessors_.add(index_view, indices_at + bytes * p.first_index,
@@ -137,7 +158,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
   json.end_array();
   if (mesh_manifold_ && !f.topology.empty()) {
     json.key("extensions").begin_object();
-    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().second, wide, figures.merged},
+    write_mesh_manifold(json, f, {index_view, indices_at, attributes_.front().accessor, wide, figures.merged},
                         accessors_);
     json.end_object();
   }

@@ -40,7 +40,11 @@ class MeshWriter {
                                          const ExteriorMaterials& exterior) const;
   /// Returns the accessor.
   std::size_t put_positions(const std::vector<Vec3f>& positions, const Bounds& bounds);
-  void put_attributes(const Fragment& fragment, const MeshFigures& figures, bool tangents);
+  void put_attributes(const Fragment& fragment, const MeshFigures& figures);
+  /// Whether a primitive's material has a normal map, so that it needs tangents.
+  bool is_mapped(std::size_t primitive) const {
+    return materials_[primitive] && normal_mapped_[*materials_[primitive]];
+  }
 
   Accessors& accessors_;
   bool mesh_manifold_;
@@ -49,8 +53,14 @@ class MeshWriter {
   std::size_t first_interior_ = 0, first_exterior_ = 0;  ///< of the materials of the file
   std::vector<bool> normal_mapped_;
   std::deque<MovedUvs> moved_uvs_;
-  // Of the mesh that is written: accessors, and the material of each primitive.
-  std::vector<std::pair<std::string, std::size_t>> attributes_;
+  // Of the mesh that is written: its attributes, and the material of each primitive.
+  enum class Bearers { kAll, kMapped, kMappedCuts };
+  struct Attribute {
+    std::string semantic;
+    std::size_t accessor;
+    Bearers bearers = Bearers::kAll;  ///< primitives that have it
+  };
+  std::vector<Attribute> attributes_;
   std::vector<std::optional<std::size_t>> materials_;
 };
 

@@ -91,6 +91,52 @@ Vec3d perpendicular_to(const Vec3d& n) {
   return normalise(t) ? t : Vec3d{1, 0, 0};
 }
 
+/// Normals and tangents of cuts, from their positions and texture coordinates alone.
+class CutFrames {
+ public:
+  CutFrames(const Fragment& fragment, Pacer& pacer)
+      : fragment_(fragment), normals_(fragment.positions.size()), right_(fragment.positions.size()) {
+    for (const FragmentPrimitive& p : fragment.primitives) {
+      if (!is_of_cuts(p.material)) continue;
+      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
+        pacer.step(2);
+        add(&fragment.indices[k]);
+      }
+    }
+  }
+  /// The fragment's own, if it has normals.
+  Vec3d normal(std::size_t v) const {
+    Vec3d n = fragment_.attributes.normals.empty() ? normals_[v] : to_double(fragment_.attributes.normals[v]);
+    return normalise(n) ? n : Vec3d{0, 0, 1};
+  }
+  Vec3d tangent(std::size_t v) const {
+    const Vec3d n = normal(v);
+    Vec3d t = right_[v] - dot(n, right_[v]) * n;
+    return normalise(t) ? t : perpendicular_to(n);
+  }
+
+ private:
+  void add(const std::uint32_t* corners) {
+    const auto at = [&](std::size_t c) { return to_double(fragment_.positions[corners[c]]); };
+    const Vec3d e1 = at(1) - at(0), e2 = at(2) - at(0), n = cross(e1, e2);
+    Vec3d right;
+    if (!fragment_.attributes.uvs.empty()) {
+      const std::vector<Vec2f>& uvs = fragment_.attributes.uvs[0];  // planar in every set
+      const double v0 = uvs[corners[0]].y, v1 = uvs[corners[1]].y - v0, v2 = uvs[corners[2]].y - v0;
+      const double u0 = uvs[corners[0]].x, u1 = uvs[corners[1]].x - u0, u2 = uvs[corners[2]].x - u0;
+      right = (u1 * v2 < u2 * v1 ? -1.0 : 1.0) * (v2 * e1 - v1 * e2);
+      right = normalise(right) ? length(n) * right : Vec3d{};
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      normals_[corners[c]] = normals_[corners[c]] + n;
+      right_[corners[c]] = right_[corners[c]] + right;
+    }
+  }
+
+  const Fragment& fragment_;
+  std::vector<Vec3d> normals_, right_;  // sums, per vertex
+};
+
 }  // namespace
 
 Bounds bounds_of(const std::vector<Vec3f>& positions, Pacer& pacer) {
@@ -139,6 +185,20 @@ void write_tangents(const Fragment& fragment, Room out, Pacer& pacer) {
     }
     stored.w = stored.w < 0 ? -1.0f : 1.0f;
     return stored;
+  });
+}
+
+void write_cut_normals(const Fragment& fragment, Room out, Pacer& pacer) {
+  const CutFrames frames(fragment, pacer);
+  write_each(std::span(fragment.positions), out, pacer,
+             [&](const Vec3f&, std::size_t v) { return to_float(frames.normal(v)); });
+}
+
+void write_cut_tangents(const Fragment& fragment, Room out, Pacer& pacer) {
+  const CutFrames frames(fragment, pacer);
+  write_each(std::span(fragment.positions), out, pacer, [&](const Vec3f&, std::size_t v) {
+    const Vec3f t = to_float(frames.tangent(v));
+    return Vec4f{t.x, t.y, t.z, 1};  // as the vertices of cuts have it whose source has tangents
   });
 }
 

@@ -37,6 +37,10 @@ void write_positions(const std::vector<Vec3f>& positions, Room out, Pacer& pacer
 void write_normals(const Fragment& fragment, Room out, Pacer& pacer);
 /// As normals; one without direction takes any that is perpendicular to the vertex normal.
 void write_tangents(const Fragment& fragment, Room out, Pacer& pacer);
+/// Normals and tangents for the cuts of a fragment whose source has none: the mean of the triangles of cuts at each
+/// vertex by their area, and the direction of growing u across it. Vertices of the outside get any.
+void write_cut_normals(const Fragment& fragment, Room out, Pacer& pacer);
+void write_cut_tangents(const Fragment& fragment, Room out, Pacer& pacer);
 void write_uvs(const std::vector<Vec2f>& uvs, Room out, Pacer& pacer);
 void write_moved_uvs(const MovedUvs& uvs, Room out, Pacer& pacer);
 void write_colors(const std::vector<Vec4f>& colors, Room out, Pacer& pacer);

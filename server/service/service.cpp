@@ -277,7 +277,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
                                                       const Execution& execution, FractureAnswer& answer) {
   if (execution.progress) execution.progress(Stage::kClip, 0);
   InteriorLook look = request.parameters.interior;
-  if (request.parameters.delta == DeltaAnswer::kOnly) look.detail = CutDetail::kNone;  // a client has them
+  look.has_maps = request.parameters.delta == DeltaAnswer::kOnly;
   const FractureParameters& fracture = request.parameters.fracture;
   const std::uint32_t pieces = fracture.size.fragments > 0 ? fracture.size.fragments : fracture.sites;
   auto interior = interior_materials(look, mesh.solid, execution, pieces);

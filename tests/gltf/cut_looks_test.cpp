@@ -76,5 +76,51 @@ TEST(CutLooks, ReliefStandsBehindTheTexturesOfTheSource) {
   EXPECT_TRUE(glb.document["meshes"][0]["primitives"][2]["attributes"].contains("TANGENT"));
 }
 
+TEST(CutLooks, CutsUnderANormalMapHaveTheFrameThatTheirSourceLacks) {
+  const FracturedSolid made = two_halves();  // whose sides have the frames that are looked for
+  for (const bool normals : {false, true}) {
+    SCOPED_TRACE(normals);
+    FracturedSolid bare = made;
+    for (Fragment& f : bare.set.fragments) {
+      f.attributes.tangents.clear();
+      if (!normals) f.attributes.normals.clear();
+    }
+    GltfOptions options;
+    options.interior.materials[0]["normalTexture"] = {{"index", 0}};
+    const Glb glb(write_glb(bare, options));
+    for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
+      const Fragment& f = made.set.fragments[k];
+      const json& primitives = glb.document["meshes"][k]["primitives"];
+      for (const std::size_t outside : {0, 1}) {
+        EXPECT_FALSE(primitives[outside]["attributes"].contains("TANGENT"));
+        EXPECT_EQ(primitives[outside]["attributes"].contains("NORMAL"), normals);
+      }
+      const json& attributes = primitives[2]["attributes"];
+      const auto normal = glb.read<Vec3f>(attributes.at("NORMAL"));
+      const auto tangent = glb.read<Vec4f>(attributes.at("TANGENT"));
+      ASSERT_EQ(normal.size(), f.positions.size());
+      ASSERT_EQ(tangent.size(), f.positions.size());
+      for (std::uint32_t c = 0; c < f.primitives[2].index_count; ++c) {
+        const std::uint32_t v = f.indices[f.primitives[2].first_index + c];
+        EXPECT_EQ(normal[v], f.attributes.normals[v]);
+        EXPECT_EQ(tangent[v], f.attributes.tangents[v]);
+      }
+      for (const Vec4f& t : tangent) EXPECT_EQ(t.x * t.x + t.y * t.y + t.z * t.z, 1) << "valid everywhere";
+    }
+  }
+}
+
+TEST(CutLooks, CutsHaveTangentsWhoseNormalMapIsInAnEarlierAnswer) {
+  GltfOptions options;
+  const auto has_tangents = [&] {
+    return Glb(write_glb(two_halves(), options))
+        .document["meshes"][0]["primitives"][2]["attributes"]
+        .contains("TANGENT");
+  };
+  EXPECT_FALSE(has_tangents());
+  options.interior.in_relief = 1;
+  EXPECT_TRUE(has_tangents());
+}
+
 }  // namespace
 }  // namespace fracture::test

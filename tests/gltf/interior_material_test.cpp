@@ -322,5 +322,21 @@ TEST(InteriorMaterial, ThereAreAtMostSixteen) {
   for (std::size_t part = 0; part < colors.size(); ++part) EXPECT_LT(made->of(part), made->materials.size());
 }
 
+TEST(InteriorMaterial, MapsThatAReaderHasAreLeftOutButCutsLieUnderThem) {
+  const InteriorLook all{.crushed = 0.1, .mortar = Vec3d{1, 1, 1}, .detail = CutDetail::kStone};
+  InteriorLook rest = all;
+  rest.has_maps = true;
+  const auto first = interior_materials(all, solid_of(two_materials())).value();
+  const auto later = interior_materials(rest, solid_of(two_materials())).value();
+  EXPECT_EQ(first.detail, CutDetail::kStone);
+  EXPECT_TRUE(first.materials[0].contains("normalTexture"));
+  EXPECT_EQ(later.detail, CutDetail::kNone);
+  EXPECT_FALSE(later.materials[0].contains("normalTexture"));
+  ASSERT_EQ(first.materials.size(), 3u);
+  EXPECT_EQ(first.in_relief, 1u) << "not mortar, nor what is crushed";
+  EXPECT_EQ(later.in_relief, 1u);
+  EXPECT_EQ(interior_materials({}, solid_of(two_materials())).value().in_relief, 0u);
+}
+
 }  // namespace
 }  // namespace fracture

@@ -3,97 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
-#include <set>
-#include <string>
 
-#include "common/gltf/gltf_writer.hpp"
-#include "server/service/service.hpp"
-#include "tests/server/support/engine_in_process.hpp"
-#include "tests/server/support/figures_of.hpp"
+#include "tests/server/service/hits_fixture.hpp"
 
-namespace fracture {
+namespace fracture::test {
 namespace {
-
-using nlohmann::json;
-using test::figures_of;
-
-std::span<const std::byte> bytes(std::string_view text) {
-  return std::as_bytes(std::span(text.data(), text.size()));
-}
-
-/// A closed box of 2 x 1 x 1 m, each side n x n squares, as OBJ text.
-std::string box_obj(int n) {
-  std::string text;
-  int vertices = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int end = 0; end < 2; ++end)
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-          for (const auto& [a, b] : {std::pair{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}) {
-            double p[3];
-            p[axis] = end;
-            p[(axis + 1) % 3] = static_cast<double>(a) / n;
-            p[(axis + 2) % 3] = static_cast<double>(b) / n;
-            text += "v " + std::to_string(2 * p[0]) + " " + std::to_string(p[1]) + " " +
-                    std::to_string(p[2]) + "\n";
-          }
-          vertices += 4;
-          const std::string a = std::to_string(vertices - 3), b = std::to_string(vertices - 2),
-                            c = std::to_string(vertices - 1), d = std::to_string(vertices);
-          text += end == 1 ? "f " + a + " " + b + " " + c + " " + d + "\n"
-                           : "f " + d + " " + c + " " + b + " " + a + "\n";
-        }
-  return text;
-}
-
-json document_of(const FractureResult& glb) {
-  std::uint32_t length = 0;
-  std::memcpy(&length, glb.file.data() + 12, 4);
-  return json::parse(glb.file.begin() + 20, glb.file.begin() + 20 + length);
-}
-
-std::set<std::uint64_t> fragment_ids(const FractureResult& glb) {
-  std::set<std::uint64_t> ids;
-  const json document = document_of(glb);
-  for (const json& node : document.at("nodes"))
-    if (const json::json_pointer id("/extras/fracture/id"); node.contains(id))
-      ids.insert(node.at(id).get<std::uint64_t>());
-  return ids;
-}
-
-std::vector<std::uint64_t> ids(const json& delta, const char* name) {
-  return delta.at(name).get<std::vector<std::uint64_t>>();
-}
-
-struct HitsTest : testing::Test {
-  const std::string mesh = box_obj(6), other = box_obj(5);
-  ServiceConfig config;
-  FractureService service{config, test::engine_in_process()};
-
-  static Expected<FractureAnswer> ask(FractureService& service, const std::string& mesh,
-                                      const json& parameters) {
-    std::vector<RawParameter> given;
-    for (const auto& [name, value] : parameters.items()) given.push_back({name, value, false});
-    Expected<RequestParameters> parsed = service.parse(given);
-    if (!parsed) return tl::unexpected<Error>(parsed.error());
-    return service.fracture({bytes(mesh), MeshFormat::kObj, *parsed}, {});
-  }
-  FractureAnswer ask(const json& parameters) {
-    auto answer = ask(service, mesh, parameters);
-    if (!answer) throw std::runtime_error(answer.error().detail);
-    return *answer;
-  }
-  static std::string address(const FractureAnswer& answer) {
-    return "/fractures/sha256:" + answer.result->key;
-  }
-  Error refused(const json& parameters) {
-    auto answer = ask(service, mesh, parameters);
-    if (answer) throw std::runtime_error("was not refused: " + parameters.dump());
-    return answer.error();
-  }
-};
 
 /// Does some material's name begin so?
 bool has_material(const FractureResult& glb, std::string_view name) {
@@ -389,4 +304,4 @@ TEST_F(HitsTest, KeptAnswersCountInTheBudgetOfTheDiagrams) {
 }
 
 }  // namespace
-}  // namespace fracture
+}  // namespace fracture::test

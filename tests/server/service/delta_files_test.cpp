@@ -1,0 +1,77 @@
+// What the files of hits say of fragments: those that a hit leaves alone keep every bit, and those of a delta are as
+// those of the whole.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "tests/gltf/glb_file.hpp"
+#include "tests/server/service/hits_fixture.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// What each primitive of each fragment has: by id, and by the names of the attributes.
+std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> attributes_of(
+    const FractureResult& result) {
+  std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> all;
+  const std::vector<std::uint8_t> bytes(result.file.begin(), result.file.end());
+  const Glb glb(bytes);
+  for (const json& node : glb.document.at("nodes")) {
+    const json::json_pointer id("/extras/fracture/id");
+    if (!node.contains(id)) continue;
+    auto& primitives = all[node.at(id).get<std::uint64_t>()];
+    for (const json& primitive :
+         glb.document.at("meshes").at(node.at("mesh").get<std::size_t>()).at("primitives")) {
+      auto& attributes = primitives.emplace_back();
+      for (const auto& [semantic, accessor] : primitive.at("attributes").items()) {
+        const std::string type = glb.document.at("accessors").at(accessor.get<std::size_t>()).at("type");
+        std::vector<float>& values = attributes[semantic];
+        const auto append = [&](const auto& vectors) {
+          for (const auto& v : vectors) {
+            const auto* const first = reinterpret_cast<const float*>(&v);
+            values.insert(values.end(), first, first + sizeof(v) / sizeof(float));
+          }
+        };
+        if (type == "VEC2") append(glb.read<Vec2f>(accessor));
+        if (type == "VEC3") append(glb.read<Vec3f>(accessor));
+        if (type == "VEC4") append(glb.read<Vec4f>(accessor));
+      }
+    }
+  }
+  return all;
+}
+
+// A client puts the fragments of a delta beside those that it has.
+TEST_F(HitsTest, FragmentsOfADeltaAreUnderTheReliefThatAClientHas) {
+  const json hit = {{"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 8}};
+  // The box has no normals; the fragments of the first answer have normals, tangents and a normal map.
+  const FractureAnswer box = ask({{"sites", 3}, {"interior_detail", "stone"}});
+  const std::string with_tangents(box.result->file.begin(), box.result->file.end());
+  for (const auto& [name, file, format] :
+       {std::tuple{"box", mesh, MeshFormat::kObj}, {"fragments", with_tangents, MeshFormat::kGlb}}) {
+    SCOPED_TRACE(name);
+    const auto answer = [&](json parameters) {
+      std::vector<RawParameter> given;
+      for (const auto& [key, value] : parameters.items()) given.push_back({key, value, false});
+      const FractureRequest request{bytes(file), format, service.parse(given).value()};
+      return service.fracture(request, {}).value();
+    };
+    const FractureAnswer first = answer({{"sites", 30}, {"interior_detail", "stone"}});
+    json parameters = hit;
+    parameters["of"] = address(first);
+    const auto whole = attributes_of(*answer(parameters).result);
+    parameters["delta"] = "only";
+    const auto changed = attributes_of(*answer(parameters).result);
+    EXPECT_GT(changed.size(), 3u);
+    EXPECT_LT(changed.size(), whole.size());
+    for (const auto& [id, primitives] : changed) {
+      EXPECT_TRUE(primitives.back().contains("TANGENT")) << "of the cuts";
+      EXPECT_TRUE(primitives == whole.at(id));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
