@@ -35,7 +35,11 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   options.friction = parameters.physical.friction;
   options.restitution = parameters.physical.restitution;
   options.bond_strength = parameters.physical.bond_strength;
-  const double volume = fragments.certificate.volume_out;
+  // A partition has the solid's volume, which hits do not change: fragments that a hit leaves alone keep every bit
+  // of their mass. The sum of the fragments' volumes changes with the order of its terms. Hulls of barycentres are
+  // not a partition: only their sum says how much there is of them.
+  const Certificate& sums = fragments.certificate;
+  const double volume = parameters.fracture.dual == Dual::kBarycenter ? sums.volume_out : sums.volume_in;
   if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
   return options;
 }

@@ -12,6 +12,43 @@
 namespace fracture::test {
 namespace {
 
+/// The mass and the inertia of each fragment, by id.
+std::map<std::uint64_t, json> motions_of(const FractureResult& glb) {
+  std::map<std::uint64_t, json> motions;
+  const json document = document_of(glb);
+  for (const json& node : document.at("nodes"))
+    if (const json::json_pointer id("/extras/fracture/id"); node.contains(id))
+      motions[node.at(id).get<std::uint64_t>()] =
+          node.at("extensions").at("KHR_physics_rigid_bodies").at("motion");
+  return motions;
+}
+
+// The mass of all is a parameter, and a hit does not change how much there is.
+TEST_F(HitsTest, WhatAHitLeavesAloneKeepsItsMassToTheBit) {
+  for (const double mass : {5.0, 0.37, 80.1}) {
+    const json whole = {{"sites", 40}, {"mass", mass}, {"physics", "khr"}};
+    const FractureAnswer before = ask(whole);
+    const FractureAnswer after = ask(
+        {{"of", address(before)}, {"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.2}, {"local_sites", 7}});
+    const json delta = figures_of(*after.result).at("delta");
+    std::set<std::uint64_t> named;
+    for (const char* list : {"new", "changed", "gone"})
+      for (const std::uint64_t id : ids(delta, list)) named.insert(id);
+    const auto was = motions_of(*before.result), is = motions_of(*after.result);
+    std::size_t kept = 0;
+    double sum = 0;
+    for (const auto& [id, motion] : is) {
+      sum += motion.at("mass").get<double>();
+      if (named.contains(id)) continue;
+      ++kept;
+      EXPECT_EQ(motion, was.at(id));
+    }
+    EXPECT_GT(kept, 10u);
+    EXPECT_FALSE(named.empty());
+    EXPECT_NEAR(sum, mass, 1e-6 * mass);
+  }
+}
+
 /// What each primitive of each fragment has: by id, and by the names of the attributes.
 std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> attributes_of(
     const FractureResult& result) {
