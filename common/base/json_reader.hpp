@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -43,6 +44,12 @@ struct JsonDocument {
 /// Reading ends at the first fault: no more than `limits.bytes` (and the text of one string) is held at any
 /// time.
 tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits);
+
+/// The value alone; null for a text that read_json() refuses.
+inline nlohmann::json json_or_null(std::string_view text, const JsonLimits& limits = {}) {
+  auto read = read_json(text, limits);
+  return read ? std::move(read->value) : nlohmann::json();
+}
 
 /// Heap bytes behind the value, as glibc's malloc gives them out (measured: tests/base/json_reader_test.cpp). jemalloc's steps
 /// are up to a quarter coarser, which is within the 1.3 bytes that a server sets aside for each that it counts.

@@ -149,6 +149,13 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
   return std::nullopt;
 }
 
+void DiskCache::refuse(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  if (!index_.contains(key)) return;
+  quarantine(key);
+  forget(key);
+}
+
 void DiskCache::make_room(std::uint64_t size) {
   while (figures_.bytes + size > budget_ && !files_.empty()) {
     const std::string oldest = files_.back().key;

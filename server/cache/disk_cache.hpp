@@ -60,6 +60,8 @@ class DiskCache {
   std::optional<StoredEntry> find(const std::string& key);
   /// False when it could not be written.
   bool insert(const CacheEntry& entry);
+  /// What find() found of this key is intact and not what it should be: it is put aside as a damaged entry is.
+  void refuse(const std::string& key);
 
   DiskFigures figures() const;
 

@@ -158,6 +158,11 @@ bool RedisCache::insert(const CacheEntry& entry) {
   return true;
 }
 
+void RedisCache::refuse() {
+  const std::lock_guard lock(mutex_);
+  ++figures_.damaged;
+}
+
 RedisFigures RedisCache::figures() const {
   const std::lock_guard lock(mutex_);
   RedisFigures figures = figures_;

@@ -56,6 +56,8 @@ class RedisCache {
   std::optional<StoredEntry> find(const std::string& key, const Room& room = {});
   /// False when it was not stored.
   bool insert(const CacheEntry& entry);
+  /// What find() found is intact and not what it should be: it counts as damaged. The next insert replaces it.
+  void refuse();
 
   RedisFigures figures() const;
 

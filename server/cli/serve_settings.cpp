@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/parameters/parameter_object.hpp"
 #include "server/cli/memory_plan.hpp"
 #include "server/http/auth.hpp"
 
@@ -160,7 +161,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
                 "Bytes of the ledger of which name of the token file may see which answer, 512 for each"),
          number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2, "Bytes of a request header"),
          number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Bytes of a request target"),
-         number("max-sites", "N", s.max_sites, 1, 10'000'000, "Sites of one request"),
+         number("max-sites", "N", s.max_sites, 1, kMostSitesAnywhere, "Sites of one request"),
          number("max-triangles", "N", s.import_limits.max_triangles, 1, UINT32_MAX, "Triangles of one mesh"),
          number("max-decoded", "BYTES", s.import_limits.max_decoded_bytes, 1, kTiB,
                 "Bytes of a body or a mesh after decompression"),

@@ -4,6 +4,7 @@
 #include <stop_token>
 
 #include "common/base/json_text.hpp"
+#include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/service/mesh_report.hpp"
@@ -136,7 +137,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
       [this, request, text, id = std::string(id), terms = *terms, reply]() mutable -> Answered {
         std::vector<RawParameter> given = raw_parameters(request->admission.query);
         if (!text.empty()) {
-          Expected<std::vector<RawParameter>> more = read_params(text, "body");
+          Expected<std::vector<RawParameter>> more = read_parameters(text, "body");
           if (!more) return tl::unexpected<Problem>(to_problem(std::move(more.error())));
           given.insert(given.end(), more->begin(), more->end());
         }

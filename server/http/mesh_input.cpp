@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/json_reader.hpp"
+#include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/multipart.hpp"
 
 namespace fracture::http {
 namespace {
 
-constexpr std::size_t kMaxParams = 1u << 20;  // bytes of the `params` part: about 30,000 points
-/// What they may hold when they are parsed: 30,000 points take half of it.
-constexpr std::size_t kMaxParamsHeld = 8u << 20;
 constexpr std::size_t kMaxField = 16u << 10;  // bytes of a parameter as a field of its own
 
 /// A filename as an asset would write it: forward slashes, no leading "./".
@@ -44,27 +41,6 @@ Problem unknown_format(const FormatSet& formats, std::string_view given) {
        "format"});
 }
 
-Expected<std::vector<RawParameter>> read_params(std::string_view text, std::string_view what) {
-  if (text.size() > kMaxParams)
-    return fail(ErrorCode::kBadJson,
-                "The " + std::string(what) + " is over " + std::to_string(kMaxParams) + " bytes.", "params");
-  auto read = read_json(text, {.depth = 8, .bytes = kMaxParamsHeld});
-  if (!read && read.error().kind == JsonFault::Kind::kRepeated)
-    return fail(ErrorCode::kBadParameter, "The " + std::string(what) + " " + to_text(read.error()) + ".",
-                read.error().name);
-  if (!read && read.error().kind == JsonFault::Kind::kTooLarge)
-    return fail(ErrorCode::kBadJson, "The " + std::string(what) + " " + to_text(read.error()) + ".",
-                "params");
-  if (!read || !read->value.is_object())
-    return fail(ErrorCode::kBadJson,
-                "The " + std::string(what) + " is not one JSON object such as {\"sites\": 50, \"seed\": 1}.",
-                "params");
-  std::vector<RawParameter> given;
-  given.reserve(read->members.size());
-  for (const std::string& name : read->members) given.push_back({name, std::move(read->value[name]), false});
-  return given;
-}
-
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
                                            FractureService& service, const FractureService::MaySee& may_see) {
   std::vector<RawParameter> given = raw_parameters(request.admission.query);
@@ -87,7 +63,7 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
         declared_type = part.content_type;
         if (part.filename) extension = part.filename->substr(part.filename->rfind('.') + 1);
       } else if (part.name == "params") {
-        Expected<std::vector<RawParameter>> params = read_params(part.body, "part 'params'");
+        Expected<std::vector<RawParameter>> params = read_parameters(part.body, "part 'params'");
         if (!params) return tl::unexpected<Problem>(to_problem(std::move(params.error())));
         given.insert(given.end(), params->begin(), params->end());
       } else if (part.filename) {

@@ -25,10 +25,6 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
                                            FractureService& service,
                                            const FractureService::MaySee& may_see = {});
 
-/// Names and values of a JSON object. Refuses what is not one object, deep nesting, and a member given twice
-/// (of which a JSON parser would silently keep one). `what` names the text in errors: "part 'params'".
-Expected<std::vector<RawParameter>> read_params(std::string_view text, std::string_view what);
-
 /// 415 with the list of what is read; `given` is what the client said, may be empty.
 Problem unknown_format(const FormatSet& formats, std::string_view given);
 

@@ -156,7 +156,7 @@ std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFo
 AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format) {
   const TextRange range = figures_in(file, format).value_or(TextRange());
   const std::string_view text = text_of(file).substr(range.at, range.size);
-  const json figures = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const json figures = json_or_null(text, kOfAnAnswer);
   if (!figures.is_object()) throw InternalError("a file without extras.fracture on any of its nodes");
   const json certificate = figures.value("certificate", json());
   if (!certificate.is_object() || !certificate.contains("open_edges"))

@@ -1,16 +1,21 @@
 // What a finished answer comes to: typed where it was made, and read from the file where that is from elsewhere.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/base/json_reader.hpp"
 #include "common/fragment/fragments.hpp"
 #include "server/service/engine.hpp"
 
 namespace fracture {
+
+/// What nests deeper or holds more than this is no answer of ours.
+inline constexpr JsonLimits kOfAnAnswer{.depth = 64, .bytes = std::size_t{1} << 30};
 
 struct AnswerSummary {
   Certificate certificate;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/json_reader.hpp"
+#include "common/parameters/parameter_object.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
 
@@ -99,12 +100,12 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   const bool visible = !may_see || may_see(own->of);
   std::shared_ptr<const nlohmann::json> earlier = visible ? answers_.find(own->of) : nullptr;
   if (!earlier && visible)
-    if (const auto result = results_.find(own->of)) {
-      earlier = std::make_shared<const nlohmann::json>(
-          nlohmann::json::parse(result->parameters, nullptr, /*allow_exceptions=*/false));
-      answers_.insert(own->of, earlier, memory_size(*earlier));
-    }
-  if (!earlier || !earlier->is_object())
+    if (const auto result = results_.find(own->of))
+      if (auto kept = read_kept_parameters(result->parameters)) {
+        earlier = std::make_shared<const nlohmann::json>(std::move(*kept));
+        answers_.insert(own->of, earlier, memory_size(*earlier));
+      }
+  if (!earlier)
     return fail(ErrorCode::kNoSuchAnswer,
                 "This server does not know (or no longer knows) the answer sha256:" + own->of +
                     ". Ask with its parameters instead, which stand in it: the answer is the same.",

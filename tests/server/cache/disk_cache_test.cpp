@@ -159,6 +159,18 @@ TEST_F(Disk, TwoServersDoNotShareAFolder) {
   EXPECT_TRUE(insert(first, 1));
 }
 
+TEST_F(Disk, AnEntryThatIsRefusedIsPutAsideAndCanBeWrittenAgain) {
+  DiskCache cache(path, 1 << 20);
+  insert(cache, 1);
+  cache.refuse(key_of(1));
+  cache.refuse(key_of(2));
+  EXPECT_EQ(cache.figures().quarantined, 1u);
+  EXPECT_EQ(cache.figures().bytes, 0u);
+  EXPECT_FALSE(finds(cache, 1));
+  EXPECT_TRUE(insert(cache, 1));
+  EXPECT_TRUE(finds(cache, 1));
+}
+
 TEST_F(Disk, WhereNothingCanBeWrittenEveryCallIsAMiss) {
   std::ofstream(folder.path + "/file") << "x";
   for (const std::string& bad :

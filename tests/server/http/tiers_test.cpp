@@ -100,6 +100,51 @@ TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
   EXPECT_EQ(server.post("/fracture?density=7&of=" + location).status, 200);
 }
 
+/// An entry whose sum and digests are right and whose parameters are a stranger's: who can write to the folder can make it,
+/// or put the same into a Redis without keys.
+TEST_F(Tiers, AForgedEntryIsNeitherGivenNorNamedAndIsReplaced) {
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  std::string objects;
+  for (int k = 0; k < 200'000; ++k) objects += "{\"a\":";
+  objects += "1" + std::string(200'000, '}');
+  int seed = 0;
+  for (const std::string& forged :
+       {"{\"sites\":5,\"x\":" + deep + "}", "{\"sites\":5,\"x\":" + objects + "}", std::string("[]"),
+        std::string("{"), std::string(R"({"sites":"x","local_point":5,"material":[]})"),
+        std::string(R"({"local_point":{"a":1},"local_radius":"x"})"), std::string(R"({"sites":4000000000})"),
+        std::string(R"({"stretch":1e999})")}) {
+    Reply made;
+    const std::string asked = "/fracture?seed=" + std::to_string(++seed);
+    {
+      TestServer server(options);
+      made = server.post(asked);
+      server.service.tiers().flush();
+    }
+    const std::string location = made.header("content-location"),
+                      key = location.substr(std::string("/fractures/sha256:").size());
+    {
+      DiskCache cache(options.service.tiers.folder, 1 << 30);
+      const auto stored = cache.find(key);
+      ASSERT_TRUE(stored);
+      const std::vector<std::uint8_t> payload(stored->entry.payload.begin(), stored->entry.payload.end());
+      std::string metadata(stored->entry.metadata);
+      std::size_t at = 0;
+      for (int line = 0; line < 3; ++line) at = metadata.find('\n', at) + 1;
+      metadata.replace(at, metadata.size() - 2 * sizeof(Digest::bytes) - 1 - at, forged);
+      cache.refuse(key);
+      ASSERT_TRUE(cache.insert({key, metadata, payload}));
+    }
+    TestServer server(options);
+    EXPECT_EQ(server.get(location).status, 404) << forged.substr(0, 40);
+    EXPECT_EQ(server.post("/fracture?density=7&of=" + location).problem(), "no-such-answer");
+    EXPECT_EQ(server.service.figures().tiers.disk->quarantined, 1u);
+    EXPECT_EQ(server.post(asked).body, made.body) << "computed";
+    server.service.tiers().flush();
+    EXPECT_EQ(server.control->cuts, 1);
+    EXPECT_TRUE(server.service.tiers().on_disk(key)) << "and written in its place";
+  }
+}
+
 TEST_F(Tiers, ADamagedEntryIsComputedAgain) {
   std::string good;
   {

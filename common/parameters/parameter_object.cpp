@@ -1,0 +1,56 @@
+#include "common/parameters/parameter_object.hpp"
+
+#include <string>
+#include <utility>
+
+namespace fracture {
+namespace {
+
+/// Of the widest server that there can be: what one server has kept, another one with lower limits reads, too.
+const ParameterTable& widest_table() {
+  static const ParameterTable table(kMostSitesAnywhere, FormatSet::all());
+  return table;
+}
+
+}  // namespace
+
+Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::string_view what) {
+  const std::string subject = "The " + std::string(what);
+  if (text.size() > kOfRequest.text)
+    return fail(ErrorCode::kBadJson, subject + " is over " + std::to_string(kOfRequest.text) + " bytes.",
+                "params");
+  auto read = read_json(text, {.depth = kParameterDepth, .bytes = kOfRequest.held});
+  if (!read && read.error().kind == JsonFault::Kind::kRepeated)
+    return fail(ErrorCode::kBadParameter, subject + " " + to_text(read.error()) + ".", read.error().name);
+  if (!read && read.error().kind == JsonFault::Kind::kTooLarge)
+    return fail(ErrorCode::kBadJson, subject + " " + to_text(read.error()) + ".", "params");
+  if (!read || !read->value.is_object())
+    return fail(ErrorCode::kBadJson,
+                subject + " is not one JSON object such as {\"sites\": 50, \"seed\": 1}.", "params");
+  std::vector<RawParameter> given;
+  given.reserve(read->members.size());
+  for (const std::string& name : read->members) given.push_back({name, std::move(read->value[name]), false});
+  return given;
+}
+
+std::optional<nlohmann::json> read_kept_parameters(std::string_view text) {
+  if (text.size() > kOfKept.text) return std::nullopt;
+  const auto read = read_json(text, {.depth = kParameterDepth, .bytes = kOfKept.held});
+  if (!read || !read->value.is_object()) return std::nullopt;
+  const auto parsed = widest_table().parse(raw_parameters(read->value));
+  if (!parsed) return std::nullopt;
+  return canonical_parameters(*parsed);
+}
+
+bool are_parameters(const nlohmann::json& value) {
+  return value.is_object() && widest_table().parse(raw_parameters(value)).has_value();
+}
+
+std::vector<RawParameter> raw_parameters(const nlohmann::json& object) {
+  std::vector<RawParameter> given;
+  given.reserve(object.size());
+  for (const auto& [name, value] : object.items()) given.push_back({name, value, false});
+  return given;
+}
+
+}  // namespace fracture
