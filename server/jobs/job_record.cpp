@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <type_traits>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
 #include "common/digest/digest.hpp"
+#include "common/parameters/parameter_object.hpp"
 
 namespace fracture {
 namespace {
@@ -21,30 +25,87 @@ bool is_hex(std::string_view text) {
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
-std::chrono::sys_time<std::chrono::microseconds> time_of(const json& microseconds) {
+// A record is read as a request is: by one reader, with limits. Whoever can write to the folder may have made one whose sum
+// is right.
+
+/// Around the parameters, which have kParameterDepth: the record. The figures of an error are no deeper.
+constexpr JsonLimits kLimits{.depth = kParameterDepth + 1, .bytes = kOfKept.held};
+/// The end of the year 9999, which is the last that a time's text can say.
+constexpr std::int64_t kLastTime = 253'402'300'799'999'999;
+/// A day: the longest deadline that can be set.
+constexpr std::int64_t kMostPatience = 86'400'000;
+/// As much as any body may be told to have (--max-body).
+constexpr std::uint64_t kMostMeshBytes = 1ull << 40;
+/// A name of a token file has 64 bytes, the detail of an error some sentences.
+constexpr std::size_t kMostOwner = 1024, kMostDetail = 64u << 10;
+
+/// Thrown for what encode_record() does not write.
+struct Unlikely {};
+
+void require(bool likely) {
+  if (!likely) throw Unlikely();
+}
+
+/// A whole number within a range.
+template <class Number>
+Number number_at(const json& object, const char* name, Number least, Number most) {
+  const json& value = object.at(name);
+  require(value.is_number_integer());
+  // A number over 2^63 would come out negative.
+  require(std::is_unsigned_v<Number> ? value.is_number_unsigned()
+                                     : !value.is_number_unsigned() ||
+                                           value.get<std::uint64_t>() <= static_cast<std::uint64_t>(most));
+  const auto number = value.get<Number>();
+  require(number >= least && number <= most);
+  return number;
+}
+
+std::string text_at(const json& object, const char* name, std::size_t most) {
+  const auto& text = object.at(name).get_ref<const std::string&>();
+  require(text.size() <= most);
+  return text;
+}
+
+std::string digits_at(const json& object, const char* name) {
+  std::string digits = text_at(object, name, kHex);
+  require(digits.size() == kHex && is_hex(digits));
+  return digits;
+}
+
+std::chrono::sys_time<std::chrono::microseconds> time_at(const json& object, const char* name) {
   return std::chrono::sys_time<std::chrono::microseconds>(
-      std::chrono::microseconds(microseconds.get<std::int64_t>()));
+      std::chrono::microseconds(number_at<std::int64_t>(object, name, 0, kLastTime)));
 }
 
 JobRecord record_of(const json& j) {
   JobRecord r;
-  r.id = j.at("id").get<std::string>();
-  r.owner = j.at("owner").get<std::string>();
-  r.state = job_state_named(j.at("state").get<std::string>()).value();
-  r.created = time_of(j.at("created"));
-  if (j.contains("finished")) r.finished_at = time_of(j.at("finished"));
-  r.patience = std::chrono::milliseconds(j.at("patience_ms").get<std::int64_t>());
-  r.digest = j.at("digest").get<std::string>();
-  r.mesh_bytes = j.at("mesh_bytes").get<std::uint64_t>();
-  r.format = format_from_extension(j.at("format").get<std::string>()).value();
-  r.output = j.at("output").get<std::string>() == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
-  r.triangles = j.at("triangles").get<std::uint64_t>();
+  r.id = text_at(j, "id", kMostOwner);
+  require(is_job_id(r.id));
+  r.owner = text_at(j, "owner", kMostOwner);
+  const auto state = job_state_named(text_at(j, "state", kHex));
+  require(state.has_value());
+  r.state = *state;
+  r.created = time_at(j, "created");
+  if (j.contains("finished")) r.finished_at = time_at(j, "finished");
+  r.patience = std::chrono::milliseconds(number_at<std::int64_t>(j, "patience_ms", 1, kMostPatience));
+  r.digest = digits_at(j, "digest");
+  r.mesh_bytes = number_at<std::uint64_t>(j, "mesh_bytes", 0, kMostMeshBytes);
+  const auto format = format_from_extension(text_at(j, "format", kHex));
+  require(format.has_value());
+  r.format = *format;
+  const std::string output = text_at(j, "output", kHex);
+  require(output == "gltf" || output == "glb");
+  r.output = output == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
+  r.triangles = number_at<std::uint64_t>(j, "triangles", 0, UINT32_MAX);
   r.parameters = j.at("parameters");
-  r.result_key = j.at("result").get<std::string>();
+  require(are_parameters(r.parameters));
+  r.result_key = digits_at(j, "result");
   if (j.contains("error")) {
     const json& e = j.at("error");
-    r.error = Error{error_code(e.at("code").get<std::string>()).value(), e.at("detail").get<std::string>(),
-                    e.at("pointer").get<std::string>(), Figures(e.at("extra"))};
+    const auto code = error_code(text_at(e, "code", kHex));
+    require(code.has_value() && e.at("extra").is_object());
+    r.error = Error{*code, text_at(e, "detail", kMostDetail), text_at(e, "pointer", kMostDetail),
+                    Figures(e.at("extra"))};
   }
   return r;
 }
@@ -118,15 +179,14 @@ std::optional<JobRecord> decode_record(std::string_view bytes) {
   if (bytes.size() < kHex + 1 || bytes[kHex] != '\n') return std::nullopt;
   const std::string_view digest = bytes.substr(0, kHex), text = bytes.substr(kHex + 1);
   if (sha256(text).hex() != digest) return std::nullopt;
+  const auto read = read_json(text, kLimits);
+  if (!read) return std::nullopt;
   try {
-    JobRecord record = record_of(json::parse(text));
-    if (!is_job_id(record.id) || record.digest.size() != kHex || !is_hex(record.digest) ||
-        !record.parameters.is_object() || record.patience.count() <= 0)
-      return std::nullopt;
-    return record;
-  } catch (const std::exception&) {  // of another version: the sum is right, the members are not
-    return std::nullopt;
+    return record_of(read->value);
+  } catch (const Unlikely&) {
+  } catch (const json::exception&) {  // a member is missing, or of another type
   }
+  return std::nullopt;
 }
 
 std::string encode_mesh_head(const FractureRequest& request) {

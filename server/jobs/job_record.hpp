@@ -41,7 +41,7 @@ bool is_job_id(std::string_view id);
 
 /// Throws nlohmann::json::exception for text that is not UTF-8.
 std::string encode_record(const JobRecord& record);
-/// Nothing for anything that encode_record() did not write.
+/// Nothing for anything that encode_record() does not write: limits of depth and size, types and ranges are checked.
 std::optional<JobRecord> decode_record(std::string_view bytes);
 
 /// A mesh with its further files, out of one buffer.
