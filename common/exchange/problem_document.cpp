@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
+
 namespace fracture::protocol {
 
 std::string ProblemDocument::slug() const { return type.substr(type.rfind('/') + 1); }
@@ -23,7 +25,7 @@ ProblemDocument problem_in(const nlohmann::json& document) {
 }
 
 ProblemDocument problem_in(const Exchange& exchange) {
-  ProblemDocument problem = problem_in(nlohmann::json::parse(exchange.body, nullptr, false));
+  ProblemDocument problem = problem_in(json_or_null(exchange.body, {.depth = 16}));
   if (problem.detail.empty()) problem.detail = "The server answered " + std::to_string(exchange.status) + ".";
   return problem;
 }

@@ -30,6 +30,9 @@ namespace {
 class Wanted {
  public:
   bool operator()(int depth, json::parse_event_t event, const json& parsed) {
+    // The material of a mesh may be as deep as its file was (ImportLimits::max_json_depth), within lists of ours.
+    constexpr int kDeepest = 96;
+    if (depth > kDeepest) throw Broken{"its text is nested too deeply"};
     if (event != json::parse_event_t::key) return true;
     const auto& key = parsed.get_ref<const std::string&>();
     if (depth == 1) list_ = key;

@@ -92,11 +92,6 @@ std::string as_html(std::string_view text) {
 /// In a direction of its own: a name that turns the text around does so with itself alone.
 std::string named(std::string_view text) { return "<bdi>" + as_html(text) + "</bdi>"; }
 
-std::string text_in(const json& object, const char* name) {
-  const auto at = object.find(name);
-  return at != object.end() && at->is_string() ? at->get<std::string>() : std::string();
-}
-
 double number_in(const json& object, const char* name) {
   const auto at = object.find(name);
   return at != object.end() && at->is_number() ? at->get<double>() : 0;

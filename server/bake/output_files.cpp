@@ -148,6 +148,9 @@ bool is_foreign_mtl(const std::string& path) {
 }
 
 std::optional<std::string> digest_of_file(const std::string& path) {
+  // A report says which files, and may have been written by anybody: a device has no end.
+  std::error_code gone;
+  if (!std::filesystem::is_regular_file(path, gone)) return std::nullopt;
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
   RunningDigest digest;

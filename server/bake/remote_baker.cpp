@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/json_reader.hpp"
 #include "common/base/json_text.hpp"
 #include "common/exchange/headers.hpp"
 #include "common/exchange/stored_meshes.hpp"
@@ -29,6 +30,8 @@ constexpr std::chrono::milliseconds kLong{180'000}, kEvents{30'000};
 constexpr int kMostTries = 30;
 /// A deadline passes because a mesh is too much for it, or because the farm was full: worth few tries.
 constexpr int kMostDeadlines = 3;
+/// Of a document of a server, which may be any program: GET /limits is the deepest.
+constexpr JsonLimits kOfAServer{.depth = 16};
 
 tl::unexpected<Error> broken(std::string detail) { return fail(ErrorCode::kInternal, std::move(detail)); }
 
@@ -46,7 +49,7 @@ nlohmann::json last_event(std::string_view stream) {
     if (at == 0 || stream[at - 1] == '\n') {
       const std::string_view line =
           stream.substr(at + kData.size(), stream.find('\n', at) - at - kData.size());
-      return nlohmann::json::parse(line, nullptr, false);
+      return json_or_null(line, kOfAServer);
     }
     if (at == 0) break;
   }
@@ -145,7 +148,7 @@ class Conversation {
     if (started->status == 200) return file_of(*started);  // a server that does not know the preference
     if (started->status == 504) return late(problem_of(*started));
     if (started->status != 202) return refused(*started);
-    nlohmann::json job = nlohmann::json::parse(started->body, nullptr, false);
+    nlohmann::json job = json_or_null(started->body, kOfAServer);
     const std::string id = job.is_object() ? job.value("id", "") : "";
     if (id.empty()) return again("The server answered 202 without a job.");
     if (const std::string state = job.value("state", ""); state == "queued" || state == "running") {
@@ -269,7 +272,7 @@ class RemoteBaker : public Baker {
   Expected<void> greet(const std::string& server, const std::stop_token& stop) {
     const Expected<Exchange> version = caller_.ask({.target = "/version"}, stop);
     if (!version) return tl::unexpected(version.error());
-    const nlohmann::json document = nlohmann::json::parse(version->body, nullptr, false);
+    const nlohmann::json document = json_or_null(version->body, kOfAServer);
     const auto fail_with = [&](std::string why) {
       return fail(ErrorCode::kUnavailable, server + " " + std::move(why));
     };
@@ -282,7 +285,7 @@ class RemoteBaker : public Baker {
                        std::to_string(kAlgorithmVersion) + ": the files would have other bytes.");
     const Expected<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
     if (!limits) return tl::unexpected(limits.error());
-    const nlohmann::json list = nlohmann::json::parse(limits->body, nullptr, false);
+    const nlohmann::json list = json_or_null(limits->body, kOfAServer);
     if (list.is_object() && list.contains("formats") && list.at("formats").is_array())
       for (const nlohmann::json& name : list.at("formats"))
         if (name.is_string()) formats_.insert(name.get<std::string>());

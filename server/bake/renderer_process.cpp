@@ -19,6 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/json_reader.hpp"
+
 extern char** environ;
 
 namespace fracture::bake {
@@ -231,7 +233,7 @@ Expected<void> RendererProcess::draw(const nlohmann::json& line, std::chrono::mi
   }
   const std::string text = heard_.substr(0, heard_.find('\n'));
   heard_.erase(0, text.size() + 1);
-  const nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
+  const nlohmann::json answer = json_or_null(text);
   if (!answer.is_object() || !answer.contains("output"))
     return tl::unexpected(died("does not answer as fracture-render does"));
   const auto problem = answer.find("problem");

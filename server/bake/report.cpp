@@ -16,12 +16,18 @@
 
 namespace fracture::bake {
 
+std::string text_in(const nlohmann::json& object, const char* name) {
+  const auto at = object.is_object() ? object.find(name) : object.end();
+  return at != object.end() && at->is_string() ? at->get<std::string>() : std::string();
+}
+
 bool is_right(const KnownOutput& known, const std::string& output) {
   if (digest_of_file(output) != known.digest) return false;
   const auto beside = known.line.find("beside");
   if (beside == known.line.end()) return materials_beside(output).empty();
   return beside->is_array() && std::all_of(beside->begin(), beside->end(), [](const nlohmann::json& file) {
-           return file.is_object() && digest_of_file(file.value("path", "")) == file.value("digest", "");
+           const std::string path = text_in(file, "path");
+           return !path.empty() && digest_of_file(path) == text_in(file, "digest");
          });
 }
 
@@ -31,14 +37,14 @@ BakeReport::BakeReport(std::string path) : path_(std::move(path)) {
   bool unfinished = false;  // a run was killed while it wrote a line
   for (std::string line; std::getline(file, line);) {
     unfinished = file.eof();
-    nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
-    if (!json.is_object() || !json.contains("output") || !json["output"].is_string()) continue;
-    const std::string output = json["output"];
-    if (json.value("status", "") != "made") {
+    nlohmann::json json = json_or_null(line, kOfALine);
+    const std::string output = text_in(json, "output");
+    if (output.empty()) continue;
+    if (text_in(json, "status") != "made") {
       known_.erase(output);  // the last word on it is that it was refused, or is not sound
       continue;
     }
-    KnownOutput known{json.value("key", ""), json.value("digest", ""), {}};
+    KnownOutput known{text_in(json, "key"), text_in(json, "digest"), {}};
     known.line = std::move(json);
     known_[output] = std::move(known);
   }
@@ -60,10 +66,10 @@ bool BakeReport::may_be(const std::string& path) {
   std::ifstream file(path);
   std::string line;
   if (!file || !std::getline(file, line)) return true;
-  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
-  if (json.is_discarded())
+  const auto read = read_json(line, kOfALine);
+  if (!read && read.error().kind == JsonFault::Kind::kSyntax)
     return file.eof() && line.starts_with("{\"");  // a run was killed at its first line
-  return json.is_object() && json.contains("output") && json.contains("status");
+  return read && read->value.is_object() && read->value.contains("output") && read->value.contains("status");
 }
 
 const KnownOutput* BakeReport::find(const std::string& output) const {
@@ -98,7 +104,7 @@ bool BakeReport::finish(const std::vector<std::string>& outputs) {
 std::vector<nlohmann::json> BakeReport::lines() const {
   const std::lock_guard lock(mutex_);
   std::vector<nlohmann::json> lines;
-  for (const auto& [job, line] : lines_) lines.push_back(nlohmann::json::parse(line));
+  for (const auto& [job, line] : lines_) lines.push_back(json_or_null(line, kOfALine));
   return lines;
 }
 

@@ -2,13 +2,22 @@
 // next run has to make it again.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "common/base/json_reader.hpp"
+
 namespace fracture::bake {
+
+/// A report may be anybody's file by now: deeper or larger lines are none of ours. Parameters are most of a line.
+inline constexpr JsonLimits kOfALine{.depth = 16, .bytes = std::size_t{64} << 20};
+
+/// A member that is text; empty for anything else, whatever `object` is.
+std::string text_in(const nlohmann::json& object, const char* name);
 
 struct KnownOutput {
   std::string key;     ///< RequestKeys::result: all that decides the bytes

@@ -9,6 +9,8 @@
 
 #include "common/base/json_reader.hpp"
 #include "common/outputs/answer.hpp"
+#include "server/bake/report.hpp"
+#include "server/service/figures.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -61,8 +63,7 @@ bool is_result_file(const std::string& path, MeshFormat format) {
   if (format != MeshFormat::kGlb && format != MeshFormat::kGltf) return false;
   const std::string text = json_text_of(path);
   if (text.find("fracture") == std::string::npos) return false;  // parsing takes longer than reading
-  // A folder's meshes are strangers' files: what nests deeper or holds more than any answer of ours is none.
-  constexpr JsonLimits kOfAnAnswer{.depth = 64, .bytes = std::size_t{1} << 30};
+  // A folder's meshes are strangers' files.
   const auto read = read_json(text, kOfAnAnswer);
   if (!read || !read->value.is_object()) return false;
   const json& document = read->value;
@@ -80,7 +81,7 @@ bool is_result_file(const std::string& path, MeshFormat format) {
 void add_results_of_report(const std::string& report, std::set<FileIdentity>& results) {
   std::ifstream file(report);
   for (std::string line; std::getline(file, line);) {
-    const json entry = json::parse(line, nullptr, false);
+    const json entry = json_or_null(line, kOfALine);
     if (!entry.is_object()) continue;
     const auto output = entry.find("output"), status = entry.find("status");
     if (output != entry.end() && output->is_string() && status != entry.end() && *status == "made")

@@ -12,11 +12,14 @@ using fracture::test::Glb;
 using fracture::test::two_halves;
 using nlohmann::json;
 
-/// A GLB with another document.
-std::vector<std::uint8_t> packed(const Glb& glb, const std::function<void(json&)>& change) {
+std::string packed_text(const Glb& glb, const std::function<void(json&)>& change) {
   json document = glb.document;
   change(document);
-  std::string text = document.dump();
+  return document.dump();
+}
+
+/// A GLB with another document.
+std::vector<std::uint8_t> packed(const Glb& glb, std::string text) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   std::vector<std::uint8_t> bytes;
   const auto u32 = [&](std::size_t value) {
@@ -28,6 +31,10 @@ std::vector<std::uint8_t> packed(const Glb& glb, const std::function<void(json&)
   u32(glb.binary.size()), u32(0x004e4942);
   bytes.insert(bytes.end(), glb.binary.begin(), glb.binary.end());
   return bytes;
+}
+
+std::vector<std::uint8_t> packed(const Glb& glb, const std::function<void(json&)>& change) {
+  return packed(glb, packed_text(glb, change));
 }
 
 std::string refusal(const std::vector<std::uint8_t>& bytes) {
@@ -72,6 +79,20 @@ TEST(Answer, TheSameBytesEveryTime) {
   EXPECT_EQ(obj_of(read(first)), obj_of(read(second)));
   EXPECT_EQ(ply_of(read(first)), ply_of(read(second)));
   EXPECT_EQ(stl_of(read(first)), stl_of(read(second)));
+}
+
+TEST(Answer, ATextThatIsNestedTwoHundredThousandDeepIsRefused) {
+  const Glb glb(write_glb(two_halves(), {}));
+  std::string deep;
+  for (int k = 0; k < 200'000; ++k) deep += "[";
+  deep += std::string(200'000, ']');
+  const std::string text = packed_text(glb, [](json& document) {
+    document["materials"] = {{{"extras", "DEEP"}}};
+  });
+  std::string forged = text;
+  forged.replace(forged.find("\"DEEP\""), 6, deep);
+  EXPECT_NE(refusal(packed(glb, forged)).find("nested too deeply"), std::string::npos);
+  EXPECT_EQ(refusal(packed(glb, text)).find("nested too deeply"), std::string::npos);
 }
 
 TEST(Answer, EveryTruncationIsRefused) {

@@ -319,5 +319,27 @@ TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {
   EXPECT_TRUE(is_sound(barycenter));
 }
 
+/// A report may be anybody's file by the next run: it decides what is made again, and ends no bake.
+TEST_F(BakeRunTest, LinesThatNoBakeWroteAreNotBelieved) {
+  const BakePlan plan = plan_of({{"a", "a"}});
+  run(plan);
+  const json line = report().at(0);
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  json device = line;
+  device["beside"] = {{{"path", "/dev/zero"}, {"digest", "sha256:" + std::string(64, '0')}}};
+  json wrong = line;
+  wrong["beside"] = {{{"path", 5}, {"digest", 5}}};
+  std::string in_depth = line.dump();
+  in_depth.replace(in_depth.size() - 1, 1, ",\"x\":" + deep + "}");
+  for (const std::string& forged :
+       {in_depth, device.dump(), wrong.dump(), std::string(R"({"output": 5, "status": [], "key": {}})"),
+        std::string(R"({"output": "x", "status": 5})"), std::string("[]")}) {
+    folder.write("report", forged + "\n");
+    baker.asked = 0;
+    EXPECT_EQ(run(plan).made, 1u) << forged.substr(0, 60);
+    EXPECT_EQ(baker.asked, 1) << "what is not believed is made again";
+  }
+}
+
 }  // namespace
 }  // namespace fracture::bake
