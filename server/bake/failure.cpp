@@ -23,6 +23,7 @@ Outcome outcome_of(ErrorCode code) {
     case ErrorCode::kInternal:
     case ErrorCode::kJobLost:
     case ErrorCode::kOutOfMemory:
+    case ErrorCode::kOverloaded:  // this machine has no room for a reader; of a server it is waited for
     case ErrorCode::kServerFailed:
       return Outcome::kFailed;
     default:

@@ -38,12 +38,13 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
   const std::pair<const char*, std::uint64_t> outcomes[] = {
       {"imported", counters.imported},     {"refused", counters.refused},
       {"crashed", counters.crashed},       {"limited", counters.limited},
-      {"remembered", counters.remembered}, {"interrupted", counters.interrupted}};
+      {"remembered", counters.remembered}, {"interrupted", counters.interrupted},
+      {"no-room", counters.no_room}};
   for (const auto& [outcome, count] : outcomes)
     writer.counter(
         "fracture_imports_total",
         "Imports by their end: a mesh, an error of the file, the death of the worker, a limit of its "
-        "sandbox, given up, or refused for one of these as the file is remembered.",
+        "sandbox, given up, refused for one of these as the file is remembered, or no room for a reader.",
         static_cast<double>(count), {{"outcome", outcome}});
   writer.counter("fracture_import_workers_started_total", "Import processes forked, one for each file.",
                  static_cast<double>(counters.started));

@@ -33,7 +33,7 @@ struct ServeOptions {
   int threads = 0;  ///< of the worker pool; 0: as many as there are cores
   std::size_t max_queue = 256;
   int import_workers = available_cores();
-  std::uint64_t import_memory = 2ull << 30;  ///< bytes of address space of an import worker; 0: no limit
+  std::uint64_t import_memory = 2ull << 30;  ///< bytes that an import worker may take for a file; 0: no limit
   std::string require_sandbox = "auto";      ///< auto, yes, no
   bool sandbox_required = false;             ///< what that comes to
   std::chrono::milliseconds drain_delay{0}, grace{30'000};

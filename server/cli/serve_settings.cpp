@@ -132,7 +132,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files, at a time"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,
-              "Address space of an import process, 0: no limit"),
+              "Bytes that an import process may take for a file beyond what it begins with, 0: no limit"),
        choice("require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
               "Refuse to start where import processes cannot be sandboxed; auto: beyond this machine"),
        list("enable-format", "FORMAT", o.enabled_formats,

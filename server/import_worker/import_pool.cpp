@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "common/import/picture_heads.hpp"
@@ -198,7 +199,11 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place, const Execution& e
     const int alive = counters_.workers + starting_ + to_start_;
     if (idle_.empty() && alive < most_workers(urgent) && starting_ + to_start_ < waiting_) {
       // Nobody will come free, and none could be started: better an error now than at the deadline.
-      if (failed_starts_ > failures && counters_.workers == 0) throw std::runtime_error(start_error_);
+      // They could be when the server started: what is missing now are memory, processes or descriptors.
+      if (failed_starts_ > failures && counters_.workers == 0) {
+        ++counters_.no_room;
+        throw Interrupted(no_room_to_read(start_error_));
+      }
       ++to_start_;
       supervisor_.notify_one();
     }
@@ -305,19 +310,31 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     reusable =
         death == WorkerDeath::kNone && !lacked_memory(result) && worker.files() < config_.files_per_worker;
     // What an earlier file has left behind in its process is not this one's doing.
-    attempt.was_killed =
-        death == WorkerDeath::kKilled || (death == WorkerDeath::kCrash && worker.files() > 1);
+    const bool had_less = lacked_memory(result) && worker.had_less();
+    attempt.was_killed = death == WorkerDeath::kKilled || death == WorkerDeath::kNoRoom ||
+                         ((death == WorkerDeath::kCrash || had_less) && worker.files() > 1);
     if ((lacked_memory(result) && !attempt.last) || (attempt.was_killed && !attempt.was_killed_before)) {
       finish(nullptr);
       return std::nullopt;
     }
+    if (had_less)
+      result = tl::unexpected<Error>(no_room_to_read(
+          "this machine allows it less memory than one import may have (--import-memory, ulimit -v)"));
     const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
+    const bool no_room = !result && result.error().code == ErrorCode::kOverloaded;
+    if (lacked_memory(result) && attempt.memory_bytes > 0)
+      result.error().detail =
+          "The importer needed more than the " + std::to_string(attempt.memory_bytes) +
+          " bytes of memory that it may have for this file: --import-memory, and half of what one "
+          "computation may have of --max-working. Send a smaller mesh, or raise them.";
     if (lacked_memory(result))
       memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
     else if (over_limit || death == WorkerDeath::kCrash)
       memo_.add(input.name, result.error());
     if (result)
       finish(&ImportCounters::imported);
+    else if (no_room)
+      finish(&ImportCounters::no_room);
     else if (over_limit)
       finish(&ImportCounters::limited);
     else
@@ -330,8 +347,11 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     if (interrupted.code == ErrorCode::kDeadlineExceeded && used >= kWorthRemembering)
       memo_.add(input.name, used >= given / 4 * 3 ? given : used);
     throw;
-  } catch (...) {  // the server lacks memory or descriptors: what the worker is at is not known
-    finish(&ImportCounters::limited);
+  } catch (const std::system_error& e) {  // a descriptor, or shared memory
+    finish(&ImportCounters::no_room);
+    return tl::unexpected<Error>(no_room_to_read(e.what()));
+  } catch (...) {  // the server lacks memory: what the worker is at is not known
+    finish(&ImportCounters::no_room);
     throw;
   }
 }

@@ -35,10 +35,11 @@ struct ImportPoolConfig {
 
 /// Since the start; each import is counted once under how it ended.
 struct ImportCounters {
-  std::uint64_t imported = 0;     ///< meshes
-  std::uint64_t refused = 0;      ///< typed errors of the readers
-  std::uint64_t crashed = 0;      ///< the worker died of the file
-  std::uint64_t limited = 0;      ///< over the limit of memory, processor time or output
+  std::uint64_t imported = 0;  ///< meshes
+  std::uint64_t refused = 0;   ///< typed errors of the readers
+  std::uint64_t crashed = 0;   ///< the worker died of the file
+  std::uint64_t limited = 0;   ///< over the limit of memory, processor time or output
+  std::uint64_t no_room = 0;   ///< the machine had no memory, descriptor or process for it: never remembered
   std::uint64_t interrupted = 0;  ///< given up in mid-import: deadline or cancel, the worker was killed
   std::uint64_t remembered = 0;   ///< refused by what is known of the file, without a worker
   std::uint64_t started = 0;      ///< worker processes
@@ -62,8 +63,8 @@ class ImportPool {
   /// execution's allowance before: little at first, by the size of the file, and more where that was too
   /// little (an instanced or compressed file), up to the worker's own limit. A worker that somebody else
   /// killed (the kernel short of memory, an operator) says nothing about its file, which is read once more by
-  /// another one. Further errors: kImporterCrashed, kImporterLimit. Throws Interrupted; std::runtime_error
-  /// where no worker can be started any more.
+  /// another one. Further errors: kImporterCrashed, kImporterLimit; kOverloaded where this machine has no room for a
+  /// reader now, which says nothing about the file and is never remembered. Throws Interrupted.
   /// `digest`: what the caller knows the input by, 64 hex digits, another one for each input. An input that
   /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
   /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.

@@ -48,6 +48,8 @@ struct ForkDone {
 
 /// Exit code of a worker that lacked memory where it could not say so: a destructor that allocates, say.
 inline constexpr int kLackedMemory = 5;
+/// Exit code of a worker that the system refused memory which its own limit allows.
+inline constexpr int kRefusedMemory = 6;
 
 struct WorkerHello {
   std::uint32_t version = kProtocolVersion;

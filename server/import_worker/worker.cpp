@@ -52,15 +52,36 @@ class Input {
 /// damaged for which there was no memory.
 bool lacked_memory = false;
 
+/// Can this much address space be had? Pages that nobody may write need no memory.
+bool can_map(std::size_t bytes, int protection) {
+  void* const at = ::mmap(nullptr, bytes, protection, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (at == MAP_FAILED) return false;
+  ::munmap(at, bytes);
+  return true;
+}
+
+/// Does the system refuse memory that RLIMIT_AS would allow? That says nothing about the file: what all processes may have
+/// together is taken, or there is a further limit (RLIMIT_DATA).
+bool system_lacks_memory() {
+  constexpr std::size_t kLeast = 64u << 10, kMost = 1u << 30;
+  std::size_t most = 0;
+  for (std::size_t size = kLeast; size <= kMost && can_map(size, PROT_NONE); size *= 2) most = size;
+  return most > 0 && !can_map(most, PROT_READ | PROT_WRITE);
+}
+
+/// Ends the process so that the server knows what was missing.
+[[noreturn]] void end_without_memory() { ::_exit(system_lacks_memory() ? kRefusedMemory : kLackedMemory); }
+
 void no_memory() {
   lacked_memory = true;
+  if (system_lacks_memory()) ::_exit(kRefusedMemory);
   throw std::bad_alloc();
 }
 
 /// A parsed JSON allocates to destroy itself (nlohmann::json flattens what is nested), and where that fails
 /// the program ends. That is no defect of a reader.
 [[noreturn]] void ended() {
-  if (lacked_memory) ::_exit(kLackedMemory);
+  if (lacked_memory) end_without_memory();
   std::abort();
 }
 
@@ -115,11 +136,12 @@ bool answer(int socket, const ImportRequest& request, int input_fd, int output_f
   ImportDone done;
   {
     const Input input(input_fd, request.input_bytes);
-    if (!input.good()) return false;
+    if (!input.good())
+      end_without_memory();  // a descriptor that is ours can be mapped wherever there is room
     const std::optional<ImportJob> job = parse_request(request, input.view());
     if (!job) return false;
     const std::vector<std::byte> reply = reply_to(import, *job);
-    if (!write_all(output_fd, reply)) return false;
+    if (!write_all(output_fd, reply)) ::_exit(kRefusedMemory);  // over its limit of output it ends by SIGXFSZ
     done.digest = request.digest;
     done.output_bytes = reply.size();
   }
@@ -153,7 +175,7 @@ Expected<Mesh> import_job(const ImportJob& job) {
   return import_mesh(job.mesh, job.format, job.limits, job.files);
 }
 
-int run_zygote(int control, const SandboxLimits& limits, const ImportFunction& import) {
+int run_zygote(int control, SandboxLimits limits, const ImportFunction& import) {
   std::set_new_handler(no_memory);
   std::set_terminate(ended);
   make_room();
@@ -164,6 +186,8 @@ int run_zygote(int control, const SandboxLimits& limits, const ImportFunction& i
   const SyscallFilter filter;
   ZygoteHello hello;
   hello.address_space = address_space();
+  // An import may take so much; the program and its libraries, some hundred MiB of addresses, are not the file's.
+  if (limits.memory_bytes > 0) limits.memory_bytes += hello.address_space;
   hello.landlock = static_cast<std::uint32_t>(enter_zygote_sandbox());
   if (!send_message(control, &hello, sizeof hello)) return kNoServer;
   for (;;) {
@@ -204,6 +228,8 @@ int import_worker_main(int argc, char** argv, const ImportFunction& import) {
   try {
     const int code = run_zygote(kWorkerSocket, limits, import);
     ::_exit(code);  // without destructors: nothing to keep, and leak checks could not run in the sandbox
+  } catch (const std::bad_alloc&) {
+    end_without_memory();
   } catch (const std::exception& e) {
     std::fprintf(stderr, "fracture-import: %s\n", e.what());
     ::_exit(kNoSandbox);

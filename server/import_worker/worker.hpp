@@ -22,8 +22,9 @@ using ImportFunction = std::function<Expected<Mesh>(const ImportJob&)>;
 Expected<Mesh> import_job(const ImportJob& job);
 
 /// The zygote: warms the readers up (so that nothing has to be loaded later), gives up what no fork needs,
-/// says hello and forks until the server closes the connection. An exit code.
-int run_zygote(int control, const SandboxLimits& limits, const ImportFunction& import);
+/// says hello and forks until the server closes the connection. `limits.memory_bytes`: what a fork may take beyond what it
+/// begins with. An exit code.
+int run_zygote(int control, SandboxLimits limits, const ImportFunction& import);
 
 /// The program: `fracture-import MEMORY_BYTES CPU_SECONDS` with its socket as descriptor 3.
 int import_worker_main(int argc, char** argv, const ImportFunction& import);

@@ -55,6 +55,13 @@ std::chrono::microseconds processor_time_of(const rusage& used) {
 
 }  // namespace
 
+Error no_room_to_read(const std::string& why) {
+  return {.code = ErrorCode::kOverloaded,
+          .detail = "There is no room now for the process that reads the file: " + why +
+                    ". Nothing is said about the file.",
+          .retry_after = std::chrono::seconds(5)};
+}
+
 WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& config)
     : cpu_(config.cpu), first_space_(zygote.hello().address_space) {
   ZygoteProcess::Forked forked = zygote.fork();
@@ -93,7 +100,7 @@ std::chrono::nanoseconds WorkerProcess::processor_time() const {
 }
 
 /// RLIMIT_AS counts what the process has, an import what it takes.
-void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) const {
+void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) {
 #ifndef FRACTURE_SANITIZED  // the sanitizers reserve terabytes
   std::uint64_t has = first_space_;
   // What earlier files left in it. A /proc that hides processes (hidepid) hides workers, which are not traceable: then the
@@ -104,6 +111,7 @@ void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) const {
   rlimit limit{};
   bool limited = ::prlimit(pid_, RLIMIT_AS, nullptr, &limit) == 0 && (bytes == 0 || has > 0);
   limit.rlim_cur = bytes == 0 ? limit.rlim_max : std::min<rlim_t>(has + bytes, limit.rlim_max);
+  had_less_ = bytes > 0 && limit.rlim_cur < has + bytes;
   limited = limited && ::prlimit(pid_, RLIMIT_AS, &limit, nullptr) == 0;
   if (!limited && ::kill(pid_, 0) == 0)
     throw std::runtime_error("the memory of an import process cannot be limited on this machine");
@@ -130,6 +138,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     if (signal == SIGXCPU || (signal == SIGKILL && over_time)) death_ = WorkerDeath::kCpuLimit;
     if (signal == SIGXFSZ) death_ = WorkerDeath::kSizeLimit;
     if (signal == 0 && WEXITSTATUS(status) == kLackedMemory) death_ = WorkerDeath::kMemoryLimit;
+    if (signal == 0 && WEXITSTATUS(status) == kRefusedMemory) death_ = WorkerDeath::kNoRoom;
     if (signal != 0 && death_ == WorkerDeath::kCrash && !is_of_its_own_making(signal))
       death_ = WorkerDeath::kKilled;
     last_words_ = signal != 0 ? "signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")"
@@ -153,6 +162,13 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     case WorkerDeath::kSizeLimit:
       return fail(ErrorCode::kImporterLimit, "The file unfolds to more than a mesh may have.", {},
                   {{"limit", "size"}});
+    case WorkerDeath::kNoRoom:
+      return tl::unexpected<Error>(
+          no_room_to_read("the system refused it memory that one import may have (--import-memory)"));
+    case WorkerDeath::kKilled:
+      return tl::unexpected<Error>(no_room_to_read(
+          "it ended with " + last_words_ +
+          ", which comes from outside: from an operator, or from the system because it is short of memory"));
     default:
       return fail(ErrorCode::kImporterCrashed,
                   "The process that read the file ended with " + last_words_ +

@@ -26,7 +26,11 @@ enum class WorkerDeath {
   kCpuLimit,     ///< SIGXCPU, or SIGKILL after as much time
   kMemoryLimit,  ///< kLackedMemory
   kSizeLimit,    ///< SIGXFSZ: more output than a mesh may have
+  kNoRoom,       ///< kRefusedMemory: the system has none for it, whatever its file is
 };
+
+/// An import that this machine has no room for now, whatever its file is: kOverloaded, to be asked again soon.
+Error no_room_to_read(const std::string& why);
 
 class WorkerProcess {
  public:
@@ -46,6 +50,8 @@ class WorkerProcess {
                         std::uint64_t memory_bytes = 0);
 
   WorkerDeath death() const { return death_; }
+  /// The machine gave it less address space than it was to have (ulimit -v, or what earlier files left in it).
+  bool had_less() const { return had_less_; }
   int files() const { return files_; }                           ///< that it was given so far
   const std::string& last_words() const { return last_words_; }  ///< "signal 11 (Segmentation fault)"
   pid_t pid() const { return pid_; }
@@ -55,7 +61,7 @@ class WorkerProcess {
 
  private:
   /// Throws std::runtime_error where it cannot be limited.
-  void allow_memory(std::uint64_t bytes) const;
+  void allow_memory(std::uint64_t bytes);
   Expected<Mesh> died(WorkerDeath how_at_least);
   void kill_and_reap();
 
@@ -66,6 +72,7 @@ class WorkerProcess {
   Descriptor socket_;
   WorkerHello hello_;
   WorkerDeath death_ = WorkerDeath::kNone;
+  bool had_less_ = false;
   std::chrono::nanoseconds used_{0};  ///< until its end
   std::string last_words_;
   int files_ = 0;

@@ -15,10 +15,11 @@
 namespace fracture {
 
 struct WorkerProcessConfig {
-  std::string program;                      ///< path of fracture-import
-  std::uint64_t memory_bytes = 2ull << 30;  ///< address space of a worker; 0: no limit
-  std::chrono::seconds cpu{60};             ///< processor time of one import; 0: no limit
-  bool require_sandbox = false;             ///< a worker without a seccomp filter is an error
+  std::string program;  ///< path of fracture-import
+  /// Address space that a worker may take beyond what it begins with; 0: no limit.
+  std::uint64_t memory_bytes = 2ull << 30;
+  std::chrono::seconds cpu{60};  ///< processor time of one import; 0: no limit
+  bool require_sandbox = false;  ///< a worker without a seccomp filter is an error
 };
 
 /// A zygote and its forks are one group of processes. When the last of them that the server knows is gone, so

@@ -48,6 +48,8 @@ TEST(BakeFailure, BugsAreToldFromRefusals) {
         << slug(bug);
   EXPECT_EQ(outcome_of(ErrorCode::kMeshNotClosed), Outcome::kRefused);
   EXPECT_EQ(outcome_of(ErrorCode::kDeadlineExceeded), Outcome::kRefused);
+  EXPECT_EQ(outcome_of(ErrorCode::kOverloaded), Outcome::kFailed)
+      << "no room on this machine says nothing about the mesh";
   EXPECT_EQ(outcome_of(ErrorCode::kCancelled), Outcome::kCancelled);
   EXPECT_EQ(outcome_of(ErrorCode::kUnavailable), Outcome::kUnavailable);
   EXPECT_EQ(to_lines(Error{ErrorCode::kUnavailable, "Nobody is there."}), "Nobody is there.");
