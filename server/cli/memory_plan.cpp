@@ -1,6 +1,7 @@
 #include "server/cli/memory_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <type_traits>
 
@@ -70,6 +71,22 @@ std::uint64_t threads_of(const ServeOptions& o) {
 
 std::string in_mib(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / kMiB)) + " MiB"; }
 
+bool any_tier(const ServeOptions& o) {
+  const TiersConfig& tiers = o.service.tiers;
+  return !tiers.folder.empty() || !tiers.redis.address.empty();
+}
+
+/// Of the memory that there is, what answers on their way to a tier may have.
+constexpr std::uint64_t kPendingPart = 32;
+
+/// The least whole number of MiB with which a plan works: `needed` without answers on their way to a tier, and a part of the
+/// whole for these, `pending` at most.
+std::uint64_t least_memory(double needed, std::size_t pending, bool tier) {
+  const double parts = kPendingPart, with_part = needed * parts / (parts - 1),
+               bytes = tier ? std::min(needed + static_cast<double>(pending), with_part) : needed;
+  return static_cast<std::uint64_t>(std::ceil(bytes / kMiB));
+}
+
 }  // namespace
 
 std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
@@ -79,20 +96,18 @@ std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
 }
 
 std::uint64_t base_memory(const ServeOptions& o) {
-  const TiersConfig& tiers = o.service.tiers;
-  const bool any_tier = !tiers.folder.empty() || !tiers.redis.address.empty();
   // 26 MiB after the start; what an arena keeps; a worker at rest 6 MiB, the one more that urgent work may have, and the zygote
   // that forks them, 15.
   const std::uint64_t importers = 2 + static_cast<std::uint64_t>(o.import_workers);
   return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * importers +
-         (any_tier ? tiers.max_pending_bytes : 0);
+         (any_tier(o) ? o.service.tiers.max_pending_bytes : 0);
 }
 
 std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string>& given,
                                      std::uint64_t available) {
   const std::vector<Budget> all = budgets(o, given);
   const std::size_t pending = o.service.tiers.max_pending_bytes;  // of answers on their way to a tier
-  o.service.tiers.max_pending_bytes = std::min<std::size_t>(pending, available / 32);
+  o.service.tiers.max_pending_bytes = std::min<std::size_t>(pending, available / kPendingPart);
   const double base = static_cast<double>(base_memory(o));
   const double room = (static_cast<double>(available) - base) / kResidentPerByte;
   double fixed = 0, elastic = 0, least = 0;
@@ -106,6 +121,8 @@ std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string
     }
   }
   if (fixed + least > room) {
+    const double needed = base + kResidentPerByte * (fixed + least),
+                 on_their_way = any_tier(o) ? static_cast<double>(o.service.tiers.max_pending_bytes) : 0;
     o.service.tiers.max_pending_bytes = pending;
     std::string sum;
     for (const Budget& b : all) {
@@ -115,10 +132,12 @@ std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string
              (is_given ? in_mib(static_cast<double>(b.get(o)))
                        : "at least " + in_mib(static_cast<double>(std::min(b.least, b.get(o)))));
     }
-    return {"memory: " + in_mib(base) + " at rest + " + std::to_string(kResidentPerByte).substr(0, 3) +
-            " x (" + sum + ") = " + in_mib(base + kResidentPerByte * (fixed + least)) +
-            ", which is over the " + in_mib(static_cast<double>(available)) +
-            " that this server may have (--memory, the limit of its control group, or the machine's)"};
+    return {
+        "memory: " + in_mib(base) + " at rest + " + std::to_string(kResidentPerByte).substr(0, 3) + " x (" +
+        sum + ") = " + in_mib(needed) + ", which is over the " + in_mib(static_cast<double>(available)) +
+        " that this server may have (--memory, the limit of its control group, or the machine's); the least that "
+        "works is " +
+        std::to_string(least_memory(needed - on_their_way, pending, any_tier(o))) + " MiB"};
   }
   if (fixed + elastic > room) {
     const double share = (room - fixed - least) / std::max(1.0, elastic - least);

@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+#include <string>
+
 #include "server/cli/serve_settings.hpp"
 
 namespace fracture::cli {
@@ -79,6 +82,27 @@ TEST(MemoryPlan, WhatCannotFitIsRefusedWithTheSum) {
                                 HasSubstr("--memory"))));
   EXPECT_EQ(options.dispatcher.max_working_bytes, before) << "nothing is changed";
   EXPECT_THAT(plan_memory(options, {}, 100 * kMiB), testing::SizeIs(1)) << "no server at all";
+}
+
+TEST(MemoryPlan, TheLeastThatItNamesWorksAndAMebibyteLessDoesNot) {
+  for (const bool tier : {false, true})
+    for (const std::uint64_t pending : {64 * kMiB, 4 * kMiB})
+      for (const std::set<std::string>& given : {std::set<std::string>(), {"mesh-store"}}) {
+        const auto plan = [&](std::uint64_t memory) {
+          ServeOptions options = small_server();
+          if (tier) options.service.tiers.folder = "a folder";
+          options.service.tiers.max_pending_bytes = pending;
+          return plan_memory(options, given, memory);
+        };
+        const std::vector<std::string> refused = plan(100 * kMiB);
+        ASSERT_THAT(refused, testing::SizeIs(1));
+        const std::string words = "the least that works is ";
+        const std::size_t at = refused[0].find(words);
+        ASSERT_NE(at, std::string::npos) << refused[0];
+        const std::uint64_t least = std::stoull(refused[0].substr(at + words.size()));
+        EXPECT_THAT(plan(least * kMiB), IsEmpty());
+        EXPECT_THAT(plan((least - 1) * kMiB), testing::SizeIs(1)) << least;
+      }
 }
 
 TEST(MemoryPlan, ASettingIsGivenByFlagOrFile) {

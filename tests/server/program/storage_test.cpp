@@ -1,0 +1,87 @@
+// The program with little memory, and with folders: what was given and cannot be had is refused, what another server has is
+// waited for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "tests/import/make_files.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/server_process.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kCube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\n"
+    "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+const std::string kObj = "Content-Type: model/obj\r\n";
+
+/// What the program says when it is started so, and what it exits with.
+struct Ended {
+  explicit Ended(std::vector<std::string> arguments, const std::string& output = "/dev/null") {
+    arguments.insert(arguments.begin(), "serve");
+    Process process(std::move(arguments), output);
+    for (std::string line = process.error_line(); !line.empty(); line = process.error_line()) said += line;
+    code = process.wait();
+  }
+  std::string said;
+  int code = 0;
+};
+
+const std::vector<std::string> kTwo = {"--threads", "2", "--import-workers", "2"};
+
+std::vector<std::string> with(std::vector<std::string> flags) {
+  flags.insert(flags.end(), kTwo.begin(), kTwo.end());
+  return flags;
+}
+
+/// By what a server says that has too little.
+std::uint64_t least_memory() {
+  const Ended refused(with({"--memory", "64MiB"}));
+  const std::string words = "the least that works is ";
+  const std::size_t at = refused.said.find(words);
+  EXPECT_NE(at, std::string::npos) << refused.said;
+  return at == std::string::npos ? 0 : std::stoull(refused.said.substr(at + words.size()));
+}
+
+TEST(SmallMemory, WhatIsReadyReadsACubeFromTheLeastMemoryOn) {
+  const std::uint64_t least = least_memory();
+  ASSERT_GT(least, 64u);
+  ASSERT_LT(least, 512u);
+  EXPECT_NE(Ended(with({"--memory", std::to_string(least - 1) + "MiB"})).code, 0);
+  std::vector<std::uint64_t> sizes = {least, least + 1};
+  for (std::uint64_t size = least + 16; size < 512; size += 16) sizes.push_back(size);
+  sizes.push_back(512);
+  const std::string glb = Tetrahedron().glb();
+  for (const std::uint64_t size : sizes) {
+    SCOPED_TRACE(size);
+    const ServeProcess server(with({"--memory", std::to_string(size) + "MiB"}));
+    EXPECT_EQ(ask(server.admin_port, "GET", "/readyz").status, 200);
+    for (int k = 0; k < 2; ++k) {
+      const Reply obj =
+          ask(server.port, "POST", "/fracture?format=obj&sites=5", kObj, kCube + "# " + std::to_string(k));
+      EXPECT_EQ(obj.status, 200) << obj.body.substr(0, 300);
+    }
+    const Reply of_glb =
+        ask(server.port, "POST", "/fracture?sites=5", "Content-Type: model/gltf-binary\r\n", glb);
+    EXPECT_EQ(of_glb.status, 200) << of_glb.body.substr(0, 300);
+    const std::string metrics = ask(server.admin_port, "GET", "/metrics").body;
+    EXPECT_THAT(metrics, HasSubstr("fracture_imports_total{outcome=\"imported\"} 3"));
+    for (const char* outcome : {"crashed", "limited", "no-room"})
+      EXPECT_THAT(metrics, HasSubstr("fracture_imports_total{outcome=\"" + std::string(outcome) + "\"} 0"));
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
