@@ -1,14 +1,12 @@
 #include "server/cache/disk_cache.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -46,32 +44,30 @@ std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size
 
 DiskCache::DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys, int algorithm)
     : folder_(std::move(folder)), budget_(budget), keys_(std::move(keys)), algorithm_(algorithm) {
+  if (const Expected<bool> taken = take(); !taken) unusable_ = taken.error();
+}
+
+Expected<bool> DiskCache::take() {
+  if (held_) return true;
+  const Expected<bool> locked = lock_.take(folder_);
+  if (!locked || !*locked) return locked;
   try {
-    unusable_ = take_over();
-    if (!unusable_) learn_what_is_there();
+    fs::remove_all(folder_ + "/tmp");
+    fs::create_directories(folder_ + "/tmp");
+    fs::create_directories(folder_ + "/quarantine");
+    learn_what_is_there();
   } catch (const fs::filesystem_error& e) {
-    unusable_ = Error{ErrorCode::kFileAccess, e.what()};
+    return fail(ErrorCode::kFileAccess, e.what());
   }
-}
-
-DiskCache::~DiskCache() {
-  if (lock_ >= 0) ::close(lock_);
-}
-
-std::optional<Error> DiskCache::take_over() {
-  fs::create_directories(folder_);
-  const std::string lock = folder_ + "/lock";
-  lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0) return Error{ErrorCode::kFileAccess, lock + ": " + std::strerror(errno)};
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0)
-    return Error{ErrorCode::kFileAccess, folder_ + " is in use by another server"};
-  fs::remove_all(folder_ + "/tmp");
-  fs::create_directories(folder_ + "/tmp");
-  fs::create_directories(folder_ + "/quarantine");
-  return std::nullopt;
+  held_ = true;
+  return true;
 }
 
 void DiskCache::learn_what_is_there() {
+  const std::lock_guard lock(mutex_);
+  files_.clear();
+  index_.clear();
+  figures_.bytes = 0;
   std::vector<std::pair<fs::file_time_type, File>> found;
   for (const fs::directory_entry& sub : fs::directory_iterator(folder_)) {
     const std::string prefix = sub.path().filename();
@@ -103,7 +99,7 @@ std::optional<std::uint64_t> DiskCache::size_of(const std::string& key) const {
 }
 
 std::optional<StoredEntry> DiskCache::find(const std::string& key) {
-  if (unusable_ || !is_key(key)) return std::nullopt;
+  if (!held_ || !is_key(key)) return std::nullopt;
   std::uint64_t size = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -174,7 +170,7 @@ std::optional<CacheEntry> DiskCache::decoded(std::span<const std::uint8_t> file,
 
 bool DiskCache::insert(const CacheEntry& entry) {
   const std::string key(entry.key);
-  if (unusable_ || !is_key(key)) return false;
+  if (!held_ || !is_key(key)) return false;
   std::string head = encode_entry_head(entry);
   if (!keys_.empty()) {
     const FarmKeys::Bytes before(reinterpret_cast<const std::uint8_t*>(head.data()), head.size());

@@ -8,6 +8,7 @@
 //   <folder>/quarantine/...    what was found damaged, a few of them, to look at
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <list>
@@ -22,6 +23,7 @@
 #include "common/base/error.hpp"
 #include "server/cache/entry.hpp"
 #include "server/cache/farm_keys.hpp"
+#include "server/cache/folder_lock.hpp"
 
 namespace fracture {
 
@@ -42,16 +44,20 @@ struct DiskFigures {
 /// Thread-safe; calls block for as long as the disk takes.
 class DiskCache {
  public:
-  /// Takes the folder over: makes it, removes what an earlier process left half-written, learns what is
-  /// there. The least recently used entries leave when `budget` bytes are used. With keys every entry is
-  /// signed (farm_keys.hpp) for the algorithm version, and one that is not counts as damaged.
+  /// Takes the folder over, unless another server has it. The least recently used entries leave when `budget`
+  /// bytes are used. With keys every entry is signed (farm_keys.hpp) for the algorithm version, and one that
+  /// is not counts as damaged.
   DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys = {}, int algorithm = 0);
-  ~DiskCache();
   DiskCache(const DiskCache&) = delete;
   DiskCache& operator=(const DiskCache&) = delete;
 
-  /// kFileAccess when the folder cannot be used; then every find misses and insert does nothing.
+  /// kFileAccess when the folder could not be used at the start.
   const std::optional<Error>& unusable() const { return unusable_; }
+  /// Until the folder is ours every find misses and insert does nothing.
+  bool held() const { return held_; }
+  /// Makes the folder, removes what an earlier process left half-written, learns what is there. False while
+  /// another server has it: to be called again, by one thread at a time.
+  Expected<bool> take();
 
   /// Bytes of the entry as it was written; nothing when there is none.
   std::optional<std::uint64_t> size_of(const std::string& key) const;
@@ -75,7 +81,6 @@ class DiskCache {
   SignedAs signed_as(std::string_view key) const { return {"disk", key, algorithm_}; }
   /// The entry in the bytes of a file; nothing where it is damaged or not signed.
   std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key) const;
-  std::optional<Error> take_over();
   void learn_what_is_there();
   /// Evicts until `size` bytes more are within the budget.
   void make_room(std::uint64_t size);
@@ -88,7 +93,8 @@ class DiskCache {
   const FarmKeys keys_;
   const int algorithm_;
   std::optional<Error> unusable_;
-  int lock_ = -1;
+  FolderLock lock_;
+  std::atomic<bool> held_{false};
   mutable std::mutex mutex_;
   std::list<File> files_;  // most recently used first
   std::unordered_map<std::string, std::list<File>::iterator> index_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <system_error>
 
 #include "common/allocator/allocator.hpp"
@@ -64,6 +65,31 @@ void trim_memory(std::uint64_t memory) {
     return_old_free_memory();
 }
 
+void tell_of_jobs(const http::Api& api) {
+  if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
+    spdlog::info("{} jobs of an earlier process were found, {} of them unfinished", jobs.jobs,
+                 jobs.unfinished);
+}
+
+/// Called a few times a second while another server has the folder. `trouble`: why it could not be taken the last time,
+/// which is said once.
+void take_folder(http::Api& api, const std::string& folder, std::string& trouble) {
+  std::string why;
+  try {
+    const Expected<bool> taken = api.take_folder();
+    if (taken && !*taken) return;
+    if (taken) {
+      spdlog::info("cache-dir {} was let go by the other server and is in use here: ready", folder);
+      return tell_of_jobs(api);
+    }
+    why = taken.error().detail;
+  } catch (const std::exception& e) {  // no memory for what is in it
+    why = e.what();
+  }
+  if (trouble != why) spdlog::error("cache-dir: {}", why);
+  trouble = why;
+}
+
 /// Serves until a signal and drains. An exit code.
 int serve_until_stopped(const ServeOptions& options) {
   const sigset_t signals = handled_signals();
@@ -102,9 +128,13 @@ int serve_until_stopped(const ServeOptions& options) {
     spdlog::warn("no disk cache: {}", unusable->detail);
   if (const std::optional<Error>& unusable = api.jobs().folder_unusable())
     spdlog::warn("jobs do not survive a restart: {}", unusable->detail);
-  if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
-    spdlog::info("{} jobs of an earlier process were found, {} of them unfinished", jobs.jobs,
-                 jobs.unfinished);
+  if (api.waits_for_folder())
+    spdlog::warn(
+        "cache-dir {} is in use by another server: this one is not ready until that server lets it go, and answers "
+        "requests without it meanwhile",
+        options.service.tiers.folder);
+  else
+    tell_of_jobs(api);
   api.metrics().add_source(ops::write_process_metrics);
   if (failures.any())
     api.metrics().add_source([&failures](ops::MetricWriter& writer) {
@@ -123,6 +153,7 @@ int serve_until_stopped(const ServeOptions& options) {
     spdlog::info("serving on http://{}:{} (admin port {}), {} computing threads", options.server.address,
                  server.port(), server.admin_port(), pool.threads());
 
+    std::string trouble;
     for (bool serving = true; serving;) {
       const int number = wait_for_signal(signals, steady_clock::now() + std::chrono::milliseconds(200));
       if (number == SIGHUP && !terminal)
@@ -130,6 +161,7 @@ int serve_until_stopped(const ServeOptions& options) {
       else
         serving = number == 0;
       trim_memory(options.memory);
+      if (serving && api.waits_for_folder()) take_folder(api, options.service.tiers.folder, trouble);
     }
     spdlog::info("draining: not ready; {} requests in progress", server.requests_in_progress());
     api.set_draining();

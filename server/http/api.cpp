@@ -57,6 +57,11 @@ void Api::wait_idle() {
   dispatcher_.timer().clear();
 }
 
+Expected<bool> Api::take_folder() {
+  const Expected<bool> tier = service_.tiers().take_folder();
+  return tier && *tier ? jobs_.take_folder() : tier;
+}
+
 void Api::sweep_later() {
   constexpr std::chrono::seconds kInterval{10};
   if (closing_) return;

@@ -69,6 +69,12 @@ class Api {
   /// is called from any thread until stop_jobs().
   void resume_jobs(
       const std::function<std::shared_ptr<tenants::Account>(const std::string& name)>& account_of);
+  /// Another server has the folder of the disk tier and the jobs, as a predecessor does while it drains. Until
+  /// take_folder() gets it this server is not ready: it does not know the jobs that were promised.
+  bool waits_for_folder() const { return service_.tiers().waits_for_folder() || jobs_.waits_for_folder(); }
+  /// False while the other server has it: to be called again. kFileAccess when the folder cannot be used any more. By one
+  /// thread at a time; blocks.
+  Expected<bool> take_folder();
   /// Stops what was started with Prefer: respond-async: those on the disk go on after a restart, the others
   /// are cancelled.
   void stop_jobs() { jobs_.stop(); }
@@ -86,6 +92,7 @@ class Api {
     jobs_.stop_resuming();
   }
   bool draining() const { return draining_; }
+  bool ready() const { return !draining() && !waits_for_folder(); }
   /// Why this reservation could not grow.
   Problem no_memory(const MemoryBudget::Reservation& reservation) const;
   ClientShares& bodies() { return bodies_; }
@@ -182,6 +189,8 @@ class Api {
                      const Reply& reply);
   static bool sees(const Payer& payer, const JobView& job);
   std::optional<JobView> find_job(const Request& request);
+  /// Why a job is not there.
+  Problem no_job() const;
   Answered get_jobs(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
   Response list_jobs(const Jobs::Filter& filter, std::size_t limit, const std::string& request_id);
   Answered get_job(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);

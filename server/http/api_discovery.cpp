@@ -121,6 +121,11 @@ OrProblem<Response> Api::get_readyz() const {
     return tl::unexpected<Problem>(
         Problem(HttpProblem::kDraining, "The server is stopping; send requests elsewhere.")
             .with("Retry-After", "5"));
+  if (waits_for_folder())
+    return tl::unexpected<Problem>(to_problem(overloaded(
+        "Another server has the folder of --cache-dir. This server takes it over, with its jobs, when that server lets "
+        "it go; requests are answered meanwhile, without what is in it.",
+        std::chrono::seconds(2))));
   return Response::text(200, "text/plain", "ready\n");
 }
 

@@ -76,8 +76,6 @@ class JobEvents final : public BodyStream {
   const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
-Problem no_job() { return Problem(HttpProblem::kNotFound, "This job is not (or no longer) known here."); }
-
 Response job_response(const JobView& job, const std::string& request_id, int status) {
   Response response = Response::json(describe(job, request_id), status);
   response.headers.emplace_back("Cache-Control", "no-store");
@@ -85,6 +83,14 @@ Response job_response(const JobView& job, const std::string& request_id, int sta
 }
 
 }  // namespace
+
+Problem Api::no_job() const {
+  if (waits_for_folder())
+    return to_problem(overloaded(
+        "This job is not known here, and another server still has the folder in which jobs are kept.",
+        std::chrono::seconds(2)));
+  return Problem(HttpProblem::kNotFound, "This job is not (or no longer) known here.");
+}
 
 Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
                         const Reply& reply) {

@@ -7,7 +7,10 @@ namespace fracture::http {
 void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_build_info", "1; version of the server and of its algorithm.", 1,
                {{"version", FRACTURE_VERSION}, {"algorithm", std::to_string(kAlgorithmVersion)}});
-  writer.gauge("fracture_ready", "1 while the server takes requests, 0 while it drains.", draining() ? 0 : 1);
+  writer.gauge(
+      "fracture_ready",
+      "1 while the server takes requests, 0 while it drains or waits for a folder that another server has.",
+      ready() ? 1 : 0);
   const WorkerPool& pool = dispatcher_.pool();
   writer.gauge("fracture_queue_depth", "Jobs that wait for a computing thread.",
                static_cast<double>(pool.queued()));
@@ -89,10 +92,12 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   const auto up = [&](const char* tier, bool is_up) {
     writer.gauge(
         "fracture_cache_tier_up",
-        "1 where a configured tier can be used; 0: a folder that cannot, or a Redis that did not answer.",
+        "1 where a configured tier can be used; 0: a folder that cannot or that another server has, or a Redis that "
+        "did not answer.",
         is_up, {{"cache", "result"}, {"tier", tier}});
   };
-  if (tiers.disk || tiers.disk_unusable) up("disk", !tiers.disk_unusable);
+  if (tiers.disk || tiers.disk_unusable)
+    up("disk", !tiers.disk_unusable && !service_.tiers().waits_for_folder());
   if (tiers.redis) up("redis", !tiers.redis->open);
   if (tiers.disk) {
     const ops::MetricWriter::Labels labels = {{"cache", "result"}, {"tier", "disk"}};

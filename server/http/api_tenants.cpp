@@ -45,7 +45,7 @@ void Api::resume_jobs(
     };
     return terms;
   };
-  jobs_.resume(terms_of, [&](const JobView& job) {
+  jobs_.resume(terms_of, [this, account_of](const JobView& job) {
     const auto account = job.owner.empty() ? nullptr : account_of(job.owner);
     const auto bytes = service_.tiers().expected_bytes(job.result_key);
     if (account && bytes) enter_in_ledger(*account, job.owner, job.result_key, *bytes);

@@ -1,12 +1,10 @@
 #include "server/jobs/job_folder.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -45,32 +43,27 @@ std::uint64_t charged(std::uint64_t bytes) { return std::max(bytes, kLeastBytes)
 
 }  // namespace
 
-JobFolder::JobFolder(JobFolderConfig config) : config_(std::move(config)) {
+Expected<bool> JobFolder::take() {
+  const Expected<bool> taken = lock_.take(config_.folder);
+  if (!taken || !*taken) return taken;
   try {
-    fs::create_directories(config_.folder);
-    const std::string lock = config_.folder + "/lock";
-    lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock_ < 0) {
-      unusable_ = Error{ErrorCode::kFileAccess, lock + ": " + std::strerror(errno)};
-    } else if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-      unusable_ = Error{ErrorCode::kFileAccess, config_.folder + " is in use by another server"};
-    } else {
-      fs::remove_all(config_.folder + "/tmp");
-      for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun})
-        fs::create_directories(config_.folder + "/" + kind);
-    }
+    fs::remove_all(config_.folder + "/tmp");
+    for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun})
+      fs::create_directories(config_.folder + "/" + kind);
   } catch (const fs::filesystem_error& e) {
-    unusable_ = Error{ErrorCode::kFileAccess, e.what()};
+    return fail(ErrorCode::kFileAccess, e.what());
   }
-}
-
-JobFolder::~JobFolder() {
-  if (lock_ >= 0) ::close(lock_);
+  return true;
 }
 
 std::vector<JobFolder::Found> JobFolder::restore() {
   std::vector<Found> found;
-  if (unusable_) return found;
+  {
+    const std::lock_guard lock(mutex_);
+    places_.clear();
+    meshes_.clear();
+    figures_.bytes = 0;
+  }
   try {
     std::set<std::string> known, needed;
     for (const std::string& id : names_in(config_.folder + "/" + kRecords)) {

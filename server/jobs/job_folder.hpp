@@ -18,10 +18,12 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "server/cache/farm_keys.hpp"
+#include "server/cache/folder_lock.hpp"
 #include "server/jobs/job_record.hpp"
 
 namespace fracture {
@@ -46,21 +48,21 @@ struct JobFolderFigures {
 /// Thread-safe; what is said to block blocks for as long as the disk takes.
 class JobFolder {
  public:
-  /// Takes the folder over: makes it, removes what an earlier process left half-written. Blocks.
-  explicit JobFolder(JobFolderConfig config);
-  ~JobFolder();
+  /// The folder is not touched before take().
+  explicit JobFolder(JobFolderConfig config) : config_(std::move(config)) {}
   JobFolder(const JobFolder&) = delete;
   JobFolder& operator=(const JobFolder&) = delete;
 
-  /// kFileAccess when the folder cannot be used.
-  const std::optional<Error>& unusable() const { return unusable_; }
+  /// Takes the folder over: makes it, removes what an earlier process left half-written. False while another
+  /// server has it: to be called again, before all else. kFileAccess when the folder cannot be used. Blocks.
+  Expected<bool> take();
 
   /// A job that is there from an earlier process.
   struct Found {
     JobRecord record;
     std::uint64_t begun = 0;  ///< in how many processes it was being computed when they ended
   };
-  /// What is there, each with its place, the oldest first; without parameters, which read() has. To be called once,
+  /// What is there, each with its place, the oldest first; without parameters, which read() has. After take(),
   /// before all else. Blocks.
   std::vector<Found> restore();
 
@@ -121,8 +123,7 @@ class JobFolder {
   std::uint64_t bytes_of_locked(const std::string& owner) const;
 
   const JobFolderConfig config_;
-  std::optional<Error> unusable_;
-  int lock_ = -1;
+  FolderLock lock_;
   mutable std::mutex mutex_;
   std::map<std::string, Place> places_;
   std::map<std::string, Mesh> meshes_;

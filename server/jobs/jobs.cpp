@@ -39,13 +39,12 @@ std::chrono::sys_time<std::chrono::microseconds> now() {
 
 Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispatcher), config_(config) {
   if (config_.folder.empty()) return;
-  folder_ =
-      std::make_unique<JobFolder>(JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys});
-  folder_unusable_ = folder_->unusable();
-  if (folder_unusable_)
+  folder_ = std::make_unique<JobFolder>(
+      JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys});
+  if (const Expected<bool> taken = take_folder(); !taken) {
+    folder_unusable_ = taken.error();
     folder_.reset();
-  else
-    restore();
+  }
 }
 
 Jobs::~Jobs() { stop(); }
@@ -91,7 +90,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
 std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Terms terms, const Owner& owner,
                                  std::function<void(const JobView&)> accepted) {
   std::shared_ptr<const FractureRequest> written;  // keeps the bytes until they are on the disk
-  if (folder_) {
+  if (folder_ready_) {
     JobRecord& kept = job->record;
     kept.patience = std::max(std::chrono::milliseconds(1),
                              std::chrono::ceil<std::chrono::milliseconds>(terms.deadline - Clock::now()));
@@ -302,11 +301,13 @@ void Jobs::flush() {
 }
 
 void Jobs::insert(const Shared& job) {
-  jobs_.push_back(job);
+  auto at = jobs_.end();
+  while (at != jobs_.begin() && (*std::prev(at))->view.created > job->view.created) --at;
+  at = jobs_.insert(at, job);
   try {
-    index_.emplace(job->view.id, std::prev(jobs_.end()));
+    index_.emplace(job->view.id, at);
   } catch (const std::bad_alloc&) {
-    jobs_.pop_back();
+    jobs_.erase(at);
     throw;
   }
 }
@@ -355,11 +356,11 @@ JobFigures Jobs::figures() const {
 }
 
 std::optional<JobFolderFigures> Jobs::disk_figures() const {
-  return folder_ ? std::optional(folder_->figures()) : std::nullopt;
+  return folder_ready_ ? std::optional(folder_->figures()) : std::nullopt;
 }
 
 std::uint64_t Jobs::disk_bytes_of(const std::string& owner) const {
-  return folder_ ? folder_->bytes_of(owner) : 0;
+  return folder_ready_ ? folder_->bytes_of(owner) : 0;
 }
 
 }  // namespace fracture

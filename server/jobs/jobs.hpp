@@ -10,6 +10,7 @@
 // but for the mark that a job has begun (JobFolder::begun), which its computing thread leaves.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -57,7 +58,7 @@ struct JobFigures {
 /// Thread-safe.
 class Jobs {
  public:
-  /// Learns what the folder has. Nothing of that is computed before resume().
+  /// Learns what the folder has, unless another server has the folder. Nothing of that is computed before resume().
   Jobs(Dispatcher& dispatcher, const JobsConfig& config);
   ~Jobs();
   Jobs(const Jobs&) = delete;
@@ -78,11 +79,18 @@ class Jobs {
   /// What belongs to the jobs of an owner: whom they are charged to, who is told of their answers.
   using TermsOf = std::function<Terms(const std::string& owner)>;
   /// From now on what the folder had is computed, little by little. `terms_of` is called from any thread, and
-  /// not any more after stop(). `known` is told of each that was done before: its owner may see the result.
-  void resume(TermsOf terms_of, const std::function<void(const JobView&)>& known);
+  /// not any more after stop(). `known` is told of each that was done before, now or by take_folder(): its owner may see
+  /// the result.
+  void resume(TermsOf terms_of, std::function<void(const JobView&)> known);
 
   /// What of that has not begun stays as it is.
   void stop_resuming();
+
+  /// Takes the folder when the other server has let it go: from then on its jobs are known here, and go on. False while
+  /// it has not, and until the disk tier has its folder (ResultTiers::take_folder). By one thread at a time.
+  Expected<bool> take_folder();
+  /// Another server has the folder: what is asked about its jobs cannot be said here.
+  bool waits_for_folder() const { return folder_ && !folder_ready_; }
 
   /// Nothing when it is not known (any more).
   std::optional<JobView> find(const std::string& id);
@@ -120,7 +128,7 @@ class Jobs {
   void flush();
 
   JobFigures figures() const;
-  /// Nothing: there is no folder, or it cannot be used (folder_unusable() says why).
+  /// Nothing: there is no folder, or it is not ours (folder_unusable() and waits_for_folder() say why).
   std::optional<JobFolderFigures> disk_figures() const;
   std::uint64_t disk_bytes_of(const std::string& owner) const;
   const std::optional<Error>& folder_unusable() const { return folder_unusable_; }
@@ -190,6 +198,8 @@ class Jobs {
   /// again often. Takes its place among the computations of its name.
   std::optional<Error> refuses(Terms& terms);
   void restore();
+  /// Lets restored jobs begin, and tells of those that were done.
+  void go_on();
   std::optional<Error> room_for(const Shared& job, const JobRecord& record, std::uint64_t share);
   // All of these with the lock.
   Calls change(const Shared& job);
@@ -208,12 +218,14 @@ class Jobs {
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);
   void make_room();
+  /// In the order of their creation.
   void insert(const Shared& job);
 
   Dispatcher& dispatcher_;
   const JobsConfig config_;
   std::optional<Error> folder_unusable_;
   std::unique_ptr<JobFolder> folder_;
+  std::atomic<bool> folder_ready_{false};  ///< what it had is known; from then on it is written to
   mutable std::mutex mutex_;
   std::list<Shared> jobs_;  // oldest first
   std::unordered_map<std::string, std::list<Shared>::iterator> index_;
@@ -221,6 +233,7 @@ class Jobs {
   WatchId next_watch_ = 1;
   std::chrono::sys_time<std::chrono::microseconds> last_created_{};
   TermsOf terms_of_;
+  std::function<void(const JobView&)> known_;  ///< see resume()
   bool stopping_ = false;
   bool pump_queued_ = false;
   std::uint64_t pass_ = 0;  ///< of pump()

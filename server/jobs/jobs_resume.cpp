@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "common/parameters/parameter_object.hpp"
 #include "server/jobs/jobs.hpp"
 
 namespace fracture {
@@ -25,9 +26,24 @@ Terms without_seat(Terms terms) {
 
 }  // namespace
 
+Expected<bool> Jobs::take_folder() {
+  if (!folder_ || folder_ready_) return true;
+  // A job that is done is only known with its result, which the disk tier has.
+  if (dispatcher_.service().tiers().waits_for_folder()) return false;
+  const Expected<bool> taken = folder_->take();
+  if (!taken || !*taken) return taken;
+  restore();
+  folder_ready_ = true;
+  go_on();
+  return true;
+}
+
 void Jobs::restore() {
   const auto now = std::chrono::floor<std::chrono::microseconds>(std::chrono::system_clock::now());
-  for (JobFolder::Found& found : folder_->restore()) {
+  std::vector<JobFolder::Found> all = folder_->restore();
+  const std::lock_guard lock(mutex_);
+  for (JobFolder::Found& found : all) {
+    if (index_.contains(found.record.id)) continue;  // there was no memory for the next one the last time
     const auto job = std::make_shared<Job>();
     job->record = std::move(found.record);
     const JobRecord& record = job->record;
@@ -43,7 +59,8 @@ void Jobs::restore() {
     view.error = record.error;
     view.durable = job->kept = true;
     job->begun = found.begun;
-    last_created_ = std::max(last_created_, record.created);
+    // Of a clock that was wrong, or of a stranger, it says nothing about the jobs to come.
+    if (record.created <= now) last_created_ = std::max(last_created_, record.created);
     if (record.state == JobState::kDone && !dispatcher_.service().tiers().on_disk(record.result_key)) {
       folder_->remove(record.id);  // evicted meanwhile: nothing is left that could be fetched
       continue;
@@ -63,14 +80,25 @@ void Jobs::restore() {
   }
 }
 
-void Jobs::resume(TermsOf terms_of, const std::function<void(const JobView&)>& known) {
-  std::vector<JobView> done;
+void Jobs::resume(TermsOf terms_of, std::function<void(const JobView&)> known) {
   {
     const std::lock_guard lock(mutex_);
     if (stopping_) return;
     terms_of_ = std::move(terms_of);
+    known_ = std::move(known);
+  }
+  go_on();
+}
+
+void Jobs::go_on() {
+  std::vector<JobView> done;
+  std::function<void(const JobView&)> known;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_ || !terms_of_) return;
+    known = known_;
     for (const Shared& job : jobs_)
-      if (job->view.state == JobState::kDone) done.push_back(job->view);
+      if (job->view.state == JobState::kDone && !job->view.answer) done.push_back(job->view);
     pump_later();
   }
   for (const JobView& view : done) known(view);
@@ -232,9 +260,8 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   if (!mesh)
     return lost(
         {ErrorCode::kJobLost, "What was kept of the mesh of this job is damaged or gone. Send it again."});
-  std::vector<RawParameter> given;
-  for (const auto& [name, value] : whole->parameters.items()) given.push_back({name, value, false});
-  Expected<RequestParameters> parameters = dispatcher_.service().parameters().parse(given);
+  Expected<RequestParameters> parameters =
+      dispatcher_.service().parameters().parse(raw_parameters(whole->parameters));
   if (!parameters) return lost(std::move(parameters.error()));  // of another version of the server
 
   request = FractureRequest{mesh->mesh, record.format, std::move(*parameters), std::move(mesh->files)};

@@ -48,8 +48,12 @@ class ResultTiers {
 
   /// Is there any tier to ask?
   bool any() const { return disk_ || redis_; }
-  /// kFileAccess when there is to be a disk tier and it cannot be used.
+  /// kFileAccess when there is to be a disk tier and it could not be used at the start.
   const std::optional<Error>& disk_unusable() const { return disk_unusable_; }
+  /// Another server has the folder of the disk tier. Until take_folder() gets it, that tier misses.
+  bool waits_for_folder() const { return disk_ && !disk_->held(); }
+  /// Takes the folder when the other server has let it go. False while it has not. By one thread at a time.
+  Expected<bool> take_folder() { return disk_ ? disk_->take() : true; }
 
   /// What reading the entry of this key should take, in bytes; nothing where it is known that there is none.
   std::optional<std::uint64_t> expected_bytes(const std::string& key) const;

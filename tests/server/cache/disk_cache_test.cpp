@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 
 #include "common/digest/digest.hpp"
@@ -149,14 +150,22 @@ TEST_F(Disk, ADamagedEntryIsQuarantinedAndNeverServed) {
   EXPECT_TRUE(finds(cache, 0));
 }
 
-TEST_F(Disk, TwoServersDoNotShareAFolder) {
-  DiskCache first(path, 1 << 20);
+TEST_F(Disk, TwoServersDoNotShareAFolderAndTheSecondGetsItAfterTheFirst) {
+  auto first = std::make_unique<DiskCache>(path, 1 << 20);
   DiskCache second(path, 1 << 20);
-  ASSERT_TRUE(second.unusable());
-  EXPECT_NE(second.unusable()->detail.find("another server"), std::string::npos);
+  EXPECT_FALSE(second.unusable());
+  EXPECT_FALSE(second.held());
+  EXPECT_EQ(second.take(), false);
   EXPECT_FALSE(insert(second, 1));
   EXPECT_FALSE(finds(second, 1));
-  EXPECT_TRUE(insert(first, 1));
+  EXPECT_TRUE(insert(*first, 1));
+  first.reset();
+  EXPECT_EQ(second.take(), true);
+  EXPECT_TRUE(second.held());
+  EXPECT_TRUE(finds(second, 1)) << "with what the first one left";
+  EXPECT_TRUE(insert(second, 2));
+  EXPECT_EQ(second.take(), true) << "it stays its own";
+  EXPECT_EQ(second.figures().entries, 2u);
 }
 
 TEST_F(Disk, AnEntryThatIsRefusedIsPutAsideAndCanBeWrittenAgain) {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <utility>
+
 #include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
@@ -14,6 +17,13 @@ using Room = JobFolder::Room;
 constexpr std::uint64_t kNoShare = UINT64_MAX;
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+/// The folder of the only server that uses it.
+struct TakenFolder : JobFolder {
+  explicit TakenFolder(JobFolderConfig config) : JobFolder(std::move(config)) {
+    EXPECT_TRUE(take().value_or(false)) << "another one has it";
+  }
+};
 
 struct Folder : testing::Test {
   TemporaryFolder folder;
@@ -49,8 +59,7 @@ struct Folder : testing::Test {
 
 TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
   {
-    JobFolder f(config());
-    ASSERT_FALSE(f.unusable());
+    TakenFolder f(config());
     for (const int number : {2, 1, 3}) ASSERT_TRUE(put(f, record(number)));
     EXPECT_EQ(files("meshes"), 1u) << "equal meshes are kept once";
     f.begun(record(1).id);
@@ -60,7 +69,7 @@ TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
     failed.error = Error{ErrorCode::kTooComplex, "too much", "sites", Figures(nlohmann::json{{"limit", 5}})};
     EXPECT_TRUE(f.write_end(failed));
   }
-  JobFolder again(config());
+  TakenFolder again(config());
   const auto found = again.restore();
   ASSERT_EQ(found.size(), 3u);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(found[k].record.id, record(k + 1).id);
@@ -89,7 +98,7 @@ TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
 }
 
 TEST_F(Folder, AMeshLeavesWithTheLastJobThatNeedsIt) {
-  JobFolder f(config());
+  TakenFolder f(config());
   for (const int number : {1, 2}) ASSERT_TRUE(put(f, record(number)));
   JobRecord done = record(1);
   done.state = JobState::kDone;
@@ -106,7 +115,7 @@ TEST_F(Folder, AMeshLeavesWithTheLastJobThatNeedsIt) {
 }
 
 TEST_F(Folder, BytesAreBoundedAndChargedToTheirOwner) {
-  JobFolder f(config(15'000 + 2 * 4096 + 100));
+  TakenFolder f(config(15'000 + 2 * 4096 + 100));
   EXPECT_EQ(f.reserve(record(1, "ana", 1u << 20), kNoShare), Room::kTooLarge);
   EXPECT_EQ(f.reserve(record(1), 10'000), Room::kTooLarge);
   ASSERT_EQ(f.reserve(record(1, "ana"), kNoShare), Room::kThere);
@@ -126,7 +135,7 @@ TEST_F(Folder, BytesAreBoundedAndChargedToTheirOwner) {
 TEST_F(Folder, EveryDamageOfARecordIsPutAside) {
   std::string whole;
   {
-    JobFolder f(config());
+    TakenFolder f(config());
     ASSERT_TRUE(put(f, record(1)));
   }
   const std::string path = folder / "records/" + record(1).id;
@@ -142,7 +151,7 @@ TEST_F(Folder, EveryDamageOfARecordIsPutAside) {
   }
   for (const std::string& damage : damages) {
     std::ofstream(path, std::ios::binary) << damage;
-    JobFolder f(config());
+    TakenFolder f(config());
     EXPECT_TRUE(f.restore().empty()) << damage;
     EXPECT_FALSE(fs::exists(path));
     EXPECT_EQ(f.figures().quarantined, 1u);
@@ -155,26 +164,26 @@ TEST_F(Folder, EveryDamageOfARecordIsPutAside) {
   std::ofstream(folder / "records/..x") << "x";
   std::ofstream(folder / "records/" + record(8).id) << "x";
   fs::resize_file(folder / "records/" + record(8).id, 4ull << 40);
-  JobFolder f(config());
+  TakenFolder f(config());
   EXPECT_TRUE(f.restore().empty());
   EXPECT_EQ(f.figures().quarantined, 4u);
 }
 
 TEST_F(Folder, ADamagedMeshIsPutAside) {
   {
-    JobFolder f(config());
+    TakenFolder f(config());
     ASSERT_TRUE(put(f, record(1)));
   }
   const std::string path = folder / "meshes/" + record(1).digest;
   for (const std::uint64_t size :
        {std::uint64_t{0}, std::uint64_t{20}, std::uint64_t{9'000}, std::uint64_t{4} << 40}) {
     if (!fs::exists(path)) {
-      JobFolder f(config());
+      TakenFolder f(config());
       f.restore();
       ASSERT_TRUE(f.write(record(1), request));
     }
     fs::resize_file(path, size);
-    JobFolder f(config());
+    TakenFolder f(config());
     ASSERT_EQ(f.restore().size(), 1u) << "the record is whole";
     EXPECT_FALSE(f.read_mesh(record(1).digest)) << size;
     EXPECT_FALSE(fs::exists(path));
@@ -186,22 +195,22 @@ TEST_F(Folder, WithKeysOnlyWhatTheySignedIsBelieved) {
   JobFolderConfig signing = config();
   signing.keys = *FarmKeys::parse(line);
   {
-    JobFolder f(signing);
+    TakenFolder f(signing);
     ASSERT_TRUE(put(f, record(1)));
   }
   {
-    JobFolder f(signing);
+    TakenFolder f(signing);
     EXPECT_EQ(f.restore().size(), 1u);
   }
   signing.keys = *FarmKeys::parse(other);
-  JobFolder f(signing);
+  TakenFolder f(signing);
   EXPECT_TRUE(f.restore().empty());
   EXPECT_EQ(f.figures().quarantined, 1u);
 }
 
 TEST_F(Folder, MarksCountTheProcessesThatDidNotComeBack) {
   for (std::uint64_t ended = 0; ended < 3; ++ended) {
-    JobFolder f(config());
+    TakenFolder f(config());
     const auto found = f.restore();
     if (ended == 0) {
       ASSERT_TRUE(put(f, record(1)));
@@ -215,13 +224,30 @@ TEST_F(Folder, MarksCountTheProcessesThatDidNotComeBack) {
   }
 }
 
-TEST_F(Folder, ItBelongsToOneServerAndADiskThatRefusesIsNoEnd) {
-  JobFolder first(config());
+TEST_F(Folder, ItBelongsToOneServerUntilThatLetsItGo) {
   JobFolder second(config());
-  ASSERT_TRUE(second.unusable());
-  EXPECT_NE(second.unusable()->detail.find("in use"), std::string::npos);
-  EXPECT_TRUE(second.restore().empty());
-  EXPECT_TRUE(JobFolder({"/proc/no/such/folder", 1000, {}}).unusable());
+  {
+    TakenFolder f(config());
+    ASSERT_TRUE(put(f, record(1)));
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(second.take(), false);
+  }
+  EXPECT_EQ(second.take(), true);
+  EXPECT_EQ(second.restore().size(), 1u);
+  EXPECT_EQ(JobFolder(config()).take(), false);
+}
+
+TEST_F(Folder, OneThatCannotBeHadIsAnError) {
+  std::ofstream(folder / "file") << "x";
+  for (const std::string& bad :
+       {std::string("/proc/no/such/folder"), folder / "file", folder / "file/below"}) {
+    const Expected<bool> taken = JobFolder({bad, 1000, {}}).take();
+    ASSERT_FALSE(taken) << bad;
+    EXPECT_EQ(taken.error().code, ErrorCode::kFileAccess);
+  }
+}
+
+TEST_F(Folder, ADiskThatRefusesIsNoEnd) {
+  TakenFolder first(config());
   ASSERT_EQ(first.reserve(record(1), kNoShare), Room::kThere);
   fs::remove_all(folder / "tmp");
   EXPECT_FALSE(first.write(record(1), request));

@@ -83,5 +83,29 @@ TEST(SmallMemory, WhatIsReadyReadsACubeFromTheLeastMemoryOn) {
   }
 }
 
+TEST(Folders, AServerStartedWhileItsPredecessorDrainsGetsTheFolderWithItsJobs) {
+  const TemporaryFolder folder;
+  ServeProcess first({"--cache-dir", folder.path});
+  const std::string job =
+      ask(first.port, "POST", "/fracture?format=obj&sites=5", kObj + "Prefer: respond-async\r\n", kCube)
+          .json()
+          .value("id", "");
+  ASSERT_FALSE(job.empty());
+  const auto state_of = [&job](std::uint16_t port) {
+    return ask(port, "GET", "/jobs/" + job).json().value("state", "");
+  };
+  ASSERT_TRUE(eventually(kPatience, "the job to be done", [&] { return state_of(first.port) == "done"; }));
+
+  const ServeProcess second({"--cache-dir", folder.path});
+  EXPECT_EQ(ask(second.admin_port, "GET", "/readyz").status, 503);
+  EXPECT_EQ(ask(second.port, "GET", "/jobs/" + job).status, 503);
+  EXPECT_EQ(ask(second.port, "POST", "/fracture?format=obj&sites=6", kObj, kCube).status, 200);
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.wait(), 0);
+  EXPECT_TRUE(eventually(kPatience, "the second server to be ready",
+                         [&] { return ask(second.admin_port, "GET", "/readyz").status == 200; }));
+  EXPECT_EQ(state_of(second.port), "done");
+}
+
 }  // namespace
 }  // namespace fracture::test

@@ -107,7 +107,8 @@ inline std::string leave_job(const std::string& folder, std::uint64_t seed, cons
   record.parameters = canonical_parameters(request.parameters);
   record.result_key = keys.result;
   JobFolder jobs({folder + "/jobs"});
-  if (jobs.reserve(record, UINT64_MAX) != JobFolder::Room::kThere || !jobs.write(record, request))
+  if (!jobs.take().value_or(false) || jobs.reserve(record, UINT64_MAX) != JobFolder::Room::kThere ||
+      !jobs.write(record, request))
     throw std::runtime_error("the folder did not take the job");
   return record.id;
 }
