@@ -66,12 +66,25 @@ std::vector<JobFolder::Found> JobFolder::restore() {
   }
   try {
     std::set<std::string> known, needed;
+    bool all = true;
     for (const std::string& id : names_in(config_.folder + "/" + kRecords)) {
+      if (found.size() >= config_.max_jobs) {
+        all = false;
+        break;
+      }
       std::optional<JobRecord> record = get_record(id);
       if (!record) continue;
       known.insert(id);
       const bool open = record->state == JobState::kQueued;
-      if (open) needed.insert(record->digest);
+      if (open) {
+        // What the disk has counts, not what the record says of it. A larger one could only be refused again and again.
+        record->mesh_bytes = size_of(path(kMeshes, record->digest));
+        if (record->mesh_bytes > config_.max_bytes) {
+          put_aside(kMeshes, record->digest);
+          record->mesh_bytes = 0;
+        }
+        needed.insert(record->digest);
+      }
       {
         const std::lock_guard lock(mutex_);
         take_place(*record, size_of(path(kRecords, id)));
@@ -80,10 +93,12 @@ std::vector<JobFolder::Found> JobFolder::restore() {
       record->parameters = nlohmann::json::object();
       found.push_back({std::move(*record), size_of(path(kBegun, id))});
     }
-    for (const std::string& digest : names_in(config_.folder + "/" + kMeshes))
-      if (!needed.contains(digest)) ::unlink(path(kMeshes, digest).c_str());
-    for (const std::string& id : names_in(config_.folder + "/" + kBegun))
-      if (!known.contains(id)) ::unlink(path(kBegun, id).c_str());
+    if (all) {  // else it may be needed by a job that stays for a later start
+      for (const std::string& digest : names_in(config_.folder + "/" + kMeshes))
+        if (!needed.contains(digest)) ::unlink(path(kMeshes, digest).c_str());
+      for (const std::string& id : names_in(config_.folder + "/" + kBegun))
+        if (!known.contains(id)) ::unlink(path(kBegun, id).c_str());
+    }
   } catch (const fs::filesystem_error&) {
     const std::lock_guard lock(mutex_);
     ++figures_.failures;

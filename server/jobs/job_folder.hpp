@@ -34,6 +34,7 @@ struct JobFolderConfig {
   /// With keys every record is signed, and one that is not counts as damaged. Meshes are named by their
   /// digest.
   FarmKeys keys{};
+  std::size_t max_jobs = 1000;  ///< that restore() takes; further ones stay where they are, for a later start
 };
 
 struct JobFolderFigures {
@@ -62,8 +63,8 @@ class JobFolder {
     JobRecord record;
     std::uint64_t begun = 0;  ///< in how many processes it was being computed when they ended
   };
-  /// What is there, each with its place, the oldest first; without parameters, which read() has. After take(),
-  /// before all else. Blocks.
+  /// What is there, each with its place, the oldest first; without parameters, which read() has, and with the size that
+  /// its mesh has on the disk. After take(), before all else. Blocks.
   std::vector<Found> restore();
 
   enum class Room {

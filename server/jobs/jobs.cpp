@@ -40,7 +40,7 @@ std::chrono::sys_time<std::chrono::microseconds> now() {
 Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispatcher), config_(config) {
   if (config_.folder.empty()) return;
   folder_ = std::make_unique<JobFolder>(
-      JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys});
+      JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys, config_.max_jobs});
   if (const Expected<bool> taken = take_folder(); !taken) {
     folder_unusable_ = taken.error();
     folder_.reset();

@@ -251,7 +251,11 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
     if (!job->deadline) job->deadline = Clock::now() + record.patience;
     terms.deadline = *job->deadline;
   }
-  terms.least_bytes = least_bytes;
+  if (const std::uint64_t most = dispatcher_.working().capacity(); record.mesh_bytes > most)
+    return lost({ErrorCode::kJobLost, "The mesh that was kept of this job has " +
+                                          std::to_string(record.mesh_bytes) + " bytes, and a computation " +
+                                          std::to_string(most) + " (--max-working). Send a smaller one."});
+  terms.least_bytes = std::max(least_bytes, record.mesh_bytes);  // it is read before it is admitted
   if (auto refused = refuses(terms)) return refused;
   const std::optional<JobRecord> whole = folder_->read(record.id);
   if (!whole)

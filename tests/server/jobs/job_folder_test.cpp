@@ -246,6 +246,53 @@ TEST_F(Folder, OneThatCannotBeHadIsAnError) {
   }
 }
 
+TEST_F(Folder, AMeshCountsAsItIsOnTheDiskWhateverItsRecordSays) {
+  {
+    TakenFolder f(config(1u << 30));
+    JobRecord lies = record(1);
+    ASSERT_TRUE(put(f, lies));
+    lies.mesh_bytes = 1ull << 40;
+    std::ofstream(folder / "records/" + lies.id, std::ios::binary) << encode_record(lies);
+  }
+  TakenFolder f(config());
+  const auto found = f.restore();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].record.mesh_bytes, fs::file_size(folder / "meshes/" + record(1).digest));
+  EXPECT_LE(f.figures().bytes, 15'000u + 2 * 4096) << "there is room for others";
+  EXPECT_TRUE(f.read_mesh(record(1).digest));
+}
+
+TEST_F(Folder, AMeshLargerThanTheFolderMayHoldIsPutAside) {
+  {
+    TakenFolder f(config());
+    ASSERT_TRUE(put(f, record(1)));
+  }
+  const std::string path = folder / "meshes/" + record(1).digest;
+  fs::resize_file(path, 4ull << 40);
+  TakenFolder f(config());
+  EXPECT_EQ(f.restore().size(), 1u);
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_LE(f.figures().bytes, 2u * 4096);
+}
+
+TEST_F(Folder, MoreJobsThanThereMayBeStayForALaterStart) {
+  {
+    TakenFolder f(config());
+    for (int k = 1; k <= 5; ++k) ASSERT_TRUE(put(f, record(k)));
+  }
+  JobFolderConfig few = config();
+  few.max_jobs = 3;
+  {
+    TakenFolder f(few);
+    const auto found = f.restore();
+    ASSERT_EQ(found.size(), 3u);
+    for (const auto& job : found) f.remove(job.record.id);
+    EXPECT_EQ(files("records"), 2u);
+  }
+  TakenFolder f(few);
+  EXPECT_EQ(f.restore().size(), 2u);
+}
+
 TEST_F(Folder, ADiskThatRefusesIsNoEnd) {
   TakenFolder first(config());
   ASSERT_EQ(first.reserve(record(1), kNoShare), Room::kThere);
