@@ -124,10 +124,15 @@ int serve_until_stopped(const ServeOptions& options) {
   http::Api api(dispatcher, options.limits, options.store, options.jobs);
   api.show_page(!options.no_page);
   api.offer(std::move(samples));
-  if (const std::optional<Error>& unusable = service.tiers().disk_unusable())
-    spdlog::warn("no disk cache: {}", unusable->detail);
-  if (const std::optional<Error>& unusable = api.jobs().folder_unusable())
-    spdlog::warn("jobs do not survive a restart: {}", unusable->detail);
+  for (const std::optional<Error>& unusable : {service.tiers().disk_unusable(), api.jobs().folder_unusable()})
+    if (unusable) {
+      spdlog::critical("cache-dir: {}", unusable->detail);
+      return kExitSystem;
+    }
+  if (const Expected<void> made = failures.make_folder(); !made) {
+    spdlog::critical("keep-failures: {}", made.error().detail);
+    return kExitSystem;
+  }
   if (api.waits_for_folder())
     spdlog::warn(
         "cache-dir {} is in use by another server: this one is not ready until that server lets it go, and answers "

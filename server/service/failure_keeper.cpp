@@ -1,6 +1,9 @@
 #include "server/service/failure_keeper.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <ctime>
 #include <exception>
@@ -134,6 +137,16 @@ std::optional<std::vector<std::string>> flags_of(const json& canonical) {
 
 FailureKeeper::FailureKeeper(FailureKeeperConfig config, std::function<void(const std::string&)> say)
     : config_(std::move(config)), say_(std::move(say)) {}
+
+Expected<void> FailureKeeper::make_folder() const {
+  if (!any()) return {};
+  std::error_code error;
+  fs::create_directories(config_.folder, error);
+  if (!error && ::access(config_.folder.c_str(), W_OK | X_OK) != 0)
+    error = std::error_code(errno, std::generic_category());
+  if (error) return fail(ErrorCode::kFileAccess, config_.folder + ": " + error.message());
+  return {};
+}
 
 KeptFailures FailureKeeper::figures() const {
   const std::lock_guard lock(mutex_);

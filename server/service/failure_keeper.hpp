@@ -51,6 +51,8 @@ class FailureKeeper {
             std::string_view mesh_name = {}) noexcept;
 
   bool any() const { return !config_.folder.empty(); }
+  /// Makes the folder, where there is to be one. kFileAccess when it cannot be made or written.
+  Expected<void> make_folder() const;
   const std::string& folder() const { return config_.folder; }
   KeptFailures figures() const;
 
