@@ -23,7 +23,8 @@ struct ServeCommand {
 /// from the environment and the file.
 void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& flags, ServeCommand& command) {
   app.add_option("--config", command.config_file, "File of settings (TOML: name = value)")->type_name("FILE");
-  app.add_flag("--print-config", command.print_config, "Print the settings as a config file and exit");
+  app.add_flag("--print-config", command.print_config,
+               "Print a config file of what is given and exit; all others are in it as comments");
   std::map<std::string, CLI::Option_group*> groups;
   for (const Setting& setting : settings) {
     CLI::Option_group*& group = groups[setting.group];
@@ -320,11 +321,13 @@ int run(int argc, char** argv) {
   if (bake_command.parsed()) return bake(bake_options);
   if (health_command.parsed()) return health(health_options);
 
-  const std::vector<std::string> errors = configure(serve_options, settings, flags, command.config_file);
+  GivenSettings given;
+  const std::vector<std::string> errors =
+      configure(serve_options, settings, flags, command.config_file, &given);
   for (const std::string& error : errors) std::fprintf(stderr, "fracture-server: %s\n", error.c_str());
   if (!errors.empty()) return kExitUsage;
   if (command.print_config) {
-    std::fputs(to_config_file(settings).c_str(), stdout);
+    std::fputs(to_config_file(settings, given).c_str(), stdout);
     return kExitDone;
   }
   serve_options.configuration = to_json(settings);

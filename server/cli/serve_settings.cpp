@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "common/parameters/parameter_object.hpp"
@@ -287,8 +288,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
 }
 
 void read_settings(ServeOptions& options, const std::vector<Setting>& settings, const GivenSettings& flags,
-                   const std::string& config_file, std::vector<std::string>& errors,
-                   std::set<std::string>* given) {
+                   const std::string& config_file, std::vector<std::string>& errors, GivenSettings* given) {
   std::vector<std::string> unknown;
   std::vector<GivenSettings> sources = {flags, from_environment(environ, settings, unknown)};
   for (const std::string& name : unknown)
@@ -296,18 +296,21 @@ void read_settings(ServeOptions& options, const std::vector<Setting>& settings, 
   if (!config_file.empty()) sources.push_back(from_file(config_file, settings, errors));
   apply(settings, sources, errors);
   if (!given) return;
-  for (const GivenSettings& source : sources)
-    for (const auto& [name, value] : source) given->insert(name);
+  for (const GivenSettings& source : sources) given->insert(source.begin(), source.end());
 }
 
 std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
-                                   const GivenSettings& flags, const std::string& config_file) {
+                                   const GivenSettings& flags, const std::string& config_file,
+                                   GivenSettings* given) {
   std::vector<std::string> errors;
-  std::set<std::string> given;
-  read_settings(options, settings, flags, config_file, errors, &given);
+  GivenSettings all;
+  read_settings(options, settings, flags, config_file, errors, &all);
+  std::set<std::string> names;
+  for (const auto& [name, value] : all) names.insert(name);
+  if (given) *given = std::move(all);
   for (std::string& error : inconsistencies(options)) errors.push_back(std::move(error));
   if (!errors.empty()) return errors;
-  errors = plan_memory(options, given, options.memory > 0 ? options.memory : available_memory());
+  errors = plan_memory(options, names, options.memory > 0 ? options.memory : available_memory());
   if (!errors.empty()) return errors;
 
   options.sandbox_required = sandbox_required(options);

@@ -206,17 +206,16 @@ void apply(std::span<const Setting> settings, std::span<const GivenSettings> sou
   }
 }
 
-std::string to_config_file(std::span<const Setting> settings) {
+std::string to_config_file(std::span<const Setting> settings, const GivenSettings& given) {
   std::string file, group;
   for (const Setting& setting : settings) {
     if (setting.group != group) file += "\n# " + (group = setting.group) + "\n";
-    const std::string value = setting.get();
+    const auto at = given.find(setting.name);
+    const bool is_given = at != given.end(), hidden = setting.secret && !setting.get().empty();
+    const std::string value = hidden ? "***" : is_given ? at->second.value : setting.get();
     const bool bare = setting.kind == Setting::Kind::kFlag || is_plain_number(value);
-    file += "# " + setting.doc + "\n";
-    if (setting.secret && !value.empty())
-      file += "# " + setting.name + " = \"***\"\n";
-    else
-      file += setting.name + " = " + (bare ? value : "\"" + value + "\"") + "\n";
+    file += "# " + setting.doc + "\n" + (is_given && !hidden ? "" : "# ") + setting.name + " = " +
+            (bare ? value : "\"" + value + "\"") + "\n";
   }
   return file;
 }

@@ -64,8 +64,9 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
 void apply(std::span<const Setting> settings, std::span<const GivenSettings> sources,
            std::vector<std::string>& errors);
 
-/// As a config file that from_file reads back.
-std::string to_config_file(std::span<const Setting> settings);
+/// As a config file: what was given, as it was given, so that from_file reads the same back on any machine. All others are
+/// comments that say what is in force here.
+std::string to_config_file(std::span<const Setting> settings, const GivenSettings& given);
 /// Name to value; secrets as "***".
 nlohmann::ordered_json to_json(std::span<const Setting> settings);
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 
 namespace fracture::cli {
 namespace {
@@ -65,20 +66,42 @@ TEST_F(Settings, AFlagComesBeforeAVariableAndThatBeforeTheFile) {
   EXPECT_TRUE(options.all_formats);
 }
 
-TEST_F(Settings, ThePrintedFileReadsBack) {
-  options.limits.max_body = 12345;
-  options.limits.idle = std::chrono::milliseconds(1250);
-  options.enabled_formats = {"blend", "fbx"};
-  options.all_formats = true;
-  const std::string printed = to_config_file(table);
+TEST_F(Settings, ThePrintedFileSaysWhatWasGivenAndReadsBack) {
+  GivenSettings given;
+  const std::string file =
+      write("given.toml", "idle = 1.25\nenable-format = [\"blend\", \"fbx\"]\nmax-uri = 900\n");
+  ASSERT_THAT(configure(options, table,
+                        {{"max-body", {"16MiB", "--max-body"}},
+                         {"all-formats", {"true", "--all-formats"}},
+                         {"max-uri", {"1000", "--max-uri"}}},
+                        file, &given),
+              IsEmpty());
+  const std::string printed = to_config_file(table, given);
   ServeOptions other;
   const std::vector<Setting> other_table = serve_settings(other);
-  std::vector<std::string> errors;
-  apply(other_table, std::vector<GivenSettings>{from_file(write("p.toml", printed), other_table, errors)},
-        errors);
-  EXPECT_THAT(errors, IsEmpty());
-  EXPECT_EQ(to_config_file(other_table), printed);
+  GivenSettings again;
+  EXPECT_THAT(configure(other, other_table, {}, write("p.toml", printed), &again), IsEmpty());
+  EXPECT_EQ(to_config_file(other_table, again), printed);
   EXPECT_THAT(other.enabled_formats, ElementsAre("blend", "fbx"));
+  EXPECT_EQ(other.limits.max_body, 16u << 20);
+  EXPECT_EQ(other.limits.max_uri, 1000u);
+  EXPECT_EQ(again.size(), given.size());
+}
+
+/// What a machine has is not what was asked for: the file starts a server on a smaller one, too.
+TEST_F(Settings, ThePrintedFileSaysWhatThisMachineHasInCommentsOnly) {
+  GivenSettings given;
+  ASSERT_THAT(configure(options, table, {{"memory", {"0", "--memory"}}}, "", &given), IsEmpty());
+  EXPECT_GT(options.memory, 0u) << "resolved";
+  std::istringstream lines(to_config_file(table, given));
+  std::vector<std::string> in_force;
+  std::size_t said = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line.front() != '#') in_force.push_back(line);
+    said += line.starts_with("# max-working = ") || line.starts_with("# mesh-store = ");
+  }
+  EXPECT_THAT(in_force, ElementsAre("memory = 0"));
+  EXPECT_EQ(said, 2u);
 }
 
 TEST_F(Settings, EveryMistakeIsNamedAtOnceWithItsPlace) {
@@ -187,7 +210,7 @@ TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {
               testing::UnorderedElementsAre(
                   HasSubstr("both given"), HasSubstr("/absent/password cannot be read"),
                   HasSubstr("belong together"), HasSubstr("redis-tls: "), HasSubstr("farm-key-file")));
-  const std::string printed = to_config_file(table) + to_json(table).dump();
+  const std::string printed = to_config_file(table, {}) + to_json(table).dump();
   EXPECT_THAT(printed, testing::Not(HasSubstr("hunter2")));
 }
 
@@ -211,7 +234,7 @@ TEST_F(Settings, SecretsAreNotPrinted) {
   Setting secret = text("password", "TEXT", password, "A secret.");
   secret.secret = true;
   const std::vector<Setting> secrets = {secret};
-  EXPECT_THAT(to_config_file(secrets), testing::Not(HasSubstr("hunter2")));
+  EXPECT_THAT(to_config_file(secrets, {{"password", {"hunter2", ""}}}), testing::Not(HasSubstr("hunter2")));
   EXPECT_EQ(to_json(secrets).at("password"), "***");
 }
 

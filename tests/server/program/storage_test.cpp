@@ -27,6 +27,11 @@ const std::string kCube =
 
 const std::string kObj = "Content-Type: model/obj\r\n";
 
+std::string contents_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 /// What the program says when it is started so, and what it exits with.
 struct Ended {
   explicit Ended(std::vector<std::string> arguments, const std::string& output = "/dev/null") {
@@ -117,6 +122,16 @@ TEST(Folders, AServerStartedWhileItsPredecessorDrainsGetsTheFolderWithItsJobs) {
   EXPECT_TRUE(eventually(kPatience, "the second server to be ready",
                          [&] { return ask(second.admin_port, "GET", "/readyz").status == 200; }));
   EXPECT_EQ(state_of(second.port), "done");
+}
+
+TEST(PrintedConfig, StartsAServerWithLessMemoryThanTheMachineThatPrintedIt) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(Ended(with({"--print-config"}), folder / "large.toml").code, 0);
+  EXPECT_THAT(contents_of(folder / "large.toml"), HasSubstr("# max-working = ")) << "said, not asked for";
+  const Ended small({"--config", folder / "large.toml", "--memory", std::to_string(least_memory()) + "MiB",
+                     "--print-config"},
+                    folder / "small.toml");
+  EXPECT_EQ(small.code, 0) << small.said;
 }
 
 }  // namespace
