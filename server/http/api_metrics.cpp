@@ -21,8 +21,10 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   constexpr std::pair<Priority, const char*> kClasses[] = {
       {Priority::kRealtime, "realtime"}, {Priority::kBatch, "batch"}, {Priority::kBackground, "background"}};
   for (const auto& [priority, name] : kClasses)
-    writer.gauge("fracture_predicted_wait_seconds", "How long a new job would be queued, by class.",
-                 pool.predicted_wait(priority).count(), {{"class", name}});
+    writer.gauge(
+        "fracture_predicted_wait_seconds",
+        "How long a new job of a client that has used more than all others would be queued, by class.",
+        pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {

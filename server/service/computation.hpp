@@ -119,8 +119,6 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
 /// One result being computed, by the leader of its flight.
 struct Dispatcher::Computation {
   explicit Computation(Dispatcher& its_dispatcher) : dispatcher(its_dispatcher) {}
-  /// However it ended, it is paid for.
-  ~Computation() { settle(); }
 
   Dispatcher& dispatcher;
   FractureRequest request{};
@@ -130,10 +128,8 @@ struct Dispatcher::Computation {
   std::optional<ComputationAllowance> working{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
-  bool had_its_turn = false;  ///< at the cost that was estimated
-  bool tried_again = false;   ///< a part that somebody else computed, and was ended for
-  Spent spent{};
-  std::optional<double> settled{};  ///< processor seconds of `spent` that were charged
+  bool tried_again = false;  ///< a part that somebody else computed, and was ended for
+  double busy_seconds = 0;
   FractureAnswer answer{};
   std::shared_ptr<const PreparedMesh> mesh{};
 
@@ -148,15 +144,15 @@ struct Dispatcher::Computation {
     e.stop = std::move(stop);
     e.allowance = &working->allowance();
     e.turn = WorkerPool::turn();
+    WorkerPool::stands_still_while_wanted(e);
     e.progress = [flight = flight](Stage stage, double fraction) { flight->common.tell(stage, fraction); };
     return e;
   }
-  void settle() {
-    if (!flight || (settled && spent.processor_seconds <= *settled)) return;
-    const double more = spent.processor_seconds - settled.value_or(0);
-    const TurnTaken turn = settled || !had_its_turn ? TurnTaken{} : flight->common.urgency.turn();
-    dispatcher.charge(flight->common.payers.charge(more), turn, more);
-    settled = spent.processor_seconds;
+  /// All who wait for it pay for what was computed for it.
+  void pay(double seconds) { dispatcher.charge(flight->common.payers.charge(seconds), seconds); }
+  /// As the pool measures it.
+  static WorkerPool::Used paid_by(const Shared& c) {
+    return [c](double seconds) { c->pay(seconds); };
   }
 };
 

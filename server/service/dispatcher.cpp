@@ -102,7 +102,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     ResultFlights::Flight& flight = *seat.flight;
     // What it takes may have been charged by now, to those who came before.
     if (const double owed = flight.common.payers.add(terms.payer, terms.priority); owed > 0)
-      charge({{terms.payer, terms.priority}}, {}, owed);
+      charge({{terms.payer, terms.priority}}, owed);
     if (terms.progress) {
       waiting->observer = std::make_shared<const Observer>(terms.progress);
       flight.common.add(waiting->observer);
@@ -119,14 +119,14 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       c->origin = terms.priority;
       c->working.emplace(working_.whole(), std::move(working));
       c->flight = seat.flight;
-      flight.common.urgency.lead(pool_, {terms.payer.flow, terms.priority, cost}, [&] {
+      flight.common.urgency.lead(pool_, terms.payer.turn(), terms.priority, [&] {
         return pool_.submit(
             terms.priority, cost, [this, c](int threads) { at_station(c, [&] { begin(c, threads); }); },
-            terms.payer.flow);
+            terms.payer.turn(), Computation::paid_by(c));
       });
     } else {
       ++collapsed_;
-      flight.common.urgency.join(pool_, terms.priority, terms.payer.flow);
+      flight.common.urgency.join(pool_, terms.priority, terms.payer.turn());
     }
   });
   return std::nullopt;
@@ -162,7 +162,7 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
       meshes_.join(keys.mesh, [this, waiting, payer = terms.payer, priority = terms.priority](
                                   const Outcome<PreparedMesh>& outcome, MeshFlights::Role role) {
         if (outcome && role == MeshFlights::Role::kFollower)
-          charge({{payer, priority}}, {}, outcome->processor_seconds);
+          charge({{payer, priority}}, outcome->processor_seconds);
         if (outcome)
           waiting->answer(outcome->value);
         else
@@ -182,24 +182,20 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
       p->terms = terms;
       p->working.emplace(working_.whole(), std::move(working));
       const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
-        const Terms& mine = p->terms;
-        const auto paid = [&](double seconds) {
-          charge({{mine.payer, mine.priority}}, flight->common.turn(), seconds);
-        };
-        if (flight->stop().stop_requested()) return paid(0);
+        if (flight->stop().stop_requested()) return;
         const Outcome<PreparedMesh> made = guarded([&] {
           Execution execution;
           execution.threads = threads;
           execution.stop = flight->stop();
           execution.allowance = &p->working->allowance();
           execution.turn = WorkerPool::turn();
-          execution.progress = mine.progress;
+          execution.progress = p->terms.progress;
+          WorkerPool::stands_still_while_wanted(execution);
           Spent spent;
           Outcome<PreparedMesh> prepared = guarded([&] {
             const Meter meter(spent);
             return service_.make_mesh(p->request, p->keys, execution);
           });
-          paid(spent.processor_seconds);
           if (prepared) {
             prepared->processor_seconds = spent.processor_seconds;
             pool_.measured(cost, spent.busy_seconds);
@@ -207,13 +203,17 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
           return prepared;
         });
         p->working.reset();
+        WorkerPool::charge_by_now();
         flight->common.end();
         meshes_.land(flight, made);
       };
-      seat.flight->common.lead(pool_, {terms.payer.flow, terms.priority, cost},
-                               [&] { return pool_.submit(terms.priority, cost, prepare, terms.payer.flow); });
+      seat.flight->common.lead(pool_, terms.payer.turn(), terms.priority, [&] {
+        return pool_.submit(
+            terms.priority, cost, prepare, terms.payer.turn(),
+            [this, waits = Waits{terms.payer, terms.priority}](double seconds) { charge({waits}, seconds); });
+      });
     } else {
-      seat.flight->common.join(pool_, terms.priority, terms.payer.flow);
+      seat.flight->common.join(pool_, terms.priority, terms.payer.turn());
     }
   });
   return std::nullopt;
@@ -241,12 +241,12 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
         if (role == Flights::Role::kLeader) return;  // goes on by itself, below
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
-        if (waited) c->spent.processor_seconds += waited->processor_seconds;  // computed for all who waited
+        if (waited) c->pay(waited->processor_seconds);  // computed for all who waited
         const auto resumed = guarded([&]() -> Expected<bool> {
-          c->flight->common.urgency.goes_on([&](Priority priority) {
+          c->flight->common.urgency.goes_on(pool_, [&](Priority priority, const Flow& flow) {
             return pool_.resume([this, c, next, waited = std::move(waited)](
                                     int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
-                                priority, c->cost, c->origin);
+                                priority, c->cost, c->origin, flow, Computation::paid_by(c));
           });
           return true;
         });
@@ -280,8 +280,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
     const Meter meter(spent);
     return make(c->execution(threads, seat.flight->stop()));
   });
-  c->spent.busy_seconds += spent.busy_seconds;
-  c->spent.processor_seconds += spent.processor_seconds;
+  c->busy_seconds += spent.busy_seconds;
   if (made) made->processor_seconds = spent.processor_seconds;
   mine.end_part(pool_, *part);
   flights.land(seat.flight, made);
@@ -298,7 +297,6 @@ void Dispatcher::at_station(const Shared& c, Station station) {
 }
 
 void Dispatcher::begin(const Shared& c, int threads) {
-  c->had_its_turn = true;
   if (c->abandoned()) return;
   const Clock::time_point now = Clock::now();
   // What waited so long that it would be given up half-way is not begun. What did not wait is tried.
@@ -376,8 +374,9 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   c->answer.diagram_cache = diagram->cache;
   c->answer.timings.add(diagram->timings);
   Expected<FracturedSolid> made;  // freed when the answer is on its way
+  Spent spent;
   {
-    const Meter meter(c->spent);
+    const Meter meter(spent);
     made = guarded([&] {
       return service_.make_result(*c->mesh, *diagram->value, c->request, c->keys,
                                   c->execution(threads, c->flight->stop()), c->answer);
@@ -386,13 +385,13 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   if (!made) return end(c, tl::unexpected<Error>(std::move(made.error())));
   ++computed_;
   c->answer.work_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - c->begun).count();
-  pool_.measured(c->cost, c->spent.busy_seconds);
+  pool_.measured(c->cost, c->busy_seconds + spent.busy_seconds);
   end(c, std::move(c->answer));
 }
 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   c->working.reset();
-  c->settle();
+  WorkerPool::charge_by_now();
   results_.land(c->flight, outcome);
   if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
     failures_->keep(c->request, outcome.error(), *outcome.error().extra);

@@ -160,9 +160,8 @@ class Dispatcher {
   std::optional<Error> refuses(double cost, const Terms& terms) const;
   /// A place among the computations of a name: that of the step before, else a new one.
   static std::optional<Error> seat(const Terms& terms, tenants::Account::Seat& share);
-  /// All who waited are charged for all of it, each in the class of its own request; whose turn it was is
-  /// given back what that has cost.
-  void charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds);
+  /// All who waited are charged for all of it, each in the class of its own request.
+  void charge(const std::vector<Waits>& payers, double seconds);
   std::optional<Error> reserve(std::uint64_t bytes, const Terms& terms,
                                MemoryBudget::Reservation& reservation);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);

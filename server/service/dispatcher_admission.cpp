@@ -24,7 +24,7 @@ std::chrono::seconds whole_seconds(double seconds) {
 
 std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const {
   const Flow& flow = terms.payer.flow;
-  const double wait = pool_.predicted_wait(terms.priority, flow).count();
+  const double wait = pool_.predicted_wait(terms.priority, flow, cost).count();
   const double total = kCaution * wait + pool_.predicted_run(cost).count();
   if (pool_.full(terms.priority, flow))
     return overloaded("The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
@@ -56,12 +56,8 @@ std::optional<Error> Dispatcher::seat(const Terms& terms, tenants::Account::Seat
   return std::nullopt;
 }
 
-void Dispatcher::charge(const std::vector<Waits>& payers, const TurnTaken& turn, double seconds) {
-  for (const auto& [payer, priority] : payers) {
-    if (payer.account) payer.account->charge(seconds);
-    pool_.charge(priority, payer.flow, seconds);
-  }
-  if (turn.cost > 0) pool_.charge(turn.priority, turn.flow, -turn.cost);
+void Dispatcher::charge(const std::vector<Waits>& payers, double seconds) {
+  for (const auto& [payer, priority] : payers) pool_.charge(priority, payer.turn(), seconds);
 }
 
 MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
@@ -76,7 +72,7 @@ std::optional<Error> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms
   MemoryBudget& working = working_.whole();
   reservation = working_.begin(terms.payer.flow.name);
   if (reservation.grow_to(std::min(bytes, working.capacity()))) return std::nullopt;
-  const std::chrono::seconds later = whole_seconds(pool_.predicted_wait(Priority::kBatch).count());
+  const std::chrono::seconds later = whole_seconds(pool_.backlog(Priority::kBatch).count());
   if (reservation.over_share())
     return Error{.code = ErrorCode::kOverShare,
                  .detail = "This client's requests hold all of the " + std::to_string(working_.share()) +

@@ -37,6 +37,7 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
     execution.stop = terms.gone;
     if (terms.deadline != Clock::time_point::max()) execution.deadline = terms.deadline;
     execution.turn = WorkerPool::turn();
+    WorkerPool::stands_still_while_wanted(execution);
     const Meter meter(spent);
     job(execution);
     return true;
@@ -66,10 +67,8 @@ std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& term
   const auto at_its_turn = [this, errand, cost = work.seconds](int threads) {
     Spent spent;
     if (errand->begin(spent, threads)) pool_.measured(cost, spent.busy_seconds);
-    const Terms& mine = errand->terms;
-    charge({{mine.payer, mine.priority}}, {mine.payer.flow, mine.priority, cost}, spent.processor_seconds);
   };
-  const WorkerPool::TaskId task = pool_.submit(terms.priority, work.seconds, at_its_turn, terms.payer.flow);
+  const WorkerPool::TaskId task = pool_.submit(terms.priority, work.seconds, at_its_turn, terms.payer.turn());
   try {
     errand->arm(task);
   } catch (...) {

@@ -1,213 +1,346 @@
-// Start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996), in the form that the same authors gave it
-// for processors, where what a task takes is known only when it has run (Goyal, Guo and Vin, "A hierarchical
-// CPU scheduler for multimedia operating systems", OSDI 1996). Each flow (a name, an address) has a queue of
-// its own, first come first served, and its first task a start tag
+// Whose turn it is. Start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996), in the form that the same
+// authors gave it for processors, where what a task takes is known only when it has run (Goyal, Guo and Vin, "A
+// hierarchical CPU scheduler for multimedia operating systems", OSDI 1996). Each client (a name, an address) has
+// one tag for all that it asks:
 //
-//     S = max(v, F)      v: the start tag of what was taken last (virtual time)
-//                        F: the finish tag of the flow's task before, S + what that took / the flow's weight
+//     tag = processor seconds that were used for it so far / its weight
 //
-// The task with the least start tag is served next. So among flows that always have work each gets its
-// weight's share of the threads, whatever the others queue; one that was idle gets no credit for it, and one
-// that has just come waits for at most one task of each other flow.
+// The client with the least tag is served next. So among clients that always have work each gets its weight's share
+// of the processors, whatever the others queue, run or call urgent.
 //
-// Here F begins with the estimated cost and charge() corrects it by what was measured.
+// Who comes back after a rest has at most kCredit less than those who computed meanwhile (as sleepers have in the
+// Completely Fair Scheduler of Linux): who asks for little goes before who asks for much. And nobody has more than
+// kMostDebt more than they: who had processors that they could not use owes them no more than that.
+//
+// How urgent a task is counts as a lead in that order (Duda and Cheriton, "Borrowed-virtual-time scheduling", SOSP
+// 1999): it decides between tasks of one client, and between clients that have used about as much; but no client gets
+// more processor time by calling its work urgent. A second of background work counts as kBackgroundCost seconds: beside work that
+// somebody waits for it gets a fifth of the time.
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
+#include <queue>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "server/tenants/account.hpp"
+
 namespace fracture {
+
+/// The most urgent first.
+enum class Priority { kRealtime, kBatch, kBackground };
+inline constexpr std::array kPriorities = {Priority::kRealtime, Priority::kBatch, Priority::kBackground};
 
 /// Whose turn a task takes.
 struct Flow {
   std::string name{};
-  double weight = 1;  ///< more than 0
+  double weight = 1;                            ///< more than 0
+  std::shared_ptr<tenants::Account> account{};  ///< of which its use is taken; null: of none
 };
 
-/// Not thread-safe. Item has `std::uint64_t id`, which grows with the arrival, `double cost` in seconds and
-/// `Flow flow`.
+/// Not thread-safe. Item has `std::uint64_t id`, which grows with the arrival, `double cost` in seconds, `Flow flow`,
+/// and `arrival`, a time.
 template <class Item>
 class FairQueue {
  public:
-  bool empty() const { return size_ == 0; }
-  std::size_t size() const { return size_; }
-  /// Flows with something queued.
-  std::size_t busy_flows() const {
-    std::size_t busy = 0;
-    for (const auto& [name, state] : flows_) busy += !state.queue.empty();
-    return busy;
-  }
-  std::size_t size_of(const std::string& flow) const {
-    const auto at = flows_.find(flow);
-    return at == flows_.end() ? 0 : at->second.queue.size();
+  static constexpr double kCredit = 0.6, kMostDebt = 1;  // seconds
+  /// A class has so many seconds less than the next one. Little: each of many clients that come after a rest may be ahead
+  /// of a less urgent one by so much.
+  static constexpr double kLead = 0.03;
+  static constexpr double kBackgroundCost = 4;
+  /// Within a client, a task is served before more urgent ones that came this much later.
+  static constexpr std::chrono::milliseconds kAging{1000};
+
+  /// What a second of a class counts as.
+  static constexpr double cost_of(Priority priority) {
+    return priority == Priority::kBackground ? kBackgroundCost : 1;
   }
 
-  /// Behind everything of its flow that came before it.
-  void push(Item item) {
-    State& state = flows_[item.flow.name];
-    state.weight = item.flow.weight;
-    if (state.queue.empty()) state.start = std::max(now_, state.finish);
-    const auto behind = std::find_if(state.queue.begin(), state.queue.end(),
-                                     [&](const Item& other) { return other.id > item.id; });
-    state.queue.insert(behind, std::move(item));
-    ++size_;
+  struct Line {
+    bool empty() const { return resumed.empty() && queue.empty(); }
+    /// Resumed and queued tasks take turns.
+    bool resumed_is_next() const { return !resumed.empty() && (queue.empty() || !resumed_was_last); }
+    double cost() const {
+      double cost = 0;
+      for (const auto* items : {&resumed, &queue})
+        for (const Item& item : *items) cost += item.cost;
+      return cost;
+    }
+    const Item& front() const { return resumed_is_next() ? resumed.front() : queue.front(); }
+
+    bool resumed_was_last = false;
+    std::deque<Item> resumed, queue;
+  };
+  struct Client {
+    /// The least goes first.
+    double key(Priority priority) const { return FairQueue::key(tag, priority); }
+    bool rests() const {
+      return running == 0 &&
+             std::all_of(lines.begin(), lines.end(), [](const Line& line) { return line.empty(); });
+    }
+    Line& line(Priority priority) { return lines[static_cast<std::size_t>(priority)]; }
+    const Line& line(Priority priority) const { return lines[static_cast<std::size_t>(priority)]; }
+
+    std::string name;
+    double weight = 1, tag = 0;
+    std::size_t running = 0;  ///< tasks that were taken and have not ended
+    std::array<Line, 3> lines;
+  };
+  struct Next {
+    Client* client;
+    Priority priority;
+    double key() const { return client->key(priority); }
+    const Item& item() const { return client->line(priority).front(); }
+  };
+
+  // -- what is queued
+
+  /// Behind everything of its client and class that came before it.
+  void push(Priority priority, Item item) {
+    Client& client = arrives(item.flow);
+    insert(client.line(priority).queue, std::move(item));
+  }
+  /// What goes on, in a line of its own.
+  void push_resumed(Priority priority, Item item) {
+    Client& client = arrives(item.flow);
+    insert(client.line(priority).resumed, std::move(item));
   }
 
-  /// What goes next; null when there is nothing.
-  const Item* front() const {
-    const auto at = next(flows_);
-    return at == flows_.end() ? nullptr : &at->second.queue.front();
+  /// Of each client that has something which may begin, what would be next; the first first.
+  template <class May>
+  std::vector<Next> candidates(const May& may) {
+    std::vector<Next> all;
+    for (auto& [name, client] : clients_) {
+      std::optional<Next> chosen;
+      for (const Priority priority : kPriorities) {
+        const Line& line = client.line(priority);
+        if (line.empty() || !may(client, priority)) continue;
+        if (!chosen || line.front().arrival + kAging < chosen->item().arrival)
+          chosen = Next{&client, priority};
+      }
+      if (chosen) all.push_back(*chosen);
+    }
+    std::sort(all.begin(), all.end(), [](const Next& a, const Next& b) {
+      return std::pair(a.key(), a.item().id) < std::pair(b.key(), b.item().id);
+    });
+    return all;
   }
-  Item pop() {
-    State& state = next(flows_)->second;
-    Item item = std::move(state.queue.front());
-    state.queue.pop_front();
-    --size_;
-    now_ = std::max(now_, state.start);
-    state.finish = state.start + item.cost / state.weight;
-    state.start = state.finish;
+  /// Its client runs it from now on, until end().
+  Item take(const Next& next) {
+    Line& line = next.client->line(next.priority);
+    line.resumed_was_last = line.resumed_is_next();
+    std::deque<Item>& from = line.resumed_was_last ? line.resumed : line.queue;
+    Item item = std::move(from.front());
+    from.pop_front();
+    ++next.client->running;
     return item;
   }
+  void end(Client& client) { --client.running; }
 
-  /// A task of this flow took so much more (less: negative) than its cost said; or work was done for it that
-  /// was another flow's task.
-  void charge(const Flow& flow, double seconds) {
-    auto at = flows_.find(flow.name);
-    if (at == flows_.end()) {
-      if (seconds <= 0) return;
-      at = flows_.emplace(flow.name, State{}).first;
-    }
-    State& state = at->second;
-    state.weight = flow.weight;
-    state.finish = std::max(now_, state.finish) + seconds / state.weight;
-    state.start = std::max(now_, state.finish);
-  }
-
-  /// Takes a task out again; nothing when it is not here.
+  /// Takes a queued task out again; nothing when it is not here. One that goes on stays.
   std::optional<Item> remove(std::uint64_t id) {
-    for (auto& [name, state] : flows_)
-      for (auto at = state.queue.begin(); at != state.queue.end(); ++at)
-        if (at->id == id) {
-          Item item = std::move(*at);
-          state.queue.erase(at);
-          --size_;
-          return item;
-        }
+    for (const Priority priority : kPriorities)
+      if (std::optional<Item> item = remove(id, priority, &Line::queue)) return item;
     return std::nullopt;
   }
-
-  /// How many would be served before each of these tasks if nothing came and costs were right; nothing for a task that
-  /// is not here. All of them in two passes over the queue, because whoever asks holds a lock.
-  std::vector<std::optional<std::size_t>> places(const std::vector<std::uint64_t>& ids) const {
-    struct Wanted {
-      Tag tag;
-      std::size_t index;
-      std::size_t before = 0;
-    };
-    std::vector<std::pair<std::uint64_t, std::size_t>> by_id;
-    for (std::size_t k = 0; k < ids.size(); ++k) by_id.emplace_back(ids[k], k);
-    std::sort(by_id.begin(), by_id.end());
-    std::vector<Wanted> wanted;
-    each_tag([&](const Tag& tag) {
-      for (auto at = std::lower_bound(by_id.begin(), by_id.end(), std::pair(tag.second, std::size_t{0}));
-           at != by_id.end() && at->first == tag.second; ++at)
-        wanted.push_back({tag, at->second});
-    });
-    std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) { return a.tag < b.tag; });
-    if (!wanted.empty())
-      each_tag([&](const Tag& tag) {
-        const auto behind = std::upper_bound(wanted.begin(), wanted.end(), tag,
-                                             [](const Tag& t, const Wanted& w) { return t < w.tag; });
-        if (behind != wanted.end()) ++behind->before;
-      });
-    std::vector<std::optional<std::size_t>> places(ids.size());
-    std::size_t before = 0;
-    for (const Wanted& one : wanted) places[one.index] = before += one.before;
-    return places;
-  }
-
-  /// The costs of what would be served before a new task of this flow.
-  double ahead_of(const Flow& flow) const {
-    double own = 0, ahead = 0, start = now_;
-    if (const auto at = flows_.find(flow.name); at != flows_.end()) {
-      for (const Item& item : at->second.queue) own += item.cost;
-      start = std::max(now_, at->second.queue.empty() ? at->second.finish : at->second.start);
-    }
-    start += own / flow.weight;
-    for (const auto& [name, state] : flows_) {
-      if (name == flow.name) continue;
-      double theirs = state.start;
-      for (auto item = state.queue.begin(); item != state.queue.end() && theirs <= start; ++item) {
-        ahead += item->cost;
-        theirs += item->cost / state.weight;
+  /// A task that waits is of this class from now on. A queued one takes the turn of this flow: true.
+  bool move(std::uint64_t id, Priority to, const Flow& flow) {
+    for (const Priority priority : kPriorities) {
+      if (priority == to) continue;
+      if (std::optional<Item> resumed = remove(id, priority, &Line::resumed)) {
+        push_resumed(to, std::move(*resumed));
+      } else if (std::optional<Item> queued = remove(id, priority, &Line::queue)) {
+        queued->flow = flow;
+        push(to, std::move(*queued));
+        return true;
       }
     }
-    return own + ahead;
+    return false;
   }
-  /// The costs of all that is queued.
-  double cost() const {
-    double sum = 0;
-    for (const auto& [name, state] : flows_)
-      for (const Item& item : state.queue) sum += item.cost;
+  /// A task that waits; null when it does not.
+  Item* find(std::uint64_t id) {
+    for (auto& [name, client] : clients_)
+      for (Line& line : client.lines)
+        for (std::deque<Item>* items : {&line.resumed, &line.queue})
+          for (Item& item : *items)
+            if (item.id == id) return &item;
+    return nullptr;
+  }
+
+  // -- what was used
+
+  /// So many seconds were used for this flow, in this class.
+  void charge(Priority priority, const Flow& flow, double seconds) {
+    Client& client = arrives(flow);
+    client.tag = std::max(client.tag, now_ - kCredit) + cost_of(priority) * seconds / client.weight;
+    client.tag = std::min(client.tag, now_ + kMostDebt);
+  }
+  /// The least tag of those who compute.
+  void advance(double tag) { now_ = std::max(now_, tag); }
+
+  // -- figures
+
+  bool empty() const { return size() == 0; }
+  std::size_t size() const {
+    std::size_t size = 0;
+    for (const Priority priority : kPriorities) size += this->size(priority) + resumed(priority);
+    return size;
+  }
+  /// Queued for the first time.
+  std::size_t size(Priority priority) const {
+    return sum(priority, [](const Line& line) { return line.queue.size(); });
+  }
+  std::size_t resumed(Priority priority) const {
+    return sum(priority, [](const Line& line) { return line.resumed.size(); });
+  }
+  std::size_t size_of(const std::string& flow, Priority priority) const {
+    const auto at = clients_.find(flow);
+    return at == clients_.end() ? 0 : at->second.line(priority).queue.size();
+  }
+  /// Flows with something queued.
+  std::size_t busy_flows(Priority priority) const {
+    return sum(priority, [](const Line& line) { return static_cast<std::size_t>(!line.queue.empty()); });
+  }
+
+  /// Ids of what is queued, in the order in which that would begin if nothing came, one processor did all of it, and
+  /// costs were right.
+  std::vector<std::uint64_t> order() const {
+    struct Place {
+      bool operator>(const Place& other) const { return std::pair(key, id) > std::pair(other.key, other.id); }
+      double key;
+      std::uint64_t id;
+      const Client* client;
+      std::size_t line, k;
+      double tag;
+    };
+    std::priority_queue<Place, std::vector<Place>, std::greater<>> turns;
+    const auto add = [&turns](const Client& client, std::size_t line, std::size_t k, double tag) {
+      for (; line < client.lines.size(); ++line, k = 0)
+        if (const auto& queue = client.lines[line].queue; k < queue.size())
+          return turns.push({key(tag, static_cast<Priority>(line)), queue[k].id, &client, line, k, tag});
+    };
+    for (const auto& [name, client] : clients_) add(client, 0, 0, client.tag);
+    std::vector<std::uint64_t> served;
+    while (!turns.empty()) {
+      const Place turn = turns.top();
+      turns.pop();
+      served.push_back(turn.id);
+      const double cost =
+          turn.client->lines[turn.line].queue[turn.k].cost * cost_of(static_cast<Priority>(turn.line));
+      add(*turn.client, turn.line, turn.k + 1, turn.tag + cost / turn.client->weight);
+    }
+    return served;
+  }
+
+  /// Seconds of what would be computed before a new task of this flow, class and cost ends, but for itself. `running`:
+  /// what is left of the tasks of a client and class that run.
+  template <class Running>
+  double ahead_of(Priority priority, const Flow& flow, double cost, double per_cost,
+                  const Running& running) const {
+    const auto left = [&](const Client& client, Priority of) {
+      return running(client, of) + per_cost * client.line(of).cost();
+    };
+    Client mine;
+    mine.tag = now_ - kCredit;
+    double ahead = 0, own = cost_of(priority) * per_cost * cost / flow.weight;
+    const auto at = clients_.find(flow.name);
+    if (at != clients_.end()) {
+      mine.tag = at->second.rests() ? std::max(at->second.tag, mine.tag) : at->second.tag;
+      for (const Priority of : kPriorities) {
+        if (of > priority) break;
+        ahead += left(at->second, of);
+        own += cost_of(of) * left(at->second, of) / flow.weight;
+      }
+    }
+    const double ends = mine.key(priority) + own;
+    for (const auto& [name, client] : clients_) {
+      if (name == flow.name) continue;
+      double used = 0;
+      for (const Priority of : kPriorities) {
+        const double until = std::max(0.0, ends - client.key(of) - used) * client.weight / cost_of(of);
+        const double seconds = std::min(left(client, of), until);
+        ahead += seconds;
+        used += cost_of(of) * seconds / client.weight;
+      }
+    }
+    return ahead;
+  }
+
+  /// Seconds of all that is to be computed of this class and of more urgent ones.
+  template <class Running>
+  double left(Priority priority, double per_cost, const Running& running) const {
+    double seconds = 0;
+    for (const auto& [name, client] : clients_)
+      for (const Priority of : kPriorities)
+        if (of <= priority) seconds += running(client, of) + per_cost * client.line(of).cost();
+    return seconds;
+  }
+
+  // -- what is remembered
+
+  /// Nothing is queued and nothing runs: the end of a busy period, from which nothing is remembered.
+  void idle() {
+    clients_.clear();
+    now_ = 0;
+  }
+  /// Forgets clients that rest and owe nothing, so that those who came once leave nothing behind; and where more than
+  /// `most` are left, what the others owe.
+  void sweep(std::size_t most) {
+    std::erase_if(clients_, [this](const auto& entry) {
+      return entry.second.rests() && entry.second.tag <= now_ - kCredit;
+    });
+    if (clients_.size() > most)
+      std::erase_if(clients_, [](const auto& entry) { return entry.second.rests(); });
+  }
+  std::size_t flows() const { return clients_.size(); }
+
+ private:
+  static constexpr double key(double tag, Priority priority) {
+    return tag - kLead * (1 - static_cast<double>(priority));
+  }
+  /// The client of this flow, who has rested where it does nothing just now.
+  Client& arrives(const Flow& flow) {
+    const auto [at, is_new] = clients_.try_emplace(flow.name);
+    Client& client = at->second;
+    if (is_new) client.name = flow.name;
+    if (is_new || client.rests()) client.tag = is_new ? now_ - kCredit : std::max(client.tag, now_ - kCredit);
+    client.weight = flow.weight;
+    return client;
+  }
+  static void insert(std::deque<Item>& items, Item item) {
+    const auto behind =
+        std::find_if(items.begin(), items.end(), [&](const Item& other) { return other.id > item.id; });
+    items.insert(behind, std::move(item));
+  }
+  std::optional<Item> remove(std::uint64_t id, Priority priority, std::deque<Item> Line::*items) {
+    for (auto& [name, client] : clients_) {
+      std::deque<Item>& from = client.line(priority).*items;
+      const auto at = std::find_if(from.begin(), from.end(), [&](const Item& item) { return item.id == id; });
+      if (at == from.end()) continue;
+      Item item = std::move(*at);
+      from.erase(at);
+      return item;
+    }
+    return std::nullopt;
+  }
+  template <class Count>
+  std::size_t sum(Priority priority, const Count& count) const {
+    std::size_t sum = 0;
+    for (const auto& [name, client] : clients_) sum += count(client.line(priority));
     return sum;
   }
 
-  /// Everything that was queued is done: the end of a busy period, from which nothing is remembered.
-  void idle() {
-    if (size_ > 0) return;
-    flows_.clear();
-    now_ = 0;
-  }
-  /// Forgets flows that owe nothing, so that clients who came once leave nothing behind; and where more than
-  /// `most` are left, what the others owe: tags of flows that came once each may all lie beyond v, for as long
-  /// as there is no end of the busy period.
-  void sweep(std::size_t most) {
-    std::erase_if(flows_, [this](const auto& entry) {
-      return entry.second.queue.empty() && entry.second.finish <= now_;
-    });
-    if (flows_.size() > most)
-      std::erase_if(flows_, [](const auto& entry) { return entry.second.queue.empty(); });
-  }
-  std::size_t flows() const { return flows_.size(); }
-
- private:
-  struct State {
-    std::deque<Item> queue;
-    double start = 0, finish = 0, weight = 1;
-  };
-  using Tag = std::pair<double, std::uint64_t>;  ///< start, id: the least is served next
-  /// Of everything that is queued, as it would be served if nothing came and costs were right.
-  template <class Use>
-  void each_tag(Use use) const {
-    for (const auto& [name, state] : flows_) {
-      double start = state.start;
-      for (const Item& item : state.queue) {
-        use(Tag{start, item.id});
-        start += item.cost / state.weight;
-      }
-    }
-  }
-  /// Ties go to who came first.
-  template <class Flows>
-  static auto next(Flows& flows) -> decltype(flows.begin()) {
-    auto best = flows.end();
-    for (auto at = flows.begin(); at != flows.end(); ++at)
-      if (!at->second.queue.empty() &&
-          (best == flows.end() || std::pair(at->second.start, at->second.queue.front().id) <
-                                      std::pair(best->second.start, best->second.queue.front().id)))
-        best = at;
-    return best;
-  }
-
-  std::map<std::string, State> flows_;
-  std::size_t size_ = 0;
+  std::map<std::string, Client> clients_;
   double now_ = 0;
 };
 

@@ -13,21 +13,17 @@
 namespace fracture {
 
 struct Payer {
+  /// What it asks for takes this turn.
+  Flow turn() const { return {flow.name, flow.weight, account}; }
+
   std::shared_ptr<tenants::Account> account{};  ///< null: nobody is asked for a token
   Flow flow{};                                  ///< of the name, else of the client's address
 };
 
-/// A payer, and the class of its request: its later requests of that class wait for what it is charged.
+/// A payer, and the class of its request, which says what its seconds count as.
 struct Waits {
   Payer payer;
   Priority priority = Priority::kBatch;
-};
-
-/// The turn that a computation has taken, and what that cost its flow before anything was measured.
-struct TurnTaken {
-  Flow flow{};
-  Priority priority = Priority::kBatch;
-  double cost = 0;
 };
 
 /// All who have waited for one computation, each once. Who left while it ran stays: it ran for them, too.

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "server/service/payer.hpp"
@@ -20,11 +22,10 @@ class Urgency {
   /// The leader, who waits like the others, queues the task that computes, at the turn it takes. Who joined
   /// before may be more urgent.
   template <class Submit>
-  void lead(WorkerPool& pool, const TurnTaken& turn, Submit submit) {
+  void lead(WorkerPool& pool, const Flow& flow, Priority priority, Submit submit) {
     const std::lock_guard lock(mutex_);
-    turn_ = turn;
-    add(turn.priority, turn.flow);
-    priority_ = turn.priority;
+    add(priority, flow);
+    priority_ = priority;
     task_ = submit();
     decide(pool);
   }
@@ -50,17 +51,18 @@ class Urgency {
   }
   /// The part has landed. `resume` queues the task as which it goes on.
   template <class Resume>
-  void goes_on(Resume resume) {
+  void goes_on(WorkerPool& pool, Resume resume) {
     const std::lock_guard lock(mutex_);
     part_ = nullptr;
-    task_ = resume(priority_);
+    task_ = resume(priority_, flow());
+    tell_of_others(pool);
   }
 
   /// Its own task computes the part: until end_part() that decides how urgent the task is, for others wait for
   /// the part as well.
   void lead_part(WorkerPool& pool, std::shared_ptr<Urgency> part) {
     const std::lock_guard lock(mutex_);
-    part->lead(pool, {flow(), priority_, 0}, [this] { return task_; });
+    part->lead(pool, flow(), priority_, [this] { return task_; });
     part_ = std::move(part);
     in_part_ = true;
   }
@@ -94,11 +96,6 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return task_;
   }
-  /// What is to be given back when it is known what it has cost.
-  TurnTaken turn() const {
-    const std::lock_guard lock(mutex_);
-    return turn_;
-  }
 
  private:
   struct Waiting {
@@ -112,10 +109,17 @@ class Urgency {
   void add(Priority priority, const Flow& flow) {
     if (waiting(priority) == 0) waiting_[static_cast<std::size_t>(priority)].flow = flow;
     ++waiting(priority);
+    if (!first_) first_ = flow.name;
+    others_ = others_ || flow.name != *first_;
+  }
+  /// That its first client is over its rate must not keep the others waiting.
+  void tell_of_others(WorkerPool& pool) {
+    if (others_ && task_ > 0) pool.share(task_);
   }
   /// Those who wait have changed. When nobody does, it is being stopped, and ends in the class that it has: it is not what
   /// others would have to wait for.
   void decide(WorkerPool& pool) {
+    tell_of_others(pool);
     const Priority before = priority_;
     std::size_t most_urgent = 0;
     while (most_urgent < waiting_.size() && waiting_[most_urgent].count == 0) ++most_urgent;
@@ -124,10 +128,7 @@ class Urgency {
     priority_ = static_cast<Priority>(most_urgent);
     if (part_) part_->move(pool, before, priority_, flow());
     if (in_part_) return;
-    // Where it runs, its turn has come, at the cost of whoever led.
-    if (!pool.reclassify(task_, priority_, flow())) return;
-    turn_.flow = flow();
-    turn_.priority = priority_;
+    pool.reclassify(task_, priority_, flow());
   }
 
   void move(WorkerPool& pool, Priority from, Priority to, const Flow& flow) {
@@ -147,10 +148,11 @@ class Urgency {
   mutable std::mutex mutex_;
   std::array<Waiting, 3> waiting_;  ///< by Priority
   Priority priority_ = Priority::kBackground;
-  WorkerPool::TaskId task_ = 0;  ///< 0: none that could be hurried
-  TurnTaken turn_;
-  std::shared_ptr<Urgency> part_;  ///< what it waits for, or computes as a part
-  bool in_part_ = false;           ///< it computes that itself
+  WorkerPool::TaskId task_ = 0;       ///< 0: none that could be hurried
+  std::optional<std::string> first_;  ///< whose name came first ...
+  bool others_ = false;               ///< ... and whether another one did
+  std::shared_ptr<Urgency> part_;     ///< what it waits for, or computes as a part
+  bool in_part_ = false;              ///< it computes that itself
   bool over_ = false;
 };
 

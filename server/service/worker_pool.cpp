@@ -11,6 +11,23 @@ thread_local WorkerPool::Running* WorkerPool::Running::of_this_thread = nullptr;
 
 Turn* WorkerPool::turn() { return Running::of_this_thread; }
 
+void WorkerPool::charge_by_now() {
+  if (Running* const mine = Running::of_this_thread) mine->charge();
+}
+
+void WorkerPool::stands_still_while_wanted(const Execution& execution) {
+  Running* const mine = Running::of_this_thread;
+  if (!mine) return;
+  const std::lock_guard lock(mine->pool.mutex_);
+  mine->stop_token = execution.stop;
+  mine->deadline = execution.deadline;
+}
+
+bool WorkerPool::stands_back() {
+  const Running* const mine = Running::of_this_thread;
+  return mine && (mine->asked || mine->paused);
+}
+
 double WorkerPool::paused_seconds() {
   const Running* const mine = Running::of_this_thread;
   if (!mine) return 0;
@@ -27,70 +44,65 @@ WorkerPool::WorkerPool(int threads, std::size_t max_queue, const Longest& longes
     : max_queue_(max_queue),
       longest_{longest.realtime, longest.batch},
       thread_count_(static_cast<std::size_t>(std::max(1, threads))) {
-  // As many for each class, whose jobs stand still for those of the others: as many jobs compute at the same
-  // time as was asked for.
-  threads_.reserve(most_running());
-  for (std::size_t t = 0; t < most_running(); ++t) threads_.emplace_back([this] { work(); });
+  threads_.reserve(kMostThreads);
+  for (std::size_t t = 0; t < thread_count_; ++t) {
+    threads_.emplace_back([this] { work(); });
+    const std::lock_guard lock(mutex_);
+    ++free_threads_;
+  }
 }
 
 WorkerPool::~WorkerPool() {
   {
     const std::lock_guard lock(mutex_);
-    stopping_ = true;
+    stopping_ = true;  // nothing is held, and no thread is started any more
+    schedule();
   }
   wake_.notify_all();
-  go_on_.notify_all();
   for (std::thread& thread : threads_) thread.join();
 }
 
-WorkerPool::TaskId WorkerPool::submit(Priority priority, double cost, Job job, const Flow& flow) {
+WorkerPool::TaskId WorkerPool::submit(Priority priority, double cost, Job job, const Flow& flow, Used used) {
   const std::lock_guard lock(mutex_);
   const TaskId id = next_++;
-  of(priority).queue.push({id, cost, flow, Clock::now(), std::move(job), priority});
-  changed();
+  queue_.push(priority, {id, cost, flow, Clock::now(), std::move(job), std::move(used), priority});
+  schedule();
   return id;
 }
 
-WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority, double cost,
-                                      std::optional<Priority> origin) {
+WorkerPool::TaskId WorkerPool::resume(Job job, Priority priority, double cost, std::optional<Priority> origin,
+                                      const Flow& flow, Used used) {
   const std::lock_guard lock(mutex_);
   const TaskId id = next_++;
-  of(priority).resumed.push_back({id, cost, {}, Clock::now(), std::move(job), origin.value_or(priority)});
-  changed();
+  queue_.push_resumed(
+      priority, {id, cost, flow, Clock::now(), std::move(job), std::move(used), origin.value_or(priority)});
+  schedule();
   return id;
 }
 
 bool WorkerPool::reclassify(TaskId task, Priority priority, const Flow& flow) {
   const std::lock_guard lock(mutex_);
-  if (const auto at = running_.find(task); at != running_.end()) {
-    become(*at->second, priority);
-    changed();
-    return false;
-  }
   bool is_queued = false;
-  for (const Priority before : kPriorities) {
-    if (before == priority) continue;
-    std::deque<Task>& resumed = of(before).resumed;
-    const auto waiting =
-        std::find_if(resumed.begin(), resumed.end(), [&](const Task& waits) { return waits.id == task; });
-    if (waiting != resumed.end()) {
-      of(priority).resumed.push_back(std::move(*waiting));
-      resumed.erase(waiting);
-    } else if (std::optional<Task> queued = of(before).queue.remove(task)) {
-      queued->flow = flow;
-      of(priority).queue.push(std::move(*queued));
-      is_queued = true;
-    }
-  }
-  changed();
+  if (const auto at = running_.find(task); at != running_.end())
+    become(*at->second, priority);
+  else
+    is_queued = queue_.move(task, priority, flow);
+  schedule();
   return is_queued;
+}
+
+void WorkerPool::share(TaskId task) {
+  const std::lock_guard lock(mutex_);
+  if (const auto at = running_.find(task); at != running_.end())
+    at->second->task.shared = true;
+  else if (Task* const waits = queue_.find(task))
+    waits->shared = true;
+  schedule();
 }
 
 bool WorkerPool::withdraw(TaskId task) {
   std::unique_lock lock(mutex_);
-  std::optional<Task> withdrawn;
-  for (const Priority priority : kPriorities)
-    if (!withdrawn) withdrawn = of(priority).queue.remove(task);
+  std::optional<Task> withdrawn = queue_.remove(task);
   if (!withdrawn) return false;
   ++withdrawing_;
   lock.unlock();
@@ -102,13 +114,24 @@ bool WorkerPool::withdraw(TaskId task) {
 }
 
 void WorkerPool::charge(Priority priority, const Flow& flow, double seconds) {
+  if (flow.account) flow.account->charge(seconds);
   const std::lock_guard lock(mutex_);
-  of(priority).queue.charge(flow, seconds);
+  queue_.charge(priority, flow, seconds);
+  // Who computes and uses nothing (it waits for a disk, say) holds the others' time up no more.
+  const Clock::time_point now = Clock::now();
+  std::optional<double> least;
+  for (const auto& [id, job] : running_)
+    if (job->computes() && now - job->used_at < std::chrono::milliseconds(100))
+      least = std::min(least.value_or(job->client.tag), job->client.tag);
+  if (least) queue_.advance(*least);
+  if ((charged_ += seconds) < Seconds(kQuantum).count() / 4) return;
+  charged_ = 0;
+  schedule();
 }
 
 void WorkerPool::revise(TaskId task, double cost) {
   const std::lock_guard lock(mutex_);
-  if (const auto at = running_.find(task); at != running_.end()) at->second->cost = cost;
+  if (const auto at = running_.find(task); at != running_.end()) at->second->task.cost = cost;
 }
 
 void WorkerPool::wait_idle() {
@@ -116,21 +139,18 @@ void WorkerPool::wait_idle() {
   idle_.wait(lock, [this] { return is_idle(); });
 }
 
-std::size_t WorkerPool::queued_locked() const {
-  std::size_t queued = 0;
-  for (const Class& waits : classes_) queued += waits.resumed.size() + waits.queue.size();
-  return queued;
-}
+// -- who computes
 
 std::size_t WorkerPool::running_of(Priority priority) const {
   return static_cast<std::size_t>(std::count_if(
       running_.begin(), running_.end(), [&](const auto& job) { return job.second->priority == priority; }));
 }
 
-std::size_t WorkerPool::places_of(Priority priority) const {
+std::size_t WorkerPool::places_of(const Client& client, Priority priority) const {
   return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(), [&](const auto& job) {
-    return job.second->priority == priority ||
-           (job.second->began == priority && job.second->priority < priority);
+    return &job.second->client == &client &&
+           (job.second->priority == priority ||
+            (job.second->began == priority && job.second->priority < priority));
   }));
 }
 
@@ -140,61 +160,145 @@ std::size_t WorkerPool::computing(Priority least) const {
   }));
 }
 
-bool WorkerPool::any_paused(Priority least) const {
+bool WorkerPool::computes(const Client& client) const {
+  return std::any_of(running_.begin(), running_.end(), [&](const auto& job) {
+    return &job.second->client == &client && job.second->computes();
+  });
+}
+
+bool WorkerPool::any_paused() const {
   return std::any_of(running_.begin(), running_.end(),
-                     [&](const auto& job) { return job.second->paused && job.second->priority <= least; });
+                     [](const auto& job) { return job.second->paused.load(); });
 }
 
-bool WorkerPool::has_thread(Priority priority) const {
-  if (priority == Priority::kRealtime) return running_.size() < most_running();
-  return running_.size() < most_running() - thread_count_ && places_of(priority) < thread_count_;
+bool WorkerPool::has_place(const Client& client, Priority priority) const {
+  const std::size_t most = kPriorities.size() * thread_count_;
+  if (priority == Priority::kRealtime) return client.running < most;
+  return client.running < most - thread_count_ && places_of(client, priority) < thread_count_;
 }
 
-bool WorkerPool::may_begin(Priority priority) const {
-  if (!has_thread(priority)) return false;
-  const std::size_t now = computing();
-  if (priority == Priority::kRealtime)
-    return now < thread_count_ || (now == thread_count_ && thread_count_ > 1 && running_of(priority) == 0);
-  return now < thread_count_ && !any_paused(priority);  // who stands still goes on before others begin
+bool WorkerPool::is_held(const Flow& flow, bool shared) const {
+  return flow.account && !shared && !stopping_ && flow.account->is_over_processor_rate();
 }
 
-bool WorkerPool::must_stand_back(Priority priority) const {
-  if (computing(priority) > thread_count_) return true;
-  if (computing() < thread_count_) return false;
-  for (const Priority urgent : kPriorities) {
-    if (urgent >= priority) break;
-    if (any_paused(urgent) || (of(urgent).waits() && has_thread(urgent) && !may_begin(urgent))) return true;
+bool WorkerPool::has_thread() {
+  if (free_threads_ > begun_.size()) return true;
+  if (stopping_ || threads_.size() >= kMostThreads) return false;
+  try {
+    threads_.emplace_back([this] { work(); });
+  } catch (const std::exception&) {  // the system gives no more: a task waits until one of them is free
+    return false;
   }
-  return false;
-}
-
-bool WorkerPool::may_go_on(Priority priority) const {
-  if (computing() >= thread_count_) return false;
-  for (const Priority urgent : kPriorities) {
-    if (urgent >= priority) break;
-    if (any_paused(urgent) || (of(urgent).waits() && may_begin(urgent))) return false;
-  }
+  ++free_threads_;
   return true;
 }
 
-std::optional<WorkerPool::Next> WorkerPool::next() const {
-  std::optional<Next> chosen;
-  for (const Priority priority : kPriorities) {
-    const Class& waiting = of(priority);
-    if (!waiting.waits() || !may_begin(priority)) continue;
-    const bool aged = chosen && waiting.front().arrival + kAging < of(chosen->priority).front().arrival;
-    if (!chosen || aged) chosen = Next{priority, waiting.resumed_is_next()};
+void WorkerPool::schedule() {
+  end_classes();
+  const Clock::time_point now = Clock::now();
+  std::vector<Running*> paused;
+  for (const auto& [id, job] : running_)
+    if (job->paused && !job->is_held()) paused.push_back(job);
+  std::sort(paused.begin(), paused.end(), [](const Running* a, const Running* b) {
+    return std::pair(a->key(), a->task.id) < std::pair(b->key(), b->task.id);
+  });
+  holds_ = false;
+  const auto may_begin = [this](const Client& client, Priority priority) {
+    if (!has_place(client, priority)) return false;
+    const Task& task = client.line(priority).front();
+    if (!is_held(task.flow, task.shared)) return true;
+    holds_ = true;
+    return false;
+  };
+  std::vector<Queue::Next> fresh = queue_.candidates(may_begin);
+  for (std::size_t busy = computing(); busy < thread_count_ && !(paused.empty() && fresh.empty()); ++busy) {
+    const bool begins =
+        !fresh.empty() && (paused.empty() || fresh.front().key() < paused.front()->key()) && has_thread();
+    if (begins) {
+      begin(fresh.front());
+      fresh = queue_.candidates(may_begin);
+    } else if (!paused.empty()) {
+      paused.front()->start_again();
+      paused.erase(paused.begin());
+    } else {
+      break;  // there is no thread
+    }
   }
-  return chosen;
+  // One more than there are processors for: a collision, if none computes; or who has stood still for long.
+  if (computing() == thread_count_) {
+    const auto collision = std::find_if(fresh.begin(), fresh.end(), [](const Queue::Next& next) {
+      return next.priority == Priority::kRealtime;
+    });
+    // Who stands still for other clients has its turn by what they use.
+    const auto longest = std::find_if(paused.begin(), paused.end(), [this, now](const Running* job) {
+      return job->stood(now) >= kLongestPause && computes(job->client);
+    });
+    if (thread_count_ > 1 && collision != fresh.end() && computing(Priority::kRealtime) == 0 &&
+        has_thread()) {
+      begin(*collision);
+      fresh = queue_.candidates(may_begin);
+    } else if (longest != paused.end()) {
+      (*longest)->start_again();
+      paused.erase(longest);
+    }
+  }
+  ask(fresh, paused);
+  if (holds_ && !watches_) wake_.notify_one();
 }
 
-WorkerPool::Task WorkerPool::take(Next next) {
-  Class& from = of(next.priority);
-  from.resumed_was_last = next.resumed;
-  if (!next.resumed) return from.queue.pop();
-  Task task = std::move(from.resumed.front());
-  from.resumed.pop_front();
-  return task;
+void WorkerPool::begin(const Queue::Next& next) {
+  Task task = queue_.take(next);
+  // If it was hurried and there is a place where it comes from, it is that which it keeps.
+  const bool has_its_place = task.origin > next.priority && has_place(*next.client, task.origin);
+  const TaskId id = task.id;
+  const Priority place = has_its_place ? task.origin : next.priority;
+  begun_.push_back(std::make_unique<Running>(*this, *next.client, std::move(task), next.priority, place));
+  running_[id] = begun_.back().get();
+  wake_.notify_one();
+}
+
+double WorkerPool::quantum(const Running& job) {
+  return Seconds(kQuantum).count() * Queue::cost_of(job.priority);
+}
+
+void WorkerPool::ask(const std::vector<Queue::Next>& fresh, const std::vector<Running*>& paused) {
+  const Clock::time_point now = Clock::now();
+  std::vector<Running*> computing;
+  for (const auto& [id, job] : running_) {
+    job->asked = job->computes() && job->is_held();
+    if (job->computes() && !job->asked && !job->is_protected(now)) computing.push_back(job);
+  }
+  // The least entitled first; of a client's the one that began last.
+  std::sort(computing.begin(), computing.end(), [](const Running* a, const Running* b) {
+    return std::pair(a->key(), a->task.id) > std::pair(b->key(), b->task.id);
+  });
+  struct Waits {
+    const Client* client;
+    Priority priority;
+  };
+  std::vector<Waits> waiting;
+  for (const Running* job : paused) waiting.push_back({&job->client, job->priority});
+  for (const Queue::Next& next : fresh) waiting.push_back({next.client, next.priority});
+  std::sort(waiting.begin(), waiting.end(), [](const Waits& a, const Waits& b) {
+    return a.client->key(a.priority) < b.client->key(b.priority);
+  });
+  const auto goes_before = [](const Waits& waits, const Running& job) {
+    if (waits.client == &job.client) return waits.priority < job.priority;
+    const bool may_be_stopped = waits.priority < job.priority || job.used_by_now >= Seconds(kShort).count();
+    return may_be_stopped && waits.client->key(waits.priority) + quantum(job) < job.key();
+  };
+  const std::size_t all = this->computing();
+  std::size_t too_many = all > thread_count_ ? all - thread_count_ : 0;
+  auto first = waiting.begin();
+  for (Running* const job : computing) {
+    const bool outranked = all >= thread_count_ && first != waiting.end() && goes_before(*first, *job);
+    if (too_many == 0 && !outranked) break;
+    job->asked = true;
+    if (too_many > 0)
+      --too_many;
+    else
+      ++first;
+  }
 }
 
 void WorkerPool::become(Running& job, Priority priority) {
@@ -205,104 +309,92 @@ void WorkerPool::become(Running& job, Priority priority) {
         job.spent[static_cast<std::size_t>(spent)] >= longest_[static_cast<std::size_t>(spent)])
       priority = kPriorities[static_cast<std::size_t>(spent) + 1];
   const Priority before = std::exchange(job.priority, priority);
-  if (before == priority) return;
   if (priority > before) thin_out();
-  go_on_.notify_all();
 }
 
 void WorkerPool::thin_out() {
   for (const Priority least : {Priority::kBackground, Priority::kBatch}) {
     const std::size_t most = least == Priority::kBatch ? 2 * thread_count_ : thread_count_;
     const auto counts = [least](const Running& job) { return job.priority >= least && !job.must_end; };
-    auto count = static_cast<std::size_t>(std::count_if(
-        running_.begin(), running_.end(), [&](const auto& job) { return counts(*job.second); }));
+    std::map<const Client*, std::size_t> count;
+    for (const auto& [id, job] : running_) count[&job->client] += counts(*job);
     // The latest first. Of the others no more begin than may run.
-    for (auto job = running_.rbegin(); count > most && job != running_.rend(); ++job) {
-      if (!counts(*job->second) || job->second->began >= least) continue;
-      job->second->must_end = true;
-      --count;
+    for (auto at = running_.rbegin(); at != running_.rend(); ++at) {
+      Running& job = *at->second;
+      if (!counts(job) || job.began >= least || count[&job.client] <= most) continue;
+      job.must_end = true;
+      job.go_on.notify_all();
+      --count[&job.client];
     }
   }
 }
 
 void WorkerPool::end_classes() {
+  if (queue_.empty() && !any_paused()) return;  // nobody waits
   const Clock::time_point now = Clock::now();
-  Clock::time_point next = Clock::time_point::max();
-  for (const auto& [id, job] : running_) {
+  for (const auto& [id, job] : running_)
     if (job->class_ends() <= now) become(*job, job->priority);
-    next = std::min(next, job->class_ends());
-  }
-  const bool somebody_waits = queued_locked() > 0 || any_paused(Priority::kBackground);
-  class_ends_ = somebody_waits ? next.time_since_epoch().count() : kNever;
 }
 
-bool WorkerPool::some_class_ended() const {
-  const Clock::rep end = class_ends_.load(std::memory_order_relaxed);
-  return end != kNever && Clock::now().time_since_epoch().count() >= end;
-}
-
-/// Tells whom a change concerns.
-void WorkerPool::changed() {
-  end_classes();
-  const auto some_must = [this](Priority priority) {
-    const auto computes = [priority](const auto& job) {
-      return job.second->priority == priority && job.second->computes();
-    };
-    return std::any_of(running_.begin(), running_.end(), computes) && must_stand_back(priority);
-  };
-  urgent_ = some_must(Priority::kBatch) || some_must(Priority::kBackground);
-  if (next()) wake_.notify_one();
-  if (computing() < thread_count_) go_on_.notify_all();
-}
+// -- the threads
 
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    std::optional<Next> chosen;
-    wake_.wait(lock, [&] { return (chosen = next()) || (stopping_ && queued_locked() == 0); });
-    if (!chosen) return;
-    Task task = take(*chosen);
-    // Where it was hurried and there is a place where it comes from, it is that which it keeps.
-    const bool has_its_place = task.origin > chosen->priority && has_thread(task.origin);
-    Running job(*this, chosen->priority, task.cost, has_its_place ? task.origin : chosen->priority);
-    running_[task.id] = &job;
-    std::size_t sharing = computing(chosen->priority);
-    for (const Priority priority : kPriorities)  // those that are less urgent stand back
-      if (priority <= chosen->priority) sharing += of(priority).resumed.size() + of(priority).queue.size();
-    sharing = std::clamp<std::size_t>(sharing, 1, thread_count_);
-    changed();
-    lock.unlock();
-
-    Running::of_this_thread = &job;
-    try {
-      task.job(static_cast<int>(thread_count_ / sharing));
-    } catch (...) {  // a bug, or no memory even to say that there is none: the others go on
-      ++escaped_;
+    if (begun_.empty() && stopping_ && queue_.empty()) return;
+    if (begun_.empty() && holds_ && !watches_) {
+      watches_ = true;
+      wake_.wait_for(lock, Clock::duration(kQuantum));
+      watches_ = false;
+      schedule();
+      continue;
     }
-    task.job = nullptr;  // what it holds (a request body) is released here, not when the next job arrives
-    Running::of_this_thread = nullptr;
-
+    if (begun_.empty()) {
+      wake_.wait(lock);
+      continue;
+    }
+    const std::unique_ptr<Running> job = std::move(begun_.front());
+    begun_.pop_front();
+    --free_threads_;
+    std::size_t sharing = computing(job->priority);
+    for (const Priority priority : kPriorities)  // those that are less urgent stand back
+      if (priority <= job->priority) sharing += queue_.resumed(priority) + queue_.size(priority);
+    sharing = std::clamp<std::size_t>(sharing, 1, thread_count_);
+    lock.unlock();
+    run(*job, static_cast<int>(thread_count_ / sharing));
     lock.lock();
-    running_.erase(task.id);
+    running_.erase(job->task.id);
+    queue_.end(job->client);
+    ++free_threads_;
     rest();
   }
 }
 
+void WorkerPool::run(Running& job, int threads) {
+  Running::of_this_thread = &job;
+  job.charged = processor_seconds_of_this_thread();
+  try {
+    job.task.job(threads);
+    job.charge();
+  } catch (...) {  // a bug, or no memory even to say that there is none: the others go on
+    ++escaped_;
+  }
+  // What they hold (a request body) is released here, not when the next job arrives.
+  job.task.job = nullptr;
+  job.task.used = nullptr;
+  Running::of_this_thread = nullptr;
+}
+
 /// A task has ended, one way or another.
 void WorkerPool::rest() {
-  const std::size_t most = 2 * max_queue_ + thread_count_;  // flows of one class that are remembered
-  for (const Priority priority : kPriorities) {
-    Class& served = of(priority);
-    if (!served.waits() && running_of(priority) == 0)
-      served.queue.idle();
-    else if (served.queue.flows() > most)
-      served.queue.sweep(most);
-  }
-  if (is_idle()) {
-    idle_.notify_all();
-    if (stopping_) wake_.notify_all();
-  }
-  changed();
+  const std::size_t most = 2 * max_queue_ + thread_count_;  // clients that are remembered
+  if (running_.empty() && queue_.empty())
+    queue_.idle();
+  else if (queue_.flows() > most)
+    queue_.sweep(most);
+  if (is_idle()) idle_.notify_all();
+  if (is_idle() && stopping_) wake_.notify_all();
+  schedule();
 }
 
 }  // namespace fracture

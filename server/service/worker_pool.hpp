@@ -1,24 +1,28 @@
-// The threads that compute, and the queues before them. Three classes: realtime work (a collision) goes before
-// batch work (a client waits for the answer), and that before background work (jobs that nobody waits for). But
-// work ages: a task that has waited kAging longer than one of a more urgent class goes before it, so that none
-// starves. Within a class the flows (names, addresses) take turns by what they have used (fair_queue.hpp).
-// Every task says what it should cost; costs queued over the throughput that was measured is how long a new
-// one would wait, so that a client is refused at once instead of waiting for an answer that comes too late.
+// The threads that compute, and who has them. Three classes: realtime work (a collision) goes before batch work (a
+// client waits for the answer), and that before background work (jobs that nobody waits for). Among clients (names,
+// addresses) who has used less processor time goes first, whatever the class (fair_queue.hpp says how the two meet).
+// Every task says what it should cost; costs that go before a new one over the throughput that was measured is how
+// long it would wait, so that a client is refused at once instead of waiting for an answer that comes too late.
 //
-// No work waits for that of a less urgent class to end. A batch or background computation that polls
-// (base/execution.hpp) while more urgent work waits for a processor stands still there and leaves it its
-// processor; the urgent task runs on a thread of its own, since a computation's scratch memory belongs to its
-// thread. It stands still for kLongestPause at most and then computes for a quarter of that at least: nothing
-// it holds (a place among the import workers, a value that others wait for) can be held for ever, and it gets a
-// fifth of the time even where urgent work never ends. Where there are two threads or more, realtime work need
-// not even wait for the poll: beside jobs on all of them one realtime job more is begun at once, and whoever
-// polls first makes room.
+// This holds while tasks run, and not only when they begin. What a task uses is charged at its polls
+// (base/execution.hpp), some hundred times a second. As many tasks compute as was asked for; whoever should compute
+// now and does not, because it waits or stands still, takes the place of the task that should the least: that one stands
+// still at its next poll. So each task has a thread of its own, because a computation's scratch memory belongs to its
+// thread; threads are started when they are needed. If there are two processors or more, realtime work need not even wait
+// for the poll: when tasks compute on all of them, one more is begun at once, and whoever polls first makes room.
+//
+// Nobody stands still for ever. Other clients use up their turn. And whoever stood still for kLongestPause while another
+// task of its client computes goes on for a quarter of that, one task at a time beyond those that there are processors
+// for. So nothing that it holds (a value that others wait for) is held for ever, and within a client each class gets its
+// part of the time even if more urgent work never ends.
+//
+// A client that is over its processor rate (tenants/account.hpp) computes nothing until it is within it again, except what
+// others wait for, too.
 //
 // A task that runs may change its class, and those who hurry it by turns may do so for ever. So it is of a class for a
-// limited time in all (Longest), and of the next one from then on. As many tasks begin in a class as there are threads,
-// and each keeps its place there while it is more urgent. So where too many run, it is those who began in a more urgent
-// class: they end at their next poll (kOverloaded), or they would keep threads from more urgent work for as long as
-// they take.
+// limited time in all (Longest), and of the next one from then on. As many tasks of a client begin in a class as there
+// are processors, and each keeps its place there while it is more urgent. So where too many run, it is those who began
+// in a more urgent class: they end at their next poll (kOverloaded), or they would keep threads for as long as they take.
 #pragma once
 
 #include <array>
@@ -30,6 +34,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -41,19 +46,21 @@
 
 namespace fracture {
 
-/// The most urgent first.
-enum class Priority { kRealtime, kBatch, kBackground };
-
 /// For how long a task that runs is realtime, or batch work, in all: nobody waits longer in that class.
 struct Longest {
   std::chrono::milliseconds realtime{2'000}, batch{60'000};
 };
+
+struct Execution;
 
 class WorkerPool {
  public:
   /// A job is told how many threads it may use for its own loops: the pool's threads divided among the jobs
   /// that run, so that a lone request uses every core and a loaded server runs one job a core.
   using Job = std::function<void(int threads)>;
+  /// Told on the job's thread, at some of its polls and at its end, how many seconds it has used since it was told
+  /// before. Charges whoever it is for.
+  using Used = std::function<void(double seconds)>;
   using TaskId = std::uint64_t;
 
   /// `threads`: jobs that compute at the same time.
@@ -65,23 +72,31 @@ class WorkerPool {
 
   /// The id of the task; never refused (look at full() and predicted_wait() first). `cost`: what the job
   /// should take, in seconds of one thread of a machine of nominal speed; measured() says how far off such
-  /// estimates are. Jobs must not throw.
-  TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {});
-  /// Work that was admitted before and goes on: never refused, and every other task of its class that begins is
-  /// such a one while any wait. `cost`: what is left of it; `origin`: the class in which it was submitted.
+  /// estimates are. `used`: empty, the flow is charged. Jobs must not throw.
+  TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {}, Used used = {});
+  /// Work that was admitted before and goes on: never refused, and every other task of its client and class that begins
+  /// is such a one while any wait. `cost`: what is left of it; `origin`: the class in which it was submitted.
   TaskId resume(Job job, Priority priority = Priority::kRealtime, double cost = 0,
-                std::optional<Priority> origin = std::nullopt);
+                std::optional<Priority> origin = std::nullopt, const Flow& flow = {}, Used used = {});
   /// A task is of this class from now on, queued or running, or of the most urgent one that is left to it (Longest).
   /// Nothing happens when it is neither, or of that class already. True: it is queued, and takes the turn of this flow
   /// there instead of the one that it had.
   bool reclassify(TaskId task, Priority priority, const Flow& flow = {});
+  /// Another client waits for the task, too: that the first one is over its processor rate holds it up no longer.
+  void share(TaskId task);
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
-  /// A flow has used so many seconds more (or less) than the costs of its tasks said.
+  /// So many seconds were used for a flow, and its account.
   void charge(Priority priority, const Flow& flow, double seconds);
 
   /// Of the job that the calling thread runs, for its Execution; null on other threads.
   static Turn* turn();
+  /// What the job that the calling thread runs has used is charged by now.
+  static void charge_by_now();
+  /// The job that the calling thread runs stands still no longer when this is stopped or past its deadline: its poll says so.
+  static void stands_still_while_wanted(const Execution& execution);
+  /// The job that the calling thread runs should stand still at its next poll, or does.
+  static bool stands_back();
   /// Seconds for which the job that the calling thread runs was made to stand still, by now.
   static double paused_seconds();
   /// Processor seconds that went into it in other processes (Turn::spent_elsewhere), by now.
@@ -101,9 +116,13 @@ class WorkerPool {
   /// for themselves: they may wait for long, and nobody else is turned away for them.
   bool full(Priority priority, const Flow& flow = {}) const;
 
-  /// How long a new job of this class and flow would be queued: what goes before it, over the throughput
-  /// measured so far.
-  std::chrono::duration<double> predicted_wait(Priority priority, const Flow& flow = {}) const;
+  /// How long a new job of this class, flow and cost would be queued or stand still: what is computed before its end, over
+  /// the throughput measured so far.
+  std::chrono::duration<double> predicted_wait(Priority priority, const Flow& flow = {},
+                                               double cost = 0) const;
+  /// How long all work of this class and of more urgent ones that has come would take: for whoever has used more than
+  /// everybody else, and so for the need of further servers.
+  std::chrono::duration<double> backlog(Priority priority) const;
   /// What a job of this cost should take, by the same measure.
   std::chrono::duration<double> predicted_run(double cost) const;
 
@@ -121,86 +140,86 @@ class WorkerPool {
   /// Jobs that threw, though they must not.
   std::uint64_t escaped() const { return escaped_; }
 
-  /// A task is served before more urgent ones that came this much later.
-  static constexpr std::chrono::milliseconds kAging{1000};
-  /// A job stands still for at most this long at once ...
+  static constexpr std::chrono::milliseconds kAging = FairQueue<int>::kAging;
+  /// A task stands still for one of a client that has used so much less; each computes for about twice that before
+  /// it is the other's turn.
+  static constexpr std::chrono::milliseconds kQuantum{20};
+  /// But what takes no longer than this ends first, unless another client's is more urgent: so that when many clients ask for
+  /// more than there is, each of their short computations is not begun only to stand still for the next one.
+  static constexpr std::chrono::milliseconds kShort{30};
+  /// A job stands still for others of its client for at most this long at once ...
   static constexpr std::chrono::milliseconds kLongestPause{250};
-  /// ... and then not again for a quarter of the time that it stood still, or this.
-  static constexpr std::chrono::milliseconds kLeastWork{10};
+  /// ... and then not again for so long.
+  static constexpr std::chrono::milliseconds kLeastWork = kLongestPause / 4;
+  /// Tasks that have begun, those that stand still included. Beyond that, clients wait for one of them to end.
+  static constexpr std::size_t kMostThreads = 128;
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr Clock::rep kNever = Clock::duration::max().count();
   struct Task {
     TaskId id;
     double cost;
     Flow flow;
     Clock::time_point arrival;
     Job job;
-    Priority origin;  ///< the class in which it was submitted
+    Used used;
+    Priority origin;      ///< the class in which it was submitted
+    bool shared = false;  ///< others wait for it, too
   };
   class Running;
-  struct Class {
-    bool waits() const { return !resumed.empty() || !queue.empty(); }
-    bool resumed_is_next() const { return !resumed.empty() && (queue.empty() || !resumed_was_last); }
-    const Task& front() const { return resumed_is_next() ? resumed.front() : *queue.front(); }
-
-    bool resumed_was_last = false;
-    std::deque<Task> resumed;
-    FairQueue<Task> queue;
-  };
-  struct Next {
-    Priority priority;
-    bool resumed;
-  };
+  using Queue = FairQueue<Task>;
+  using Client = Queue::Client;
 
   void work();
-  /// Some task has been of its class for long enough, and somebody waits. Without the lock.
-  bool some_class_ended() const;
-  std::size_t most_running() const { return classes_.size() * thread_count_; }
+  void run(Running& job, int threads);
   // All of these with the lock.
-  std::size_t queued_locked() const;
-  bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queued_locked() == 0; }
+  bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queue_.empty(); }
   std::size_t running_of(Priority priority) const;
-  /// Which run and are of this class, or began there and are more urgent now.
-  std::size_t places_of(Priority priority) const;
+  /// Of a client which run and are of this class, or began there and are more urgent now.
+  std::size_t places_of(const Client& client, Priority priority) const;
   /// Jobs that compute, of this class and more urgent ones.
   std::size_t computing(Priority least = Priority::kBackground) const;
-  bool any_paused(Priority least) const;
-  Class& of(Priority priority) { return classes_[static_cast<std::size_t>(priority)]; }
-  const Class& of(Priority priority) const { return classes_[static_cast<std::size_t>(priority)]; }
-  /// There is a thread for one more of this class. Each class has as many as may compute, the last of them are
-  /// for realtime jobs alone; who is away or stands still keeps its own.
-  bool has_thread(Priority priority) const;
-  bool may_begin(Priority priority) const;
-  /// Somebody more urgent than this class lacks the processor of one of its jobs.
-  bool must_stand_back(Priority priority) const;
-  /// Nobody more urgent than this class has a use for the processor that is free.
-  bool may_go_on(Priority priority) const;
-  std::optional<Next> next() const;
-  Task take(Next next);
+  bool computes(const Client& client) const;
+  bool any_paused() const;
+  /// A client may have as many jobs of each class as may compute, the last of them are for realtime jobs alone; who is
+  /// away or stands still keeps its place.
+  bool has_place(const Client& client, Priority priority) const;
+  /// Its account is over its rate, and nobody else waits for it.
+  bool is_held(const Flow& flow, bool shared) const;
+  /// There is a thread for one more, or one can be started.
+  bool has_thread();
+  /// Who computes, begins and stands still, as things are. After every change.
+  void schedule();
+  void begin(const Queue::Next& next);
+  /// How much less another client must have used, in what that counts as.
+  static double quantum(const Running& job);
+  /// What is left of the tasks of a client and class that run, as far as it is known.
+  double left_of(const Client& client, Priority priority) const;
+  /// Fewer tasks of this class and of more urgent ones than there are processors.
+  bool has_idle_processors(Priority priority) const;
+  /// Tells those who compute whether they should stand still at their next poll.
+  void ask(const std::vector<Queue::Next>& fresh, const std::vector<Running*>& paused);
   /// A task that runs is of this class from now on, or of the one that is left to it.
   void become(Running& job, Priority priority);
   /// Those that were of their class for long enough are so no longer.
   void end_classes();
   /// Those end that are too many.
   void thin_out();
-  void changed();
   void rest();
 
   const std::size_t max_queue_;
   const std::array<Clock::duration, 2> longest_;  ///< by Priority
   mutable std::mutex mutex_;
-  std::condition_variable wake_, idle_, go_on_;
-  std::array<Class, 3> classes_;
+  std::condition_variable wake_, idle_;
+  Queue queue_;
   std::map<TaskId, Running*> running_;
+  std::deque<std::unique_ptr<Running>> begun_;  ///< that wait for their thread to wake
   TaskId next_ = 1;
   std::size_t withdrawing_ = 0;  ///< tasks that were taken out of the queue and are being released
-  std::size_t thread_count_ = 0;
-  /// Somebody who computes should stand back: read at every poll, without the lock.
-  std::atomic<bool> urgent_{false};
-  /// When the next task has been of its class for long enough, while somebody waits, by Clock. Read like urgent_.
-  std::atomic<Clock::rep> class_ends_{kNever};
+  std::size_t thread_count_ = 0, free_threads_ = 0;
+  double charged_ = 0;    ///< seconds since that was looked at
+  bool holds_ = false;    ///< something waits only because its client is over its rate ...
+  bool watches_ = false;  ///< ... and a free thread looks again soon
   /// Decaying sums over what was measured: seconds it took, seconds it was said to take.
   double took_ = 0.1, cost_ = 0.1;
   std::atomic<std::uint64_t> escaped_{0};

@@ -1,5 +1,6 @@
 // What the pool says of itself: how much waits, how long a new task would, and what it learns that from.
 #include <algorithm>
+#include <unordered_map>
 
 #include "common/base/bulk.hpp"
 #include "server/service/worker_pool.hpp"
@@ -10,18 +11,16 @@ namespace fracture {
 std::vector<std::optional<std::size_t>> WorkerPool::positions(const std::vector<TaskId>& tasks) const {
   std::vector<std::optional<std::size_t>> positions(tasks.size());
   const std::lock_guard lock(mutex_);
-  const std::size_t queued = queued_locked();
+  const std::size_t queued = queue_.size();
   if (queued > kMostPlaced) return positions;
   constexpr std::size_t kAsHashed = 16;  // bytes: two passes over a task take as long as hashing so many
   count_bulk(kAsHashed * queued);
   std::size_t before = 0;
-  for (const Class& waits : classes_) before += waits.resumed.size();
-  for (const Class& waits : classes_) {
-    const auto places = waits.queue.places(tasks);
-    for (std::size_t k = 0; k < tasks.size(); ++k)
-      if (places[k]) positions[k] = before + *places[k];
-    before += waits.queue.size();
-  }
+  for (const Priority priority : kPriorities) before += queue_.resumed(priority);
+  std::unordered_map<TaskId, std::size_t> places;
+  for (const TaskId id : queue_.order()) places.emplace(id, before++);
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    if (const auto at = places.find(tasks[k]); at != places.end()) positions[k] = at->second;
   return positions;
 }
 
@@ -31,10 +30,9 @@ bool WorkerPool::full(Priority priority, const Flow& flow) const {
   for (const Priority counted : kPriorities) {
     if (counted <= priority) ahead += running_of(counted);
     if ((counted == Priority::kBackground) != (priority == Priority::kBackground)) continue;
-    const FairQueue<Task>& queue = of(counted).queue;
-    waiting += queue.size();
-    own += queue.size_of(flow.name);
-    busy += queue.busy_flows();
+    waiting += queue_.size(counted);
+    own += queue_.size_of(flow.name, counted);
+    busy += queue_.busy_flows(counted);
   }
   // An idle worker, or one that stands back, takes the job at once: such a job does not count as queued.
   const std::size_t idle = thread_count_ - std::min(thread_count_, ahead);
@@ -46,27 +44,38 @@ bool WorkerPool::full(Priority priority, const Flow& flow) const {
   return max_queue_ == 0 || own >= std::max<std::size_t>(1, max_queue_ / (others + 1));
 }
 
-std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority, const Flow& flow) const {
-  const std::lock_guard lock(mutex_);
+bool WorkerPool::has_idle_processors(Priority priority) const {
   std::size_t tasks = 0;
-  double ahead = 0;
-  for (const Priority before : kPriorities) {
-    if (before > priority) continue;  // those stand back
-    const Class& queued = of(before);
-    tasks += queued.resumed.size() + queued.queue.size() + running_of(before);
-    ahead += before < priority ? queued.queue.cost() : queued.queue.ahead_of(flow);
-    for (const Task& goes_on : queued.resumed) ahead += goes_on.cost;
-  }
-  if (tasks < thread_count_) return {};
-  ahead *= took_ / cost_;
+  for (const Priority before : kPriorities)
+    if (before <= priority) tasks += queue_.resumed(before) + queue_.size(before) + running_of(before);
+  return tasks < thread_count_;
+}
+
+double WorkerPool::left_of(const Client& client, Priority priority) const {
   const Clock::time_point now = Clock::now();
+  double seconds = 0;
   for (const auto& [id, job] : running_) {
-    if (job->priority > priority) continue;
-    Clock::duration computed = now - job->start - job->paused_for;
-    if (job->paused) computed -= now - job->paused_since;
-    ahead += std::max(0.0, job->cost * took_ / cost_ - Seconds(computed).count());
+    if (&job->client != &client || job->priority != priority) continue;
+    const Clock::duration computed = now - job->start - job->paused_for - job->stood(now);
+    seconds += std::max(0.0, job->task.cost * took_ / cost_ - Seconds(computed).count());
   }
-  return Seconds(ahead / static_cast<double>(thread_count_));
+  return seconds;
+}
+
+std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority, const Flow& flow,
+                                                         double cost) const {
+  const std::lock_guard lock(mutex_);
+  if (has_idle_processors(priority)) return {};
+  const auto left = [this](const Client& client, Priority of) { return left_of(client, of); };
+  return Seconds(queue_.ahead_of(priority, flow, cost, took_ / cost_, left) /
+                 static_cast<double>(thread_count_));
+}
+
+std::chrono::duration<double> WorkerPool::backlog(Priority priority) const {
+  const std::lock_guard lock(mutex_);
+  if (has_idle_processors(priority)) return {};
+  const auto left = [this](const Client& client, Priority of) { return left_of(client, of); };
+  return Seconds(queue_.left(priority, took_ / cost_, left) / static_cast<double>(thread_count_));
 }
 
 std::chrono::duration<double> WorkerPool::predicted_run(double cost) const {
@@ -83,7 +92,7 @@ void WorkerPool::measured(double cost, double seconds) {
 
 std::size_t WorkerPool::queued() const {
   const std::lock_guard lock(mutex_);
-  return queued_locked();
+  return queue_.size();
 }
 
 std::size_t WorkerPool::running() const {

@@ -5,67 +5,51 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <utility>
 
 #include "common/base/execution.hpp"
+#include "common/base/processor_time.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture {
 
 using Seconds = std::chrono::duration<double>;
 
-inline constexpr std::array kPriorities = {Priority::kRealtime, Priority::kBatch, Priority::kBackground};
-
 /// A job on its thread. Everything that is not said to be otherwise is guarded by the pool's mutex.
 class WorkerPool::Running final : public Turn {
  public:
-  Running(WorkerPool& its_pool, Priority its_priority, double its_cost, Priority its_place)
-      : pool(its_pool), priority(its_priority), cost(its_cost), began(its_place) {}
+  Running(WorkerPool& its_pool, Client& its_client, Task its_task, Priority its_priority, Priority its_place)
+      : pool(its_pool),
+        client(its_client),
+        task(std::move(its_task)),
+        priority(its_priority),
+        began(its_place) {}
 
   void give_way() override {
+    if (of_this_thread == this) tick();
     // All threads of a job stand still, also those that poll when the first of them has made room already.
     if (!concerns_it()) return;
     std::unique_lock lock(pool.mutex_);
     end_if_too_many();
-    if (priority == Priority::kRealtime) return;
-    if (!paused) {
-      if (Clock::now() < works_until || !pool.must_stand_back(priority)) return;
-      paused = true;
-      paused_since = Clock::now();
-      pool.changed();
+    if (away || (!paused && !asked)) return;
+    if (!paused) stop();
+    // Every thread of the job waits here; whoever lets it go on lets all of them.
+    while (paused && !must_end && !unwanted()) {
+      go_on.wait_for(lock, kLook);
+      pool.schedule();  // it may have stood still for long enough, or its client may be within its rate again
     }
-    // Every thread of the job waits here; the first that may go on lets all of them.
-    pool.go_on_.wait_until(lock, paused_since + kLongestPause, [this] {
-      return !paused || must_end || priority == Priority::kRealtime || pool.stopping_ ||
-             pool.may_go_on(priority);
-    });
-    if (!paused) return end_if_too_many();
-    paused = false;
-    const Clock::duration stood = Clock::now() - paused_since;
-    paused_for += stood;
-    works_until = Clock::now() + std::max<Clock::duration>(kLeastWork, stood / 4);
-    pool.go_on_.notify_all();
-    pool.changed();
     end_if_too_many();
   }
 
   void end_where_it_must() override {
-    if (!concerns_it()) return;
+    if (of_this_thread == this) tick();
+    if (!must_end.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(pool.mutex_);
     end_if_too_many();
   }
 
-  void leave() override {
-    const std::lock_guard lock(pool.mutex_);
-    away = true;
-    pool.changed();
-  }
-
-  void come_back() override {
-    const std::lock_guard lock(pool.mutex_);
-    away = false;
-    pool.changed();
-  }
-
+  void leave() override { set_away(true); }
+  void come_back() override { set_away(false); }
   void spent_elsewhere(double seconds) override { elsewhere += seconds; }
 
   bool is_urgent() const override {
@@ -73,13 +57,102 @@ class WorkerPool::Running final : public Turn {
     return priority == Priority::kRealtime;
   }
 
-  /// Read at every poll, without the lock.
+  /// What it has used is charged. On its own thread, without the lock.
+  void charge() {
+    const double now = processor_seconds_of_this_thread() + elsewhere;
+    const double used = now - std::exchange(charged, now);
+    if (!(used > 0)) return;
+    {
+      const std::lock_guard lock(pool.mutex_);
+      used_at = Clock::now();
+      used_by_now += used;
+    }
+    if (task.used)
+      task.used(used);
+    else
+      pool.charge(priority_of_charge(), task.flow, used);
+  }
+
+  bool computes() const { return !paused && !away; }
+  bool is_protected(Clock::time_point now) const { return now < works_until; }
+  bool is_held() const { return pool.is_held(task.flow, task.shared); }
+  double key() const { return client.key(priority); }
+  Clock::duration stood(Clock::time_point now) const {
+    return paused ? now - paused_since : Clock::duration(0);
+  }
+
+  /// When it is of its class no longer, if nothing changes.
+  Clock::time_point class_ends() const {
+    const auto of = static_cast<std::size_t>(priority);
+    return priority == Priority::kBackground ? Clock::time_point::max()
+                                             : since + (pool.longest_[of] - spent[of]);
+  }
+
+  void stop() {
+    paused = true;
+    asked = false;
+    paused_since = Clock::now();
+    pool.schedule();
+  }
+  void start_again() {
+    const Clock::time_point now = Clock::now();
+    const Clock::duration time = stood(now);
+    paused = false;
+    paused_for += time;
+    if (time >= kLongestPause) works_until = now + kLeastWork;
+    go_on.notify_all();
+  }
+
+  WorkerPool& pool;
+  Client& client;
+  Task task;
+  Priority priority;
+  const Priority began;  ///< the class whose place it has
+  const Clock::time_point start = Clock::now();
+  std::atomic<bool> asked{false}, paused{false}, must_end{false};  // read at every poll, without the lock
+  std::condition_variable go_on{};
+  Clock::time_point since = start;         // it is of its class
+  std::array<Clock::duration, 3> spent{};  // in each class, before that
+  bool away = false;
+  Clock::time_point paused_since{}, works_until{}, used_at{};
+  Clock::duration paused_for{};
+  double used_by_now = 0;  ///< processor seconds that were charged
+  StopToken stop_token{};
+  std::optional<Clock::time_point> deadline{};
+  // Of the job's own thread alone.
+  double elsewhere = 0;  ///< processor seconds of other processes
+  double charged = 0;    ///< of its thread and elsewhere, by now
+  Clock::time_point next_tick{};
+
+  static thread_local Running* of_this_thread;
+
+ private:
+  /// Between two looks at the clock of the processor; and of one that stands still at whether it is wanted.
+  static constexpr std::chrono::milliseconds kTick{4}, kLook{25};
+
   bool concerns_it() const {
-    return pool.urgent_.load(std::memory_order_relaxed) || paused.load(std::memory_order_relaxed) ||
-           must_end.load(std::memory_order_relaxed) || pool.some_class_ended();
+    return asked.load(std::memory_order_relaxed) || paused.load(std::memory_order_relaxed) ||
+           must_end.load(std::memory_order_relaxed);
+  }
+  bool unwanted() const { return stop_token.stop_requested() || (deadline && Clock::now() > *deadline); }
+  Priority priority_of_charge() const {
+    const std::lock_guard lock(pool.mutex_);
+    return priority;
+  }
+  void tick() {
+    const Clock::time_point now = Clock::now();
+    if (now < next_tick) return;
+    charge();
+    const std::lock_guard lock(pool.mutex_);
+    pool.schedule();
+    next_tick = now + kTick;
+  }
+  void set_away(bool is_away) {
+    const std::lock_guard lock(pool.mutex_);
+    away = is_away;
+    pool.schedule();
   }
   void end_if_too_many() const {
-    if (pool.some_class_ended()) pool.changed();
     if (must_end)
       throw Interrupted(Error{.code = ErrorCode::kOverloaded,
                               .detail =
@@ -87,32 +160,6 @@ class WorkerPool::Running final : public Turn {
                                   "as may. Ask again.",
                               .retry_after = std::chrono::seconds(1)});
   }
-
-  /// When it is of its class no longer, where nothing changes.
-  Clock::time_point class_ends() const {
-    const auto of = static_cast<std::size_t>(priority);
-    return priority == Priority::kBackground ? Clock::time_point::max()
-                                             : since + (pool.longest_[of] - spent[of]);
-  }
-
-  /// Realtime work keeps its processor while it is away.
-  bool computes() const { return !paused && (!away || priority == Priority::kRealtime); }
-
-  WorkerPool& pool;
-  Priority priority;
-  double cost;
-  const Priority began;  ///< the class whose place it has
-  const Clock::time_point start = Clock::now();
-  std::atomic<bool> paused{false}, must_end{false};  // read at every poll, without the lock
-  Clock::time_point since = start;                   // it is of its class
-  std::array<Clock::duration, 3> spent{};            // in each class, before that
-  bool away = false;
-  Clock::time_point paused_since{}, works_until{};
-  Clock::duration paused_for{};
-  // Of the job's own thread alone.
-  double elsewhere = 0;  ///< processor seconds of other processes
-
-  static thread_local Running* of_this_thread;
 };
 
 }  // namespace fracture

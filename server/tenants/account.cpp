@@ -115,6 +115,12 @@ Expected<Account::Seat> Account::begin_computation(Clock::time_point now) {
   return Seat(shared_from_this());
 }
 
+bool Account::is_over_processor_rate(Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  advance(now);
+  return shares_.cores && processor_.level() <= 0;
+}
+
 void Account::charge(double processor_seconds, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   advance(now);

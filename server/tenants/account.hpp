@@ -62,6 +62,8 @@ class Account : public std::enable_shared_from_this<Account> {
   };
   /// kOverShare over the share.
   Expected<Seat> begin_computation(Clock::time_point now = Clock::now());
+  /// It has used more processor time than it may by now: what it asked for stands still.
+  bool is_over_processor_rate(Clock::time_point now = Clock::now());
   /// Processor seconds that were spent for this name, all threads together.
   void charge(double processor_seconds, Clock::time_point now = Clock::now());
   void count_answer(std::uint64_t bytes_in, std::uint64_t bytes_out);

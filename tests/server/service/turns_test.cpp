@@ -1,6 +1,7 @@
 // No work waits for less urgent work: who stands back, when, and that nobody does so for ever.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <latch>
 #include <string>
@@ -302,17 +303,22 @@ TEST(Turns, TwoNamesOneAtTenTimesItsShareAreServedInTurn) {
   test::require_eventually(test::kPatience, "a job to run", [&] { return pool.running() > 0; });
   std::string order;
   const auto add = [&](const char* name) {
-    return pool.submit(kBatch, 1, [&order, name](int) { order += name; }, {name, 1});
+    const auto task = [&order, name](int) {
+      order += name;
+      WorkerPool::turn()->spent_elsewhere(0.1);
+    };
+    return pool.submit(kBatch, 0.1, task, {name, 1});
   };
   for (int k = 0; k < 100; ++k) add("a");
   std::vector<WorkerPool::TaskId> quiet;
   for (int k = 0; k < 10; ++k) quiet.push_back(add("b"));
   const auto positions = pool.positions(quiet);
   for (std::size_t k = 0; k < quiet.size(); ++k) EXPECT_EQ(positions[k], 2 * k + 1);
-  EXPECT_DOUBLE_EQ(pool.predicted_wait(kBatch, {"c", 1}).count(), 2) << "one of each, not all 110";
+  EXPECT_LT(pool.predicted_wait(kBatch, {"c", 1}).count(), 0.01) << "not all 110";
   gate.count_down();
   pool.wait_idle();
-  EXPECT_EQ(order.substr(0, 20), "abababababababababab");
+  const std::string first = order.substr(0, 20);
+  EXPECT_EQ(std::count(first.begin(), first.end(), 'b'), 10) << first;
 }
 
 TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
@@ -362,18 +368,21 @@ TEST(Turns, WhoIsInAHurryGivesTheTurnOfWhatItPromotes) {
   const Flow a{"a", 1}, b{"b", 1};
   std::string order;
   const auto add = [&](Priority priority, double cost, const Flow& flow, char name) {
-    return pool.submit(
-        priority, cost, [&order, name](int) { order += name; }, flow);
+    const auto task = [&order, name, cost](int) {
+      order += name;
+      WorkerPool::turn()->spent_elsewhere(cost);
+    };
+    return pool.submit(priority, cost, task, flow);
   };
-  const WorkerPool::TaskId promoted = add(kBatch, 10, a, 'p');
-  add(Priority::kRealtime, 1, a, '1');
+  const WorkerPool::TaskId promoted = add(kBatch, 0.5, a, 'p');
+  add(Priority::kRealtime, 0.1, a, '1');
   EXPECT_TRUE(pool.reclassify(promoted, kRealtime, b));
   EXPECT_FALSE(pool.reclassify(promoted, kRealtime, b)) << "it is one already";
-  add(Priority::kRealtime, 1, a, '2');
-  add(Priority::kRealtime, 1, b, '3');
+  add(Priority::kRealtime, 0.1, a, '2');
+  add(Priority::kRealtime, 0.1, b, '3');
   gate.count_down();
   pool.wait_idle();
-  EXPECT_EQ(order, "p123") << "b has had ten seconds by then, and a none";
+  EXPECT_EQ(order, "p123") << "b has had half a second by then, and a less";
 }
 
 TEST(Turns, AResumedTaskIsPromotedToo) {

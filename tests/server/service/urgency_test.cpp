@@ -68,7 +68,7 @@ TEST(Urgency, APartOfAJobIsAsUrgentAsWhoWaitsForItAndTheRestIsNot) {
 
   Urgency job;
   const auto part = std::make_shared<Urgency>();
-  job.lead(pool, {{"job", 1}, Priority::kBackground, 0}, [&] { return task; });
+  job.lead(pool, {"job", 1}, Priority::kBackground, [&] { return task; });
   job.lead_part(pool, part);
   part->join(pool, Priority::kBatch, {"client", 1});
   EXPECT_TRUE(eventually(kPatience, "it to go on", [&] { return pool.paused() == 0; }));
@@ -95,15 +95,13 @@ TEST(Urgency, WhoHurriesAResultHurriesWhatItWaitsFor) {
   pool.submit(Priority::kBatch, 0, [&](int) { order += 'b'; });
   Urgency result;
   const auto mesh = std::make_shared<Urgency>();
-  mesh->lead(pool, {{"job", 1}, Priority::kBackground, 0},
+  mesh->lead(pool, {"job", 1}, Priority::kBackground,
              [&] { return pool.submit(Priority::kBackground, 0, [&](int) { order += 'm'; }); });
-  result.lead(pool, {{"job", 1}, Priority::kBackground, 0}, [] { return WorkerPool::TaskId{0}; });
+  result.lead(pool, {"job", 1}, Priority::kBackground, [] { return WorkerPool::TaskId{0}; });
   result.waits_for(pool, mesh);
-  EXPECT_EQ(mesh->turn().priority, Priority::kBackground);
   result.join(pool, Priority::kRealtime, {"game", 1});
   EXPECT_EQ(mesh->priority(), Priority::kRealtime);
-  EXPECT_EQ(mesh->turn().flow.name, "game") << "whose turn it takes is charged for it";
-  result.goes_on([&](Priority priority) {
+  result.goes_on(pool, [&](Priority priority, const Flow&) {
     EXPECT_EQ(priority, Priority::kRealtime);
     return WorkerPool::TaskId{0};
   });
@@ -127,9 +125,9 @@ TEST(Urgency, ATaskThatBeginsBeforeItsNumberIsKnownLearnsIt) {
     seen.wait_for(std::chrono::milliseconds(20));
     return number;
   };
-  result.lead(pool, {{"job", 1}, Priority::kBatch, 0}, [&] { return begins_at_once(7); });
+  result.lead(pool, {"job", 1}, Priority::kBatch, [&] { return begins_at_once(7); });
   EXPECT_EQ(seen.get(), 7u);
-  result.goes_on([&](Priority) { return begins_at_once(8); });
+  result.goes_on(pool, [&](Priority, const Flow&) { return begins_at_once(8); });
   EXPECT_EQ(seen.get(), 8u);
 }
 
@@ -140,19 +138,15 @@ TEST(Urgency, AQueuedTaskGoesBackToItsClassWhenWhoHurriedItLeaves) {
   ASSERT_TRUE(eventually(kPatience, "the thread to be busy", [&] { return pool.running() == 1; }));
   std::string order;
   Urgency job;
-  job.lead(pool, {{"job", 1}, Priority::kBackground, 0}, [&] {
+  job.lead(pool, {"job", 1}, Priority::kBackground, [&] {
     return pool.submit(Priority::kBackground, 0, [&](int) { order += 'j'; }, {"job", 1});
   });
   pool.submit(Priority::kBatch, 0, [&](int) { order += 'b'; });
   job.join(pool, Priority::kRealtime, {"game", 1});
   job.join(pool, Priority::kBatch, {"client", 1});
-  EXPECT_EQ(job.turn().flow.name, "game");
   job.leave(pool, Priority::kRealtime);
   EXPECT_EQ(job.priority(), Priority::kBatch);
-  EXPECT_EQ(job.turn().flow.name, "client") << "it takes its turn now";
   job.leave(pool, Priority::kBatch);
-  EXPECT_EQ(job.turn().flow.name, "job");
-  EXPECT_EQ(job.turn().priority, Priority::kBackground);
   job.leave(pool, Priority::kBackground);
   EXPECT_EQ(job.priority(), Priority::kBackground) << "it is being stopped";
   gate.count_down();
@@ -166,7 +160,7 @@ TEST(Urgency, WhoLeavesTheLeaderStaysAsUrgentAsThoseWhoStillWait) {
   result.join(pool, Priority::kBatch, {"early", 1});
   result.join(pool, Priority::kRealtime, {"game", 1});
   result.leave(pool, Priority::kRealtime);
-  result.lead(pool, {{"leader", 1}, Priority::kBackground, 0}, [] { return WorkerPool::TaskId{0}; });
+  result.lead(pool, {"leader", 1}, Priority::kBackground, [] { return WorkerPool::TaskId{0}; });
   EXPECT_EQ(result.priority(), Priority::kBatch) << "who joined before the leader had its task counts";
   result.leave(pool, Priority::kBackground);
   EXPECT_EQ(result.priority(), Priority::kBatch);
@@ -175,7 +169,7 @@ TEST(Urgency, WhoLeavesTheLeaderStaysAsUrgentAsThoseWhoStillWait) {
 TEST(Urgency, APartIsHurriedNoLongerThanTheResultsThatNeedIt) {
   WorkerPool pool(1, 100);
   const auto lead = [&](Urgency& result, Priority priority) {
-    result.lead(pool, {{"leader", 1}, priority, 0}, [] { return WorkerPool::TaskId{0}; });
+    result.lead(pool, {"leader", 1}, priority, [] { return WorkerPool::TaskId{0}; });
   };
   Urgency job, collision;
   const auto part = std::make_shared<Urgency>();
@@ -203,7 +197,7 @@ TEST(Urgency, APartIsHurriedNoLongerThanTheResultsThatNeedIt) {
 TEST(Urgency, WhoComesTooLateToWaitForAPartWaitsForTheNextOne) {
   WorkerPool pool(1, 100);
   const auto lead = [&](Urgency& result) {
-    result.lead(pool, {{"leader", 1}, Priority::kBackground, 0}, [] { return WorkerPool::TaskId{0}; });
+    result.lead(pool, {"leader", 1}, Priority::kBackground, [] { return WorkerPool::TaskId{0}; });
   };
   Urgency result;
   const auto mesh = std::make_shared<Urgency>(), diagram = std::make_shared<Urgency>();
@@ -211,7 +205,7 @@ TEST(Urgency, WhoComesTooLateToWaitForAPartWaitsForTheNextOne) {
   lead(*mesh);
   lead(*diagram);
   mesh->end();
-  result.goes_on([](Priority) { return WorkerPool::TaskId{0}; });
+  result.goes_on(pool, [](Priority, const Flow&) { return WorkerPool::TaskId{0}; });
   result.waits_for(pool, diagram);
   result.waits_for(pool, mesh);  // late
   result.join(pool, Priority::kRealtime, {"game", 1});

@@ -132,6 +132,19 @@ TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
   EXPECT_NEAR(busy.pool.predicted_wait(kBatch).count(), 22, 1e-6);
 }
 
+TEST(WorkerPool, TheBacklogIsAllOfTheClassAndOfMoreUrgentOnes) {
+  BusyPool busy(100, 0);
+  for (int i = 0; i < 500; ++i) busy.pool.measured(1, 2);
+  for (const char* name : {"a", "b"})
+    for (const Priority priority : {kRealtime, kBatch, Priority::kBackground})
+      busy.pool.submit(priority, 10, [](int) {}, {name, 1});
+  EXPECT_NEAR(busy.pool.backlog(kRealtime).count(), 40, 1e-6);
+  EXPECT_NEAR(busy.pool.backlog(kBatch).count(), 80, 1e-6);
+  EXPECT_NEAR(busy.pool.backlog(Priority::kBackground).count(), 120, 1e-6);
+  EXPECT_NEAR(busy.pool.predicted_wait(kRealtime, {"c", 1}, 1).count(), 2 * 2, 1e-6)
+      << "while it is computed, as much of both";
+}
+
 TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
   std::latch gate(1);  // outlives the pool, whose threads wait at it
   WorkerPool pool(2, 100);
@@ -143,44 +156,32 @@ TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
   gate.count_down();
 }
 
-TEST(WorkerPool, AClassWithNothingToDoRemembersNobodysDebtWhateverOthersCompute) {
-  std::latch background(1), batch(1);  // outlive the pool, whose threads wait at them
-  WorkerPool pool(2, 100);
+TEST(WorkerPool, WhenNothingIsLeftToDoNobodysDebtIsRemembered) {
+  std::latch gate(1);  // outlives the pool, whose threads wait at it
+  WorkerPool pool(1, 100);
   std::string order;
-  const auto running = [&](std::size_t jobs) {
-    EXPECT_TRUE(test::eventually(test::kPatience, "jobs to run or to have run",
-                                 [&] { return pool.queued() == 0 && pool.running() == jobs; }));
-  };
-  pool.submit(Priority::kBackground, 0, [&](int) { background.wait(); });
-  running(1);
-  pool.submit(kBatch, 1000, [](int) {}, {"a", 1});
-  running(1);
-  pool.submit(kBatch, 0, [&](int) { batch.wait(); }, {"gate", 1});
-  running(2);
+  pool.submit(kBatch, 0, [](int) { WorkerPool::turn()->spent_elsewhere(1000); }, {"a", 1});
+  pool.wait_idle();
+  pool.submit(kBatch, 0, [&](int) { gate.wait(); }, {"gate", 1});
   pool.submit(kBatch, 1, [&](int) { order += 'a'; }, {"a", 1});
   pool.submit(kBatch, 1, [&](int) { order += 'b'; }, {"b", 1});
-  batch.count_down();
-  running(1);
-  EXPECT_EQ(order, "ab") << "in the order of arrival";
-  background.count_down();
+  gate.count_down();
   pool.wait_idle();
+  EXPECT_EQ(order, "ab") << "in the order of arrival";
 }
 
-TEST(WorkerPool, WhoWasRealtimeForAWhileAndIsAwayLeavesItsProcessorAgain) {
+TEST(WorkerPool, WhoIsAwayLeavesItsProcessorHoweverUrgentItIs) {
   std::latch gate(1);
   WorkerPool pool(1, 100);
-  std::atomic<bool> away{false}, realtime{false};
-  const auto hurried = pool.submit(kBatch, 0, [&](int) {
+  std::atomic<bool> away{false}, batch{false};
+  pool.submit(kRealtime, 0, [&](int) {
     const Away elsewhere(WorkerPool::turn());
     away = true;
     gate.wait();
   });
   EXPECT_TRUE(test::eventually(test::kPatience, "it to be away", [&] { return away.load(); }));
-  pool.reclassify(hurried, kRealtime);
-  pool.submit(kRealtime, 0, [&](int) { realtime = true; });
-  EXPECT_FALSE(realtime) << "realtime work keeps its processor";
-  pool.reclassify(hurried, kBatch);
-  EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job", [&] { return realtime.load(); }));
+  pool.submit(kBatch, 0, [&](int) { batch = true; });
+  EXPECT_TRUE(test::eventually(test::kPatience, "the batch job", [&] { return batch.load(); }));
   gate.count_down();
   pool.wait_idle();
 }

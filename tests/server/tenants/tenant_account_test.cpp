@@ -96,6 +96,20 @@ TEST(Account, MeasuredProcessorSecondsArePaidBack) {
   EXPECT_DOUBLE_EQ(studio->figures().processor_seconds, 8);
 }
 
+TEST(Account, WhoIsOverItsProcessorRateIsSoUntilItHasComeTogetherAgain) {
+  Shares shares;
+  shares.cores = 0.5;  // five seconds at once
+  const auto studio = account(shares);
+  studio->charge(4.9, kStart);
+  EXPECT_FALSE(studio->is_over_processor_rate(kStart));
+  studio->charge(1.1, kStart);
+  EXPECT_TRUE(studio->is_over_processor_rate(kStart + seconds(2)));
+  EXPECT_FALSE(studio->is_over_processor_rate(kStart + milliseconds(2001)));
+  const auto boundless = account({});
+  boundless->charge(1e9, kStart);
+  EXPECT_FALSE(boundless->is_over_processor_rate(kStart)) << "it has no rate";
+}
+
 TEST(Account, SeesItsOwnAnAdministratorAllAndWhoSharesEverything) {
   EXPECT_TRUE(account({})->sees("studio"));
   EXPECT_FALSE(account({})->sees("other"));
