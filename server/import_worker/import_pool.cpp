@@ -158,46 +158,128 @@ std::unique_ptr<WorkerProcess> ImportPool::first_worker_of_a_new_zygote() {
 
 /// So that the next import does not wait for a fork. Called with the lock.
 void ImportPool::want_a_spare() {
-  if (!idle_.empty() || starting_ + to_start_ > 0 || counters_.workers >= config_.workers) return;
+  if (!idle_.empty() || starting_ + to_start_ > 0 || reading_or_starting() >= config_.workers) return;
   ++to_start_;
   supervisor_.notify_one();
 }
 
-/// A file may be read for a minute, which those who are in a hurry have not got: like their computations
-/// (worker_pool.hpp), one import of theirs begins beside as many as may be read. Called with the lock.
-int ImportPool::most_workers(bool urgent) const {
-  const auto is_unhurried = [](const Busy& busy) { return !busy.place->is_urgent(); };
-  return config_.workers + (urgent && std::any_of(busy_.begin(), busy_.end(), is_unhurried) ? 1 : 0);
+int ImportPool::reading_or_starting() const {
+  return counters_.workers - counters_.standing + starting_ + to_start_;
 }
 
-/// Whoever took it was urgent. Where it is not any more, it ends for who is. Called with the lock.
-void ImportPool::free_the_extra_place() {
-  for (const Busy& busy : busy_)
-    if (busy.place->extra && !busy.place->is_urgent()) busy.place->must_end = true;
+/// In the line, for as long as this lives. Made and destroyed with the lock.
+struct ImportPool::Waiting {
+  Waiting(ImportPool& p, Place& place) : pool(p), at(p.line_.insert(p.line_.end(), &place)) {}
+  ~Waiting() {
+    pool.line_.erase(at);
+    pool.free_.notify_all();
+  }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+  ImportPool& pool;
+  const std::list<Place*>::iterator at;
+};
+
+/// Stopped, for as long as this lives. Made and destroyed without the lock.
+struct ImportPool::Standing {
+  explicit Standing(Place& p) : place(p) {
+    place.worker->stop();
+    const std::lock_guard lock(place.pool.mutex_);
+    --place.pool.counters_.busy;
+    ++place.pool.counters_.standing;
+    place.pool.free_.notify_all();
+  }
+  ~Standing() {
+    if (!reads) {
+      const std::lock_guard lock(place.pool.mutex_);
+      reads_again();
+    }
+    place.worker->go_on();
+  }
+  Standing(const Standing&) = delete;
+  Standing& operator=(const Standing&) = delete;
+  /// With the lock.
+  void reads_again() {
+    ++place.pool.counters_.busy;
+    --place.pool.counters_.standing;
+    place.since = std::chrono::steady_clock::now();
+    reads = true;
+  }
+  Place& place;
+  bool reads = false;
+};
+
+bool ImportPool::is_next(const Place& place) const {
+  if (counters_.busy >= config_.workers) return false;
+  const bool urgent = place.is_urgent();
+  bool before = true;
+  for (const Place* const other : line_) {
+    if (other == &place)
+      before = false;
+    else if (before ? other->is_urgent() || !urgent : other->is_urgent() && !urgent)
+      return false;
+  }
+  return true;
+}
+
+bool ImportPool::is_others_turn(const Place& place) const {
+  if (line_.empty() || counters_.busy < config_.workers) return false;
+  const bool urgent = place.is_urgent(), over = std::chrono::steady_clock::now() - place.since >= kTurn;
+  return std::any_of(line_.begin(), line_.end(), [&](const Place* other) {
+    const bool more = other->is_urgent();
+    return more == urgent ? over : more;
+  });
+}
+
+void ImportPool::Place::tell_of_use() {
+  if (!execution.turn || !worker) return;
+  const std::chrono::nanoseconds now = worker->processor_time();
+  const std::chrono::duration<double> used = now - std::exchange(told, now);
+  execution.turn->spent_elsewhere(used.count());
 }
 
 void ImportPool::Place::give_way() {
-  if (must_end)
-    throw Interrupted(
-        Error{.code = ErrorCode::kOverloaded,
-              .detail = "The import process that read this file is needed for more urgent work. Ask again.",
-              .retry_after = std::chrono::seconds(1)});
-  if (of) of->give_way();
+  tell_of_use();
+  const bool back = stands_back && stands_back();
+  bool others = false;
+  {
+    const std::lock_guard lock(pool.mutex_);
+    others = pool.is_others_turn(*this);
+  }
+  if (back || others)
+    pool.stand_still(*this, back);
+  else if (execution.turn)
+    execution.turn->give_way();
 }
 
-std::unique_ptr<WorkerProcess> ImportPool::take(Place& place, const Execution& execution) {
-  bool urgent = place.is_urgent();
+void ImportPool::stand_still(Place& place, bool back) {
+  const Execution& execution = place.execution;
+  Standing standing(place);
+  if (back) execution.turn->give_way();
+  std::unique_lock lock(mutex_);
+  const Waiting waiting(*this, place);
+  std::optional<Away> away;
+  const auto unwanted = [&execution] {
+    return execution.stop.stop_requested() ||
+           (execution.deadline && std::chrono::steady_clock::now() > *execution.deadline);
+  };
+  while (!is_next(place) && !unwanted()) {
+    if (!away) away.emplace(execution.turn);
+    free_.wait_for(lock, milliseconds(10));
+    if (execution.turn) execution.turn->end_where_it_must();
+  }
+  standing.reads_again();
+}
+
+std::unique_ptr<WorkerProcess> ImportPool::take(Place& place) {
+  const Execution& execution = place.execution;
   std::unique_lock lock(mutex_);
   const std::uint64_t failures = failed_starts_;
-  struct Waiting {
-    int& count;
-    explicit Waiting(int& c) : count(c) { ++count; }
-    ~Waiting() { --count; }
-  };
-  const Waiting waiting(waiting_);
-  while (idle_.empty() || counters_.busy >= most_workers(urgent)) {
-    const int alive = counters_.workers + starting_ + to_start_;
-    if (idle_.empty() && alive < most_workers(urgent) && starting_ + to_start_ < waiting_) {
+  const Waiting waiting(*this, place);
+  std::optional<Away> away;
+  while (idle_.empty() || !is_next(place)) {
+    if (!away) away.emplace(execution.turn);
+    if (idle_.empty() && reading_or_starting() < config_.workers && starting_ + to_start_ == 0) {
       // Nobody will come free, and none could be started: better an error now than at the deadline.
       // They could be when the server started: what is missing now are memory, processes or descriptors.
       if (failed_starts_ > failures && counters_.workers == 0) {
@@ -207,23 +289,23 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place, const Execution& e
       ++to_start_;
       supervisor_.notify_one();
     }
-    if (urgent && counters_.busy > config_.workers) free_the_extra_place();
     free_.wait_for(lock, milliseconds(10));
     lock.unlock();
     try {
       execution.poll();
-      urgent = place.is_urgent();
     } catch (...) {
       lock.lock();  // who waits is counted under it
       throw;
     }
     lock.lock();
   }
-  place.extra = counters_.busy >= config_.workers;
-  busy_.push_back({idle_.back()->pid(), &place});
   std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
   idle_.pop_back();
+  busy_.push_back(worker->pid());
   ++counters_.busy;
+  place.worker = worker.get();
+  place.since = std::chrono::steady_clock::now();
+  place.told = worker->processor_time();
   want_a_spare();
   return worker;
 }
@@ -233,7 +315,7 @@ void ImportPool::keep(std::unique_ptr<WorkerProcess> worker) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;
   idle_.push_back(std::move(worker));
-  free_.notify_one();
+  free_.notify_all();
 }
 
 /// It has read its file. Ended by the supervisor, and replaced at once.
@@ -245,19 +327,20 @@ void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
   retired_.push_back(std::move(worker));
   want_a_spare();
   supervisor_.notify_one();
-  free_.notify_one();
+  free_.notify_all();
 }
 
 Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat format,
                                   std::span<const ImportFile> files, const ImportLimits& limits,
-                                  const Execution& execution, std::string_view digest) {
+                                  const Execution& execution, std::string_view digest,
+                                  const StandsBack& stands_back) {
   execution.poll();
   std::uint64_t most = config_.worker.memory_bytes;
   if (execution.allowance) {
     const std::uint64_t share = execution.allowance->limit() / kReserved;
     most = most > 0 ? std::min(most, share) : share;
   }
-  Input input{mesh, format, files, std::string(digest), {}};
+  Input input{mesh, format, files, std::string(digest), {}, stands_back};
   input.name = input.digest + "." + extension_of(format);
   if (const auto known = memo_.find(input.name); known && refuses(*known, most, execution)) {
     const std::lock_guard lock(mutex_);
@@ -282,24 +365,20 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
                                                         const ImportLimits& limits,
                                                         const Execution& execution) {
   execution.poll();
-  Place place(execution.turn);
+  Place place(*this, execution, input.stands_back);
   Execution reading = execution;
   reading.turn = &place;
-  std::unique_ptr<WorkerProcess> taken = take(place, execution);
+  std::unique_ptr<WorkerProcess> taken = take(place);
   WorkerProcess& worker = *taken;
   const pid_t pid = worker.pid();
   const auto start = ImportMemo::Clock::now();
-  const std::chrono::duration<double> used_before = worker.processor_time();
   bool reusable = false;
   const auto finish = [&](std::uint64_t ImportCounters::*ended) {
-    if (execution.turn) {
-      const std::chrono::duration<double> used = worker.processor_time();
-      execution.turn->spent_elsewhere((used - used_before).count());
-    }
+    place.tell_of_use();
     {
       const std::lock_guard lock(mutex_);
       if (ended) ++(counters_.*ended);
-      std::erase_if(busy_, [pid](const Busy& busy) { return busy.pid == pid; });
+      std::erase(busy_, pid);
     }
     reusable ? keep(std::move(taken)) : bury(std::move(taken));
   };
@@ -380,8 +459,7 @@ WorkerHello ImportPool::hello() const {
 
 std::vector<pid_t> ImportPool::pids() const {
   const std::lock_guard lock(mutex_);
-  std::vector<pid_t> pids;
-  for (const Busy& busy : busy_) pids.push_back(busy.pid);
+  std::vector<pid_t> pids = busy_;
   for (const auto& worker : idle_) pids.push_back(worker->pid());
   return pids;
 }

@@ -3,11 +3,17 @@
 // file and ends, the next one has been forked meanwhile; only where all files are the caller's own it reads
 // several. A worker that dies of its file costs one request a typed error, and the same file the same error
 // at once from then on.
+//
+// A file may be read for a minute. So imports take turns: whoever waits has its turn after those who read have had theirs
+// (kTurn), urgent work at once. A process whose turn it is not is stopped (SIGSTOP), and goes on later; so is that of a
+// computation that should stand still for another one's (service/worker_pool.hpp).
 #pragma once
 
-#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,7 +31,7 @@ namespace fracture {
 
 struct ImportPoolConfig {
   WorkerProcessConfig worker;
-  int workers = 1;  ///< at the same time, and one more for urgent work
+  int workers = 1;  ///< that read at the same time
   /// The zygote is started anew after so many forks, and after every crash: its forks share the places of
   /// everything in memory, and nobody is to find them out by trying.
   std::uint32_t max_forks = 500;
@@ -47,6 +53,7 @@ struct ImportCounters {
   int workers = 0;                ///< alive now
   int starting = 0;               ///< not alive yet, or waiting for their start
   int busy = 0;                   ///< of them importing
+  int standing = 0;               ///< of them stopped in mid-import, for others
 };
 
 class ImportPool {
@@ -58,8 +65,10 @@ class ImportPool {
   ImportPool(const ImportPool&) = delete;
   ImportPool& operator=(const ImportPool&) = delete;
 
-  /// As import_mesh(); waits for a free worker. Where all of them read for work that can wait, urgent work
-  /// (Turn::is_urgent, asked again while it waits) has one more. What the worker may take is set aside in the
+  /// Asked on the thread of an import: should its computation stand still?
+  using StandsBack = std::function<bool()>;
+  /// As import_mesh(); waits for its turn, urgent work (Turn::is_urgent, asked again while it waits) before other
+  /// work. What the worker may take is set aside in the
   /// execution's allowance before: little at first, by the size of the file, and more where that was too
   /// little (an instanced or compressed file), up to the worker's own limit. A worker that somebody else
   /// killed (the kernel short of memory, an operator) says nothing about its file, which is read once more by
@@ -69,7 +78,11 @@ class ImportPool {
   /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
   /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
-                        const ImportLimits& limits, const Execution& execution, std::string_view digest);
+                        const ImportLimits& limits, const Execution& execution, std::string_view digest,
+                        const StandsBack& stands_back = {});
+
+  /// For so long an import reads while others wait.
+  static constexpr std::chrono::milliseconds kTurn{50};
 
   ImportCounters counters() const;
   /// Of the first worker and its zygote: what of the sandbox this machine allows.
@@ -88,6 +101,7 @@ class ImportPool {
     MeshFormat format;
     std::span<const ImportFile> files;
     std::string digest, name;
+    const StandsBack& stands_back;
   };
   /// One worker's reading of an input.
   struct Try {
@@ -102,21 +116,33 @@ class ImportPool {
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
-  /// The turn of an import while its file is read: of its computation, until somebody needs its place.
+  /// The turn of an import, from its wait for a worker to its end.
   struct Place final : Turn {
-    explicit Place(Turn* turn) : of(turn) {}
+    Place(ImportPool& its_pool, const Execution& its_execution, const StandsBack& its_stands_back)
+        : pool(its_pool), execution(its_execution), stands_back(its_stands_back) {}
     void give_way() override;
     void leave() override {}
     void come_back() override {}
-    bool is_urgent() const override { return !of || of->is_urgent(); }
+    bool is_urgent() const override { return !execution.turn || execution.turn->is_urgent(); }
+    /// Tells the computation what the worker has used since it was told before.
+    void tell_of_use();
 
-    Turn* const of;
-    bool extra = false;                 ///< it is beyond the workers that there are for all
-    std::atomic<bool> must_end{false};  ///< others are urgent, and it is not any more
+    ImportPool& pool;
+    const Execution& execution;
+    const StandsBack& stands_back;
+    WorkerProcess* worker = nullptr;
+    std::chrono::steady_clock::time_point since{};  ///< it reads
+    std::chrono::nanoseconds told{0};
   };
-  std::unique_ptr<WorkerProcess> take(Place& place, const Execution& execution);
-  void free_the_extra_place();
-  int most_workers(bool urgent) const;
+  struct Waiting;
+  struct Standing;
+  std::unique_ptr<WorkerProcess> take(Place& place);
+  /// In mid-import, until it is its turn again; `back`: after its computation has stood still.
+  void stand_still(Place& place, bool back);
+  // With the lock.
+  bool is_next(const Place& place) const;
+  bool is_others_turn(const Place& place) const;
+  int reading_or_starting() const;
   void bury(std::unique_ptr<WorkerProcess> worker);
   void keep(std::unique_ptr<WorkerProcess> worker);
 
@@ -125,14 +151,10 @@ class ImportPool {
   mutable std::mutex mutex_;
   std::condition_variable supervisor_, free_;
   std::vector<std::unique_ptr<WorkerProcess>> idle_, retired_;
-  struct Busy {
-    pid_t pid;
-    Place* place;  ///< how urgent the import is may change while the worker reads
-  };
-  std::vector<Busy> busy_;
+  std::list<Place*> line_;  ///< who waits to read, the longest first
+  std::vector<pid_t> busy_;
   int to_start_ = 1;  ///< wanted and not yet begun
   int starting_ = 0;
-  int waiting_ = 0;  ///< imports without a worker
   std::uint64_t failed_starts_ = 0;
   std::string start_error_;
   WorkerHello hello_;

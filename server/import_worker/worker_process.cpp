@@ -91,6 +91,14 @@ void WorkerProcess::kill_and_reap() {
   pid_ = -1;
 }
 
+void WorkerProcess::stop() const {
+  if (pid_ > 0) ::kill(pid_, SIGSTOP);
+}
+
+void WorkerProcess::go_on() const {
+  if (pid_ > 0) ::kill(pid_, SIGCONT);
+}
+
 std::chrono::nanoseconds WorkerProcess::processor_time() const {
   clockid_t clock{};
   timespec used{};

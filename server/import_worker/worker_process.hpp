@@ -49,6 +49,10 @@ class WorkerProcess {
                         std::string_view digest, const ImportLimits& limits, const Execution& execution,
                         std::uint64_t memory_bytes = 0);
 
+  /// It uses no processor from now on, until go_on().
+  void stop() const;
+  void go_on() const;
+
   WorkerDeath death() const { return death_; }
   /// The machine gave it less address space than it was to have (ulimit -v, or what earlier files left in it).
   bool had_less() const { return had_less_; }

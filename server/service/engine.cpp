@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/import_worker/import_pool.hpp"
+#include "server/service/worker_pool.hpp"
 
 namespace fracture {
 namespace {
@@ -83,7 +84,7 @@ std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports)
       Importer([pool = std::move(imports)](std::span<const std::byte> bytes, MeshFormat format,
                                            std::span<const ImportFile> files, std::string_view digest,
                                            const ImportLimits& limits, const Execution& execution) {
-        return pool->import(bytes, format, files, limits, execution, digest);
+        return pool->import(bytes, format, files, limits, execution, digest, &WorkerPool::stands_back);
       }));
 }
 

@@ -53,25 +53,6 @@ FractureParameters with_hulls(const RequestParameters& asked) {
   return parameters;
 }
 
-/// Of a file that is read in another process, where it may wait for its turn: no place to stand still at.
-class TurnElsewhere final : public Turn {
- public:
-  explicit TurnElsewhere(Turn* turn) : turn_(turn) {}
-  void give_way() override { end_where_it_must(); }
-  void end_where_it_must() override {
-    if (turn_) turn_->end_where_it_must();
-  }
-  void leave() override {}
-  void come_back() override {}
-  void spent_elsewhere(double seconds) override {
-    if (turn_) turn_->spent_elsewhere(seconds);
-  }
-  bool is_urgent() const override { return !turn_ || turn_->is_urgent(); }
-
- private:
-  Turn* const turn_;
-};
-
 }  // namespace
 
 Error to_error(const Interrupted& interrupted) {
@@ -217,13 +198,8 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
   {
     if (execution.progress) execution.progress(Stage::kImport, 0);
     const StageTimings::Scope scope(step.timings, Stage::kImport);
-    TurnElsewhere turn(execution.turn);
-    Execution elsewhere = execution;
-    elsewhere.turn = &turn;
-    std::optional<Away> away(execution.turn);
     Expected<Mesh> imported = engine_->import(request.mesh, request.format, request.files, keys.digest,
-                                              config_.import_limits, elsewhere);
-    away.reset();
+                                              config_.import_limits, execution);
     if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
     *mesh = std::move(*imported);
     // What the bytes of the file did not say is known now. A small mesh is within what every request is

@@ -254,7 +254,7 @@ TEST(ImportPool, AWaitingImportIsCancelledToo) {
 }
 
 /// Of a computation whose urgency a test decides; it counts what is said to have been spent for it.
-struct ToldTurn final : Turn {
+struct ToldTurn : Turn {
   explicit ToldTurn(bool urgent) : is_in_a_hurry(urgent) {}
   void give_way() override {}
   void leave() override {}
@@ -263,10 +263,10 @@ struct ToldTurn final : Turn {
     ++asked;
     return is_in_a_hurry;
   }
-  void spent_elsewhere(double seconds) override { spent += seconds; }
+  void spent_elsewhere(double seconds) override { spent = spent + seconds; }
   std::atomic<bool> is_in_a_hurry;
   mutable std::atomic<int> asked{0};
-  double spent = 0;
+  std::atomic<double> spent{0};
 };
 
 TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
@@ -292,109 +292,130 @@ TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
   EXPECT_LT(waits.spent, 0.5 * kWaits.count());
 }
 
-TEST(ImportPool, UrgentWorkDoesNotWaitForWorkThatIsNot) {
+/// An import that does not end by itself, as long as this lives.
+struct Endless {
+  Endless(ImportPool& pool, const char* command, Turn* turn) {
+    Execution execution;
+    execution.stop = stop.get_token();
+    execution.turn = turn;
+    thread = std::thread([this, &pool, command, execution] {
+      try {
+        (void)import_with(pool, command, execution);
+        ADD_FAILURE() << "it should have been interrupted";
+      } catch (const Interrupted& interrupted) {
+        EXPECT_EQ(interrupted.code, ErrorCode::kCancelled);
+      }
+    });
+  }
+  ~Endless() {
+    stop.request_stop();
+    thread.join();
+  }
+  std::stop_source stop;
+  std::thread thread;
+};
+
+/// Somebody who waits for no longer than tests do.
+Expected<Mesh> read_for(ImportPool& pool, Turn& turn) {
+  Execution execution;
+  execution.turn = &turn;
+  execution.deadline = std::chrono::steady_clock::now() + kPatience;
+  return import_with(pool, kTetrahedron, execution);
+}
+
+bool are(const ImportPool& pool, int busy, int standing) {
+  return eventually(kPatience, "so many to read and to stand still", [&] {
+    const ImportCounters counters = pool.counters();
+    return counters.busy == busy && counters.standing == standing;
+  });
+}
+
+TEST(ImportPool, ImportsTakeTurns) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
+  ToldTurn turns[4] = {ToldTurn(false), ToldTurn(false), ToldTurn(false), ToldTurn(false)};
+  {
+    const Endless first(pool, "! hang", &turns[0]), second(pool, "! spin", &turns[1]);
+    EXPECT_TRUE(are(pool, 2, 0));
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(read_for(pool, turns[2])) << k;
+    const Endless third(pool, "! hang", &turns[3]);
+    EXPECT_TRUE(are(pool, 2, 1));
+    EXPECT_TRUE(read_for(pool, turns[2]));
+  }
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().standing, 0);
+  EXPECT_EQ(pool.counters().interrupted, 3u);
+  EXPECT_EQ(pool.counters().imported, 4u);
+}
+
+TEST(ImportPool, UrgentWorkHasItsTurnAtOnceAndKeepsIt) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
   ToldTurn batch(false), realtime(true), hurried(false);
-  std::stop_source stop;
-  Execution hangs, urgent, waits;
-  hangs.stop = stop.get_token();
-  hangs.turn = &batch;
-  urgent.turn = &realtime;
-  // Whatever is wrong, nobody waits for ever.
-  urgent.deadline = waits.deadline = std::chrono::steady_clock::now() + kPatience;
-  waits.turn = &hurried;
-  auto hanging = std::async(std::launch::async,
-                            [&] { EXPECT_THROW((void)import_with(pool, "! hang", hangs), Interrupted); });
-  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
-  // Somebody in a hurry comes to wait for what waits here.
-  auto promoted = std::async(std::launch::async, [&] { return import_with(pool, kTetrahedron, waits); });
-  EXPECT_TRUE(eventually(kPatience, "it to wait", [&] { return hurried.asked >= 3; }));
-  EXPECT_EQ(pool.counters().imported, 1u) << "there is one more for urgent work alone";
-  hurried.is_in_a_hurry = true;
-  EXPECT_TRUE(promoted.get());
-  stop.request_stop();
-  hanging.get();
-  hurried.is_in_a_hurry = false;
-  EXPECT_TRUE(import_with(pool, kTetrahedron, waits)) << "the place is free again";
+  {
+    const Endless slow(pool, "! hang", &batch);
+    EXPECT_TRUE(are(pool, 1, 0));
+    const Endless urgent(pool, "! spin", &realtime);
+    EXPECT_TRUE(are(pool, 1, 1));
+    const double before = batch.spent;
+    // Somebody in a hurry comes to wait for what waits here.
+    auto promoted = std::async(std::launch::async, [&] { return read_for(pool, hurried); });
+    const int asked = hurried.asked;
+    EXPECT_TRUE(eventually(kPatience, "it to wait", [&] { return hurried.asked >= asked + 20; }));
+    EXPECT_EQ(pool.counters().imported, 0u);
+    EXPECT_EQ(batch.spent, before) << "it was stopped";
+    hurried.is_in_a_hurry = true;
+    EXPECT_TRUE(promoted.get());
+  }
   EXPECT_TRUE(settles(pool));
   EXPECT_EQ(pool.counters().workers, 1);
 }
 
-TEST(ImportPool, UrgentWorkHasOneWorkerMoreAndNotTwo) {
+TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNobodyWaiting) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
-  ToldTurn batch(false), realtime(true);
-  std::stop_source stop;
-  const auto hangs = [&](Turn* turn, const char* command) {
-    return std::async(std::launch::async, [&pool, &stop, turn, command] {
-      Execution execution;
-      execution.stop = stop.get_token();
-      execution.turn = turn;
-      EXPECT_THROW((void)import_with(pool, command, execution), Interrupted);
-    });
-  };
-  auto first = hangs(&batch, "! hang");
-  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-  auto second = hangs(&realtime, "! spin");
-  EXPECT_TRUE(eventually(kPatience, "one more to be busy", [&] { return pool.counters().busy == 2; }));
-  const int asked = realtime.asked;
-  auto third = hangs(&realtime, "! hang");
-  EXPECT_TRUE(eventually(kPatience, "a third to wait", [&] { return realtime.asked >= asked + 3; }));
-  EXPECT_EQ(pool.counters().busy, 2);
-  stop.request_stop();
-  for (auto* const import : {&first, &second, &third}) import->get();
+  ToldTurn left(true), batch(false);
+  {
+    const Endless hangs(pool, "! hang", &left);
+    EXPECT_TRUE(are(pool, 1, 0));
+    left.is_in_a_hurry = false;
+    EXPECT_TRUE(read_for(pool, batch));
+  }
   EXPECT_TRUE(settles(pool));
 }
 
-TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNoUrgentWorkWaiting) {
+/// A computation that stands still for another one.
+TEST(ImportPool, AnImportStandsStillWithItsComputation) {
+  struct Standing : ToldTurn {
+    Standing() : ToldTurn(false) {}
+    void give_way() override {
+      ++calls;
+      require_eventually(kPatience, "it to be allowed to go on", [this] { return !stands; });
+    }
+    std::atomic<bool> stands{false};
+    std::atomic<int> calls{0};
+  } turn;
+  ToldTurn other(false);
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
-  ToldTurn left(true), realtime(true);
   std::stop_source stop;
-  Execution hangs, urgent;
-  hangs.stop = stop.get_token();
-  hangs.turn = &left;
-  urgent.turn = &realtime;
-  urgent.deadline = std::chrono::steady_clock::now() + kPatience;
-  auto hanging = std::async(std::launch::async,
-                            [&] { EXPECT_THROW((void)import_with(pool, "! hang", hangs), Interrupted); });
-  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-  left.is_in_a_hurry = false;
-  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
+  Execution execution;
+  execution.turn = &turn;
+  execution.stop = stop.get_token();
+  std::thread spins([&] {
+    const std::string file = "! spin";
+    EXPECT_THROW((void)pool.import(bytes_of(file), MeshFormat::kOff, {}, {}, execution, digest_of(file),
+                                   [&] { return turn.stands.load(); }),
+                 Interrupted);
+  });
+  EXPECT_TRUE(are(pool, 1, 0));
+  turn.stands = true;
+  EXPECT_TRUE(are(pool, 0, 1));
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(read_for(pool, other)) << "its place is free";
+  const pid_t reader = pool.pids().front();
+  std::ifstream stat("/proc/" + std::to_string(reader) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(stat), {}};
+  EXPECT_EQ(text.substr(text.rfind(')') + 2, 1), "T") << "stopped by a signal";
+  turn.stands = false;
+  EXPECT_TRUE(are(pool, 1, 0));
   stop.request_stop();
-  hanging.get();
-  EXPECT_TRUE(settles(pool));
-}
-
-/// In the place that there is for urgent work alone.
-TEST(ImportPool, WhoTookTheUrgentPlaceAndIsUrgentNoMoreEndsForWhoIs) {
-  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
-  ToldTurn batch(false), left(true), realtime(true);
-  std::stop_source stop;
-  const auto hangs = [&](Turn* turn, ErrorCode why) {
-    return std::async(std::launch::async, [&pool, &stop, turn, why] {
-      Execution execution;
-      execution.stop = stop.get_token();
-      execution.turn = turn;
-      try {
-        (void)import_with(pool, "! hang", execution);
-        ADD_FAILURE() << "it should have been interrupted";
-      } catch (const Interrupted& interrupted) {
-        EXPECT_EQ(interrupted.code, why);
-      }
-    });
-  };
-  auto first = hangs(&batch, ErrorCode::kCancelled);
-  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-  auto second = hangs(&left, ErrorCode::kOverloaded);
-  EXPECT_TRUE(eventually(kPatience, "one more to be busy", [&] { return pool.counters().busy == 2; }));
-  left.is_in_a_hurry = false;
-  Execution urgent;
-  urgent.turn = &realtime;
-  urgent.deadline = std::chrono::steady_clock::now() + kPatience;
-  EXPECT_TRUE(import_with(pool, kTetrahedron, urgent));
-  second.get();
-  stop.request_stop();
-  first.get();
+  spins.join();
   EXPECT_TRUE(settles(pool));
 }
 
