@@ -57,6 +57,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
   job->view.id = job->record.id = keys.digest.substr(0, 16) + "-" + random_digits();
   job->view.owner = job->record.owner = owner.name;
   job->view.result_key = job->record.result_key = keys.result;
+  job->client = terms.payer.flow.name;
   {
     const std::lock_guard lock(mutex_);
     make_room();
@@ -113,7 +114,7 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
     accepted(look_at(*job));
     return std::nullopt;
   }
-  disk_.run([this, job, written = std::move(written), accepted = std::move(accepted)] {
+  disk_.run(job->client, [this, job, written = std::move(written), accepted = std::move(accepted)] {
     try {
       persist(job, *written);
     } catch (const std::exception&) {  // no memory for its record: computed all the same
@@ -177,7 +178,7 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
     if (new_stage) view.stage = name_of(stage);
     calls = change(job);
   }
-  // Here, and not on the disk's thread: the mark is there before anything is computed that could be the end
+  // Here, and not as work for the disk: the mark is there before anything is computed that could be the end
   // of the process.
   if (begins) mark_begun(job);
   for (const auto& call : calls) call();
@@ -188,7 +189,7 @@ void Jobs::mark_begun(const Shared& job) {
   const std::lock_guard lock(mutex_);
   job->marked = job->view.state == JobState::kRunning;
   // Whoever stopped or ended it meanwhile found no mark to take back.
-  if (!job->marked) disk_.run([this, id = job->view.id] { folder_->not_begun(id); });
+  if (!job->marked) disk_.run(job->client, [this, id = job->view.id] { folder_->not_begun(id); });
 }
 
 void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
@@ -208,7 +209,7 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
       view.state = JobState::kQueued;
       view.stage.clear();
       if (std::exchange(job->marked, false))  // the marks of processes that died stay
-        disk_.run([this, id = view.id] { folder_->not_begun(id); });
+        disk_.run(job->client, [this, id = view.id] { folder_->not_begun(id); });
     } else if (!answer) {
       fail_locked(job, std::move(answer.error()));
     } else {
@@ -234,7 +235,7 @@ void Jobs::ended(const Shared& job) {
   record.state = job->view.state;
   record.finished_at = job->view.finished_at;
   record.error = job->view.error;
-  disk_.run([this, job, answer = job->view.answer] { persist_end(job, answer); });
+  disk_.run(job->client, [this, job, answer = job->view.answer] { persist_end(job, answer); });
 }
 
 // -- the end of jobs
@@ -297,7 +298,7 @@ void Jobs::sweep() {
 }
 
 void Jobs::flush() {
-  disk_.flush();  // its thread also begins again what waits for memory, folder or not
+  disk_.flush();  // which also begins again what waits for memory, folder or not
 }
 
 void Jobs::insert(const Shared& job) {
@@ -315,7 +316,8 @@ void Jobs::insert(const Shared& job) {
 void Jobs::forget(std::list<Shared>::iterator at) {
   const Shared job = *at;
   figures_.result_bytes -= bytes_of(job->view);
-  if (std::exchange(job->kept, false)) disk_.run([this, id = job->view.id] { folder_->remove(id); });
+  if (std::exchange(job->kept, false))
+    disk_.run(job->client, [this, id = job->view.id] { folder_->remove(id); });
   index_.erase(job->view.id);
   jobs_.erase(at);
 }

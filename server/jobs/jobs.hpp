@@ -6,7 +6,7 @@
 //     └─ on the disk ───────┴─ the server ends ──> queued again, by the next server on the same folder
 //
 // Where there is a folder (job_folder.hpp), mesh and request are on the disk before the job is accepted.
-// Everything that touches the disk happens on a thread of its own (disk_thread.hpp), in order for each job,
+// Everything that touches the disk happens on threads of its own (disk_work.hpp), in order for each client,
 // but for the mark that a job has begun (JobFolder::begun), which its computing thread leaves.
 #pragma once
 
@@ -27,7 +27,7 @@
 
 #include <tl/expected.hpp>
 
-#include "server/jobs/disk_thread.hpp"
+#include "server/jobs/disk_work.hpp"
 #include "server/jobs/job.hpp"
 #include "server/jobs/job_folder.hpp"
 #include "server/service/dispatcher.hpp"
@@ -142,6 +142,7 @@ class Jobs {
   };
   struct Job {
     JobView view;
+    std::string client{};  ///< whose turn its work for the disk takes
     /// What of it is or would be on the disk, but for its parameters: they may be a megabyte, and nobody pays for
     /// a job's share of the memory. They are in `request`, or on the disk.
     JobRecord record;
@@ -152,10 +153,10 @@ class Jobs {
     std::uint64_t begun = 0;          ///< processes that ended while they computed it
     std::uint64_t resumed_bytes = 0;  ///< of its mesh, read from the disk
     bool kept = false;                ///< the folder has a place for it
-    bool written_end = false;         ///< what it came to is on the disk; known to the disk's thread alone
-    bool marked = false;              ///< the folder has this process's mark that it was begun
-    bool waiting = false;    ///< for pump(): from an earlier process, or crowded out of memory in this one
-    bool computing = false;  ///< submitted by pump()
+    bool written_end = false;  ///< what it came to is on the disk; known to the work for the disk alone
+    bool marked = false;       ///< the folder has this process's mark that it was begun
+    bool waiting = false;      ///< for pump(): from an earlier process, or crowded out of memory in this one
+    bool computing = false;    ///< submitted by pump()
     /// What it is computed from, where that is not on the disk; with it the memory that it has taken already.
     std::optional<FractureRequest> request;
     std::optional<Terms> terms;  ///< with which it was submitted in this process; nothing: never yet
@@ -181,15 +182,15 @@ class Jobs {
   /// Leaves the mark on the disk. Whoever finds `marked` takes it back.
   void mark_begun(const Shared& job);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
-  /// Writes the job's mesh and request. On the disk's thread.
+  /// Writes the job's mesh and request. As work for the disk.
   void persist(const Shared& job, const FractureRequest& request);
-  /// What it wrote, or could not write, is gone; the job is computed all the same. On the disk's thread.
+  /// What it wrote, or could not write, is gone; the job is computed all the same. As work for the disk.
   void not_durable(const Shared& job);
-  /// Writes what the job came to. On the disk's thread.
+  /// Writes what the job came to. As work for the disk.
   void persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer);
   bool write_end(const Shared& job, const JobRecord& record,
                  const std::shared_ptr<const FractureAnswer>& answer);
-  /// Submits what can be of those that wait. On the disk's thread.
+  /// Submits what can be of those that wait. As work for the disk.
   void pump();
   void pump_later();
   /// An error: it is refused now, and waits on.
@@ -237,7 +238,7 @@ class Jobs {
   bool stopping_ = false;
   bool pump_queued_ = false;
   std::uint64_t pass_ = 0;  ///< of pump()
-  DiskThread disk_;         // last: its work uses everything above
+  DiskWork disk_;           // last: it uses everything above
 };
 
 }  // namespace fracture

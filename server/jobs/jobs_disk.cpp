@@ -1,4 +1,4 @@
-// What of a job is written down, on the thread of the disk: its mesh and request, and what it came to.
+// What of a job is written down, as work for the disk: its mesh and request, and what it came to.
 #include "server/jobs/jobs.hpp"
 
 namespace fracture {

@@ -16,6 +16,8 @@ namespace {
 
 /// Processes that may end while they compute a job.
 constexpr std::uint64_t kMostEnds = 2;
+/// The client in whose line it is looked which job can begin.
+const std::string kNobody;
 /// No further mesh is read from the disk while those of resumed jobs hold more than this.
 constexpr std::uint64_t kMostBytes = 64u << 20;
 
@@ -59,6 +61,7 @@ void Jobs::restore() {
     view.error = record.error;
     view.durable = job->kept = true;
     job->begun = found.begun;
+    job->client = record.owner;
     // Of a clock that was wrong, or of a stranger, it says nothing about the jobs to come.
     if (record.created <= now) last_created_ = std::max(last_created_, record.created);
     if (record.state == JobState::kDone && !dispatcher_.service().tiers().on_disk(record.result_key)) {
@@ -125,7 +128,7 @@ void Jobs::pump_later() {
   if (pump_queued_) return;  // one will look at all that has changed until it begins
   if (std::none_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
     return;
-  disk_.run([this] { pump(); });
+  disk_.run(kNobody, [this] { pump(); });
   pump_queued_ = true;
 }
 
