@@ -1,0 +1,179 @@
+// Long work of one client: as much as there are processors and import workers for, of each class. Others are answered
+// meanwhile, and that is counted: nothing of the long work has ended when all of theirs is answered.
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+#include "tests/attacks/attack.hpp"
+#include "tests/attacks/bodies.hpp"
+#include "tests/server/support/exposition.hpp"
+#include "tests/server/support/raw_client.hpp"
+#include "tests/server/support/temporary_folder.hpp"
+#include "tests/server/support/tenant_file.hpp"
+#include "tests/support/eventually.hpp"
+
+namespace fracture::test {
+namespace {
+
+const std::string kAttacker = "127.0.1.1", kBystander = "127.0.1.2";
+constexpr int kQuestions = 10;
+
+Exposition figures(const ServeProcess& server) {
+  return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
+}
+
+/// Requests that take longer than any test, each on a connection of its own, left when this goes.
+class LongWork {
+ public:
+  LongWork(const ServeProcess& server, int count, const std::string& target, const std::string& fields,
+           const std::string& body = kCube) {
+    for (int k = 0; k < count; ++k) {
+      const std::string mesh = body + "# " + std::to_string(k) + "\n";  // another for each
+      clients_.push_back(std::make_unique<RawClient>(server.port, kAttacker));
+      clients_.back()->send("POST " + target + " HTTP/1.1\r\nHost: localhost\r\n" + kObj + fields +
+                            "Content-Length: " + std::to_string(mesh.size()) + "\r\n\r\n" + mesh);
+    }
+  }
+  ~LongWork() {
+    for (const auto& client : clients_) client->reset();
+  }
+
+ private:
+  std::vector<std::unique_ptr<RawClient>> clients_;
+};
+
+struct LongWorkAttack : testing::TestWithParam<std::string> {
+  ServeProcess server{
+      {"--threads", "2", "--import-workers", "2", "--memory", "4GiB", "--realtime-deadline", "60"}};
+
+  /// So many are answered, and nothing of the others was.
+  int answered(const std::string& fields) {
+    int good = 0;
+    const double before = figures(server)["fracture_results_computed_total"];
+    for (int k = 0; k < kQuestions; ++k) {
+      const std::string mesh = kCube + "# bystander " + std::to_string(++seed_) + "\n";
+      const Reply reply = ask(server.port, "POST", "/fracture?sites=8", kObj + fields, mesh, kBystander);
+      good += reply.status == 200;
+    }
+    EXPECT_EQ(figures(server)["fracture_results_computed_total"] - before, good) << "of the bystander alone";
+    return good;
+  }
+  void end(const std::string& attack, int good, const std::string& before) {
+    report(attack,
+           std::to_string(good) + " of " + std::to_string(kQuestions) +
+               " answers to another client before one of the long ones",
+           before);
+    ASSERT_TRUE(server.alive());
+    server.signal(SIGTERM);
+    EXPECT_EQ(server.wait(), 0);
+  }
+
+ private:
+  int seed_ = 0;
+};
+
+const std::string kU0 = "Priority: u=0\r\n", kU3 = "Priority: u=3\r\n";
+
+TEST_P(LongWorkAttack, Computations) {
+  int good = 0;
+  {
+    const LongWork work(server, 4, "/fracture?sites=60000&lloyd=50", GetParam());
+    EXPECT_TRUE(eventually(kPatience, "both processors to be taken",
+                           [&] { return figures(server).sum("fracture_jobs_running") >= 2; }));
+    good = answered(kU3);
+    EXPECT_EQ(good, kQuestions);
+    EXPECT_EQ(answered(kU0), kQuestions);
+  }
+  end("LongComputations", good, "a batch request waits for the end of one: 28 s");
+}
+
+TEST_P(LongWorkAttack, Imports) {
+  int good = 0;
+  {
+    const LongWork work(server, 4, "/fracture?sites=8", GetParam(), kCube + many("o o\nf 1 2 3\n", 200'000));
+    EXPECT_TRUE(eventually(kPatience, "both import workers to be taken",
+                           [&] { return figures(server).sum("fracture_import_workers_busy") >= 2; }));
+    good = answered(kU3);
+    EXPECT_EQ(good, kQuestions);
+  }
+  end("LongImports", good, "an upload waits for the end of one: a minute");
+}
+
+INSTANTIATE_TEST_SUITE_P(Classes, LongWorkAttack, testing::Values(kU0, kU3),
+                         [](const auto& instance) { return instance.param == kU0 ? "Realtime" : "Batch"; });
+
+/// Of many small realtime requests, those answered between the question of a batch client and its answer.
+TEST(RealtimeFlood, LeavesABatchClientItsShare) {
+  ServeProcess server({"--threads", "2", "--memory", "4GiB"});
+  std::atomic<bool> stop{false};
+  std::vector<std::thread> flood;
+  for (int client = 0; client < 16; ++client)
+    flood.emplace_back([&, client] {
+      for (int n = 0; !stop; ++n) {
+        try {
+          ask(server.port, "POST", "/fracture?sites=400&seed=" + std::to_string(10'000 * client + n),
+              kObj + kU0, kCube, kAttacker);
+        } catch (const std::runtime_error&) {
+          // cut off at the end
+        }
+      }
+    });
+  EXPECT_TRUE(eventually(kPatience, "a flood",
+                         [&] { return figures(server)["fracture_results_computed_total"] >= 50; }));
+  std::vector<double> between;
+  for (int k = 0; k < kQuestions; ++k) {
+    const double before = figures(server)["fracture_results_computed_total"];
+    EXPECT_EQ(
+        ask(server.port, "POST", "/fracture?sites=8&seed=" + std::to_string(k), kObj + kU3, kCube, kBystander)
+            .status,
+        200);
+    between.push_back(figures(server)["fracture_results_computed_total"] - before - 1);
+  }
+  stop = true;
+  for (std::thread& thread : flood) thread.join();
+  std::sort(between.begin(), between.end());
+  EXPECT_LE(between[kQuestions / 2], 4) << "of the others, the median; those that run end, or stand still";
+  char text[120];
+  std::snprintf(text, sizeof text, "%.0f realtime answers of the other between question and answer, median",
+                between[kQuestions / 2]);
+  report("RealtimeFlood", text, "a second's: batch work waits until it has aged");
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+/// A name that may have a twentieth of a processor asks for hours of it at once.
+TEST(CoresOfAName, HoldWhileItComputes) {
+  const TemporaryFolder folder;
+  folder.write("tokens", tenant_file({tenant("greedy", {"read", "fracture", "bake"}, {{"cores", 0.05}}),
+                                      tenant("quiet")}));
+  ServeProcess server({"--threads", "2", "--memory", "4GiB", "--token-file", folder / "tokens"});
+  const auto begin = std::chrono::steady_clock::now();
+  int taken = 0;
+  for (int k = 0; k < 10; ++k)
+    taken += ask(server.port, "POST", "/fracture?sites=20000&lloyd=50&seed=" + std::to_string(k),
+                 kObj + by("greedy") + "Prefer: respond-async\r\n", kCube)
+                 .status == 202;
+  EXPECT_GT(taken, 0);
+  const auto used = [&] {
+    return figures(server).sum("fracture_tenant_processor_seconds_total", "tenant=\"greedy\"");
+  };
+  EXPECT_TRUE(eventually(kPatience, "it to have used what it may at once", [&] { return used() >= 0.5; }));
+  int good = 0;
+  for (int k = 0; k < 100; ++k)
+    good +=
+        ask(server.port, "POST", "/fracture?sites=200&seed=" + std::to_string(k), kObj + by("quiet"), kCube)
+            .status == 200;
+  EXPECT_EQ(good, 100);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
+  EXPECT_LE(used(), 0.5 + 0.05 * time.count() + 0.5) << "what it has at once, its rate, and what polls miss";
+  char text[120];
+  std::snprintf(text, sizeof text, "%.2f processor seconds in %.1f s for a name with 0.05 cores", used(),
+                time.count());
+  report("CoresOfAName", text, "13 in 40 s");
+  server.signal(SIGTERM);
+  server.wait();
+}
+
+}  // namespace
+}  // namespace fracture::test
