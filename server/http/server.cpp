@@ -24,12 +24,10 @@ namespace {
 /// File descriptors that are not connections: logs, listeners, event queues, what the libraries open for a
 /// moment.
 constexpr std::size_t kReservedDescriptors = 64;
-/// Of them, connections of the admin listener.
+/// Of them, connections of the admin listener, which all may be one client's.
 constexpr std::size_t kAdminConnections = 16;
-/// Connections beyond the limit that may be open at once only to be told so.
-constexpr std::size_t kTurnedAway = 32;
-/// Connections beyond its limit that the admin listener has open until those that gave way are closed.
-constexpr std::size_t kGivingWay = 16;
+/// Open files beside the places of the public listener: each of the two has more connections for a moment.
+constexpr std::size_t kBeside = kReservedDescriptors + 2 * Connections::kMostBeyond;
 /// Pause after a failed accept. Without it, a process at its descriptor limit spins: the listening socket
 /// stays readable.
 constexpr std::chrono::milliseconds kAcceptBackOff{75};
@@ -41,10 +39,8 @@ std::size_t connection_limit(std::size_t wanted) {
     limit.rlim_cur = limit.rlim_max;
     if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
   }
-  const std::size_t usable =
-      limit.rlim_cur > 2 * (kReservedDescriptors + kTurnedAway)
-          ? static_cast<std::size_t>(limit.rlim_cur) - kReservedDescriptors - kTurnedAway
-          : static_cast<std::size_t>(limit.rlim_cur) / 2;
+  const auto files = static_cast<std::size_t>(limit.rlim_cur);
+  const std::size_t usable = files > 2 * kBeside ? files - kBeside : files / 2;
   if (usable < wanted)
     spdlog::warn("at most {} connections: the limit of open files is {}", usable, limit.rlim_cur);
   return std::min(wanted, usable);
@@ -95,26 +91,16 @@ tcp::acceptor open_acceptor(asio::io_context& context, const std::string& addres
 void count(ops::Metrics& metrics, Connections::Verdict verdict) {
   metrics.count_connection();
   if (verdict == Connections::Verdict::kFull) metrics.count_refused_connection(ops::Metrics::Refusal::kFull);
-  if (verdict == Connections::Verdict::kTooManyOfAddress)
+  if (verdict == Connections::Verdict::kTooManyOfClient)
     metrics.count_refused_connection(ops::Metrics::Refusal::kTooManyOfAddress);
 }
 
-enum class WhenFull {
-  kTurnAway,        ///< connections beyond the limit are told so
-  kOldestGivesWay,  ///< whoever has kept its connection idle longest makes room
-};
-
 /// Until the acceptor is closed.
 asio::awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_context& context,
-                                         SessionContext shared, std::size_t max_open, WhenFull when_full) {
+                                         SessionContext shared) {
   asio::steady_timer pause(acceptor.get_executor());
   while (acceptor.is_open()) {
     error_code ec;
-    if (shared.connections.count() >= max_open) {
-      pause.expires_after(kAcceptBackOff);
-      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
-      continue;
-    }
     tcp::socket socket(asio::make_strand(context));
     co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, ec));
     if (ec == asio::error::operation_aborted || !acceptor.is_open()) co_return;
@@ -128,24 +114,20 @@ asio::awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_conte
     const tcp::endpoint peer = socket.remote_endpoint(ec);
     if (ec) continue;
     const std::string address = peer.address().to_string();
-    if (when_full == WhenFull::kOldestGivesWay && shared.connections.count() + kGivingWay >= max_open)
-      shared.connections.close_longest_waiting();
-    // A proxy's connections are those of many clients.
-    const auto limit = shared.policy.proxies.contains(address) ? Connections::PerAddress::kUnlimited
-                                                               : Connections::PerAddress::kLimited;
-    const Connections::Verdict verdict = shared.connections.add(client_of(address), limit);
-    if (shared.listener == Listener::kPublic) count(shared.api.metrics(), verdict);
-    start_session(std::move(socket), shared, verdict, address);
+    const auto limit = shared.listener == Listener::kAdmin ? Connections::OfClient::kUnlimited
+                                                           : shared.policy.limit_of(address);
+    Connections::Arrival arrival = shared.connections.add(client_of(address), limit);
+    if (shared.listener == Listener::kPublic) count(shared.api.metrics(), arrival.verdict);
+    if (arrival.place) start_session(std::move(socket), shared, std::move(arrival), address);
   }
 }
 
 /// Whatever one connection fails for (no memory for its session), the next one is accepted.
-asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared,
-                                  std::size_t max_open, WhenFull when_full) {
+asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared) {
   asio::steady_timer pause(acceptor.get_executor());
   while (acceptor.is_open()) {
     try {
-      co_await accept_connections(acceptor, context, shared, max_open, when_full);
+      co_await accept_connections(acceptor, context, shared);
       co_return;
     } catch (const std::exception& e) {
       spdlog::error("a connection could not be taken: {}", e.what());
@@ -166,19 +148,17 @@ class HttpServer::Impl {
                 SitePolicy(config.allowed_hosts, CorsPolicy(config.cors_origins))},
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
-        admin_connections_(kAdminConnections + kGivingWay, kAdminConnections + kGivingWay),
+        admin_connections_(kAdminConnections, kAdminConnections),
         public_acceptor_(open_acceptor(context_, config.address, config.port)),
         admin_acceptor_(open_acceptor(admin_context_, config.admin_address, config.admin_port)),
         port_(public_acceptor_.local_endpoint().port()),
         admin_port_(admin_acceptor_.local_endpoint().port()) {
     asio::co_spawn(public_acceptor_.get_executor(),
-                   accept_loop(public_acceptor_, context_, {Listener::kPublic, api, connections_, policy_},
-                               max_connections_ + kTurnedAway, WhenFull::kTurnAway),
+                   accept_loop(public_acceptor_, context_, {Listener::kPublic, api, connections_, policy_}),
                    asio::detached);
     asio::co_spawn(
         admin_acceptor_.get_executor(),
-        accept_loop(admin_acceptor_, admin_context_, {Listener::kAdmin, api, admin_connections_, policy_},
-                    kAdminConnections + kGivingWay, WhenFull::kOldestGivesWay),
+        accept_loop(admin_acceptor_, admin_context_, {Listener::kAdmin, api, admin_connections_, policy_}),
         asio::detached);
     metrics_source_ = api.metrics().add_source([this](ops::MetricWriter& writer) {
       writer.gauge("fracture_connections", "Open connections of the public listener.",

@@ -25,6 +25,9 @@ namespace {
 
 using std::chrono::steady_clock;
 
+/// The time that a connection has left that is told only that it is refused, or that it has lost its place.
+constexpr std::chrono::seconds kLastWords{2};
+
 double milliseconds_since(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
 }
@@ -39,25 +42,25 @@ struct Exchange {
 
 class Session final : public std::enable_shared_from_this<Session>, public Drainable {
  public:
-  Session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
+  Session(tcp::socket socket, const SessionContext& context, Connections::Arrival arrival,
           std::string address)
       : connection_(std::make_shared<TimedSocket>(std::move(socket))),
         work_(std::make_shared<WorkWait>(connection_, buffer_)),
         context_(context),
         api_(context.api),
         connections_(context.connections),
-        verdict_(verdict),
+        verdict_(arrival.verdict),
+        place_(std::move(arrival.place)),
         address_(std::move(address)),
         client_(address_),
         proxied_(context.listener == Listener::kPublic && context.policy.proxies.contains(address_)) {}
 
   ~Session() override {
     if (busy_) connections_.in_progress.fetch_sub(1);
-    connections_.remove(client_of(address_));
-    connections_.forget(weak_from_this());
   }
 
   void start() {
+    place_.enroll(shared_from_this());
     asio::co_spawn(
         executor(), [self = shared_from_this()] { return self->run(); },
         [self = shared_from_this()](std::exception_ptr failure) {
@@ -80,11 +83,14 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     });
   }
 
-  void give_way() override {
-    set_waiting(false);  // chosen once is enough
-    asio::post(executor(), [self = shared_from_this()] {
-      if (self->answering_ && !self->writing_) return;
+  void give_way(Leave how) override {
+    asio::post(executor(), [self = shared_from_this(), how] {
+      self->closing_ = true;
+      if (how == Leave::kIfItWaits && !self->waiting_since()) return;
       self->giving_way_ = true;
+      self->connection_->end_by(steady_clock::now() + kLastWords);
+      self->work_->cancel();
+      self->work_->wake();  // a stream of events ends
       self->connection_->abort();
     });
   }
@@ -111,20 +117,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       connections_.in_progress.fetch_sub(1);
   }
 
-  void set_answering(bool answering) {
-    answering_ = answering;
-    set_waiting(!answering);
-  }
-
-  /// An answer that ends the connection has been written.
-  asio::awaitable<void> linger() {
-    set_answering(false);
-    co_await connection_->linger();
-  }
-
   asio::awaitable<void> run() {
     if (verdict_ != Connections::Verdict::kWelcome) {
       begin_record(new_request_id());
+      connection_->end_by(start_ + kLastWords);
       const Problem refusal = turned_away();  // named: g++ 12 destroys such a temporary twice
       co_await refuse_and_close(refusal);
       co_return;
@@ -142,8 +138,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     }
     for (;;) {
       set_busy(false);
+      set_waiting(true);
       exchange_ = std::make_shared<Exchange>();  // an idle connection keeps no result alive
       begin_record(new_request_id());
+      if (proxied_) place_.belongs_to(client_key_, context_.policy.limit_of(client_));  // until somebody asks
       OrProblem<std::optional<RequestHead>> head = co_await read_head();
       start_ = steady_clock::now();
       if (!head) {
@@ -151,10 +149,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         co_return;
       }
       if (!*head) co_return;  // closed or idle between requests
-      set_answering(true);
+      set_waiting(true);      // for the body
       exchange_->request.head = std::move(**head);
       if (!co_await answer()) co_return;
-      set_answering(false);
     }
   }
 
@@ -167,6 +164,12 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     note_request(record_, head);
     record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
     client_key_ = client_of(record_.address);
+    // A proxy's connection is the client's for whom it asks.
+    if (proxied_ && !place_.belongs_to(client_key_, context_.policy.limit_of(record_.address))) {
+      const Problem refusal = too_many_connections();
+      co_await refuse_and_close(refusal);
+      co_return false;
+    }
 
     std::optional<Response> preflight;
     if (context_.listener == Listener::kPublic) {
@@ -216,7 +219,10 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         finish_record(none, false);
         co_return false;
       }
-      if (!co_await compute()) {
+      set_waiting(false);
+      const bool wanted = co_await compute();
+      set_waiting(true);
+      if (!wanted) {
         const Problem gone(HttpProblem::kClientClosed,
                            "The client closed its side of the connection while it waited for the answer. "
                            "A client that half-closes and still reads sends 'Half-Close: yes'.");
@@ -239,7 +245,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     const bool keep = head.keep_alive && !closing() && !endless;
     const bool written = co_await write(exchange_->response, keep, request.admission.head_only);
     finish_record(exchange_->response, written);
-    if (written && !keep) co_await linger();
+    if (written && !keep) co_await connection_->linger();
     co_return written&& keep;
   }
 
@@ -334,13 +340,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     }
     AnswerMemory::Hold hold;
     count_answer(response, head_only, hold);
-    // Until the client has taken it, it is the client that is waited for: whoever asks and does not read cannot keep
-    // others from the admin listener.
-    writing_ = true;
-    set_waiting(true);
     const bool written = co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_,
                                                keep_alive, head_only);
-    writing_ = false;
     co_return written && !giving_way_;
   }
 
@@ -348,13 +349,16 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     Response response = Response::problem(problem, id_);
     const bool written = co_await write(response, false, record_.method == "HEAD");
     finish_record(response, written);
-    if (written) co_await linger();
+    if (written) co_await connection_->linger();
   }
 
   Problem turned_away() const {
     if (verdict_ == Connections::Verdict::kFull)
       return Problem(ErrorCode::kOverloaded, "All connections of this server are in use.")
           .with("Retry-After", "2");
+    return too_many_connections();
+  }
+  Problem too_many_connections() const {
     return Problem(HttpProblem::kTooManyConnections,
                    "This address has more connections open than the limit of " +
                        std::to_string(api_.limits().max_connections_per_address) + ".")
@@ -368,6 +372,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   Api& api_;
   Connections& connections_;
   const Connections::Verdict verdict_;
+  Connections::Place place_;
   const std::string address_;  // of the peer
   std::string client_;         // whom the peer speaks for, by the PROXY protocol
   const bool proxied_;         // the peer may speak for others
@@ -378,27 +383,17 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   ops::RequestRecord record_;
   steady_clock::time_point start_{};
   std::size_t head_size_ = 0;
-  bool busy_ = false;       // a request is in progress
-  bool answering_ = false;  // its header is there, the last byte of its answer not
-  bool writing_ = false;    // of that answer nothing is left to be done but to send it
-  bool waited_ = false;     // for the answer: it was not there at once
+  bool busy_ = false;    // a request is in progress
+  bool waited_ = false;  // for the answer: it was not there at once
   bool giving_way_ = false;
-  bool closing_ = false;  // drain: answer what is in progress, then close
+  bool closing_ = false;  // answer what is in progress, then close: the drain, or it has lost its place
 };
 
 }  // namespace
 
-void start_session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
+void start_session(tcp::socket socket, const SessionContext& context, Connections::Arrival arrival,
                    const std::string& address) {
-  std::shared_ptr<Session> session;
-  try {
-    session = std::make_shared<Session>(std::move(socket), context, verdict, address);
-  } catch (...) {  // it would have been the one to say that it is gone
-    context.connections.remove(client_of(address));
-    throw;
-  }
-  context.connections.enroll(session);
-  session->start();
+  std::make_shared<Session>(std::move(socket), context, std::move(arrival), address)->start();
 }
 
 }  // namespace fracture::http

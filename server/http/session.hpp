@@ -17,6 +17,11 @@ struct Policy {
   TrustedProxies proxies;
   CorsPolicy cors;
   SitePolicy sites;  ///< asked where no token is required
+
+  /// A proxy's connections are those of many clients.
+  Connections::OfClient limit_of(const std::string& address) const {
+    return proxies.contains(address) ? Connections::OfClient::kUnlimited : Connections::OfClient::kLimited;
+  }
 };
 
 /// What the sessions of a listener share; the references outlive them.
@@ -27,10 +32,9 @@ struct SessionContext {
   const Policy& policy;
 };
 
-/// Starts a session that owns the socket, on the socket's executor (a strand). `verdict` other than kWelcome
-/// makes it answer one refusal and close. The connection must have been added to `connections`; the session
-/// removes it.
-void start_session(tcp::socket socket, const SessionContext& context, Connections::Verdict verdict,
+/// Starts a session that owns the socket, on the socket's executor (a strand), and its place among the connections. A
+/// verdict other than kWelcome makes it answer one refusal and close.
+void start_session(tcp::socket socket, const SessionContext& context, Connections::Arrival arrival,
                    const std::string& address);
 
 }  // namespace fracture::http

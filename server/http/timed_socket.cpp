@@ -29,7 +29,7 @@ TimedSocket::TimedSocket(tcp::socket socket) : socket_(std::move(socket)), timer
 void TimedSocket::set_deadline(Clock::time_point when) {
   const std::uint64_t generation = ++generation_;
   timed_out_ = false;
-  timer_.expires_at(when);
+  timer_.expires_at(std::min(when, end_));
   timer_.async_wait([weak = weak_from_this(), generation](error_code ec) {
     const auto self = weak.lock();
     if (ec || !self || generation != self->generation_) return;
@@ -39,8 +39,14 @@ void TimedSocket::set_deadline(Clock::time_point when) {
 }
 
 void TimedSocket::clear_deadline() {
+  if (end_ != Clock::time_point::max()) return set_deadline(end_);
   ++generation_;
   timer_.cancel();
+}
+
+void TimedSocket::end_by(Clock::time_point when) {
+  end_ = when;
+  set_deadline(when);
 }
 
 void TimedSocket::abort() {

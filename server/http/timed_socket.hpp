@@ -24,6 +24,9 @@ class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
   void clear_deadline();
   bool timed_out() const { return timed_out_; }
 
+  /// No operation goes on beyond this, whatever deadline is set from now on.
+  void end_by(Clock::time_point when);
+
   /// Ends every operation in progress.
   void abort();
   /// Bytes that the kernel holds because the client has not taken them.
@@ -43,6 +46,7 @@ class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
  private:
   tcp::socket socket_;
   asio::steady_timer timer_;
+  Clock::time_point end_ = Clock::time_point::max();
   std::uint64_t generation_ = 0;
   bool timed_out_ = false;
 };

@@ -264,44 +264,6 @@ TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
   EXPECT_ALIVE(server);
 }
 
-TEST(Hostile, OneAddressCannotTakeAllConnections) {
-  TestServerOptions options;
-  options.limits.max_connections_per_address = 3;
-  TestServer server(options);
-  std::vector<std::unique_ptr<RawClient>> open;
-  for (int i = 0; i < 3; ++i) {
-    open.push_back(std::make_unique<RawClient>(server.port()));
-    open.back()->send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
-    EXPECT_EQ(open.back()->receive()->status, 200);
-  }
-  RawClient fourth(server.port());
-  const auto reply = fourth.receive();
-  ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->problem(), "too-many-connections");
-  EXPECT_EQ(reply->header("retry-after"), "2");
-  open.clear();
-  EXPECT_TRUE(eventually(kPatience, "all connections to close", [&] {
-    fourth.half_close();
-    return server.server.connections() == 0;
-  }));
-  EXPECT_ALIVE(server);
-}
-
-TEST(Hostile, AServerWithAllConnectionsTakenSaysSo) {
-  TestServerOptions options;
-  options.limits.max_connections = 2;
-  TestServer server(options);
-  RawClient a(server.port()), b(server.port());
-  for (RawClient* client : {&a, &b}) {
-    client->send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
-    ASSERT_TRUE(client->receive());
-  }
-  RawClient c(server.port());
-  const auto reply = c.receive();
-  ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->problem(), "overloaded");
-}
-
 // Trap 4: at the limit of open files an accept loop without a pause spins.
 TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
 #ifdef FRACTURE_SANITIZED

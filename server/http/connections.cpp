@@ -1,0 +1,117 @@
+#include "server/http/connections.hpp"
+
+#include <tuple>
+
+namespace fracture::http {
+
+Connections::Arrival Connections::add(const std::string& client, OfClient limit) {
+  std::shared_ptr<Drainable> leaves;  // let go without the lock: it may be the last who holds the session
+  const std::lock_guard lock(mutex_);
+  const auto mine = clients_.try_emplace(client).first;
+  Verdict verdict = Verdict::kWelcome;
+  if (limit == OfClient::kLimited && mine->second.places >= most_of_client_)
+    verdict = Verdict::kTooManyOfClient;
+  else if (places_ >= most_ && !(leaves = make_room_for(mine, limit)))
+    verdict = Verdict::kFull;
+  const bool welcome = verdict == Verdict::kWelcome;
+  if (!welcome && (told_ >= kMostTold || mine->second.told >= kMostToldOfClient)) {
+    forget_if_gone(mine);
+    return {verdict};
+  }
+  entries_.push_back({welcome ? Kind::kPlace : Kind::kTold, mine});
+  count(entries_.back(), true);
+  return {verdict, Place(*this, std::prev(entries_.end()))};
+}
+
+void Connections::enroll(Entries::iterator at, const std::shared_ptr<Drainable>& session) {
+  const std::lock_guard lock(mutex_);
+  at->session = session.get();
+  at->alive = session;
+}
+
+bool Connections::move(Entries::iterator at, const std::string& client, OfClient limit) {
+  const std::lock_guard lock(mutex_);
+  if (at->kind != Kind::kPlace || at->client->first == client) return true;
+  const auto to = clients_.try_emplace(client).first;
+  if (limit == OfClient::kLimited && to->second.places >= most_of_client_) return false;
+  const auto from = at->client;
+  count(*at, false);
+  at->client = to;
+  count(*at, true);
+  forget_if_gone(from);
+  return true;
+}
+
+void Connections::remove(Entries::iterator at) {
+  const std::lock_guard lock(mutex_);
+  const auto client = at->client;
+  count(*at, false);
+  entries_.erase(at);
+  forget_if_gone(client);
+}
+
+std::vector<std::shared_ptr<Drainable>> Connections::sessions() const {
+  std::vector<std::shared_ptr<Drainable>> alive;  // let go without the lock, too
+  const std::lock_guard lock(mutex_);
+  for (const Entry& entry : entries_)
+    if (auto pointer = entry.alive.lock()) alive.push_back(std::move(pointer));
+  return alive;
+}
+
+/// One of the client that has most, the longest waiting of those that only wait for their client; if none of them does, the
+/// latest of the busy ones. It is never one of a client that has fewer than the newcomer's, and a busy one only if that
+/// client keeps as many as the newcomer's then has. Nor is it one of the newcomer's own, which knows of them, unless it
+/// is many clients.
+std::shared_ptr<Drainable> Connections::make_room_for(Clients::iterator client, OfClient limit) {
+  if (leaving_ >= kMostLeaving) return nullptr;
+  using Since = Drainable::Clock::time_point;
+  Entry* chosen = nullptr;
+  std::tuple<std::size_t, bool, Since::duration> best;
+  for (Entry& entry : entries_) {
+    if (entry.kind != Kind::kPlace || entry.alive.expired()) continue;
+    const bool own = entry.client == client;
+    const std::size_t places = entry.client->second.places;
+    const std::optional<Since> since = entry.session->waiting_since();
+    const std::size_t before = client->second.places;
+    const bool may = own     ? since && limit == OfClient::kUnlimited
+                     : since ? places >= before
+                             : places > before + 1;
+    if (!may) continue;
+    // Of those that are busy all are equal, and the last in the list is the latest.
+    const std::tuple candidate(places, since.has_value(),
+                               since ? -since->time_since_epoch() : Since::duration(0));
+    if (chosen && (since ? candidate <= best : candidate < best)) continue;
+    best = candidate;
+    chosen = &entry;
+  }
+  if (!chosen) return nullptr;
+  std::shared_ptr<Drainable> session = chosen->alive.lock();
+  if (!session) return nullptr;  // it is closing by itself
+  session->give_way(std::get<1>(best) ? Drainable::Leave::kIfItWaits : Drainable::Leave::kAnyhow);
+  count(*chosen, false);
+  chosen->kind = Kind::kLeaving;
+  count(*chosen, true);
+  return session;
+}
+
+void Connections::count(const Entry& entry, bool open) {
+  Held& of = entry.client->second;
+  const auto add = [open](std::size_t& number) { open ? ++number : --number; };
+  add(of.open);
+  switch (entry.kind) {
+    case Kind::kPlace:
+      add(of.places);
+      return add(places_);
+    case Kind::kTold:
+      add(of.told);
+      return add(told_);
+    case Kind::kLeaving:
+      return add(leaving_);
+  }
+}
+
+void Connections::forget_if_gone(Clients::iterator client) {
+  if (client->second.open == 0) clients_.erase(client);
+}
+
+}  // namespace fracture::http

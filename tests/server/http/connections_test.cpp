@@ -1,0 +1,154 @@
+// Whose connections there are, and who makes room for whom.
+#include "server/http/connections.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fracture::http {
+namespace {
+
+using Verdict = Connections::Verdict;
+
+/// A session that notes what it is told.
+struct Seated final : Drainable {
+  void close_when_idle() override {}
+  void cancel_job() override {}
+  void give_way(Leave how) override { told = how; }
+  using Drainable::set_waiting;
+  std::optional<Leave> told;
+};
+
+struct Room : testing::Test {
+  struct Guest {
+    Verdict verdict;
+    std::shared_ptr<Seated> session = std::make_shared<Seated>();
+    Connections::Place place;
+    bool is_told() const { return session->told.has_value(); }
+  };
+  Guest arrive(Connections& room, const std::string& client, bool busy = false) {
+    Connections::Arrival arrival = room.add(client);
+    Guest guest{arrival.verdict, std::make_shared<Seated>(), std::move(arrival.place)};
+    if (guest.place) guest.place.enroll(guest.session);
+    guest.session->set_waiting(!busy);
+    return guest;
+  }
+};
+
+TEST_F(Room, TheClientThatHasMostMakesRoomAndOfItsOwnTheLongestWaiting) {
+  Connections room(4, 4);
+  Guest other = arrive(room, "b"), busy = arrive(room, "a", true), first = arrive(room, "a"),
+        second = arrive(room, "a");
+  first.session->set_waiting(true);  // waits anew
+  const Guest newcomer = arrive(room, "c");
+  EXPECT_EQ(newcomer.verdict, Verdict::kWelcome);
+  EXPECT_EQ(second.session->told, Drainable::Leave::kIfItWaits);
+  EXPECT_FALSE(first.is_told() || busy.is_told() || other.is_told());
+  EXPECT_EQ(room.count(), 5u) << "until it is closed";
+}
+
+TEST_F(Room, NobodyMakesRoomForAClientThatHasMoreNorTheClientItself) {
+  Connections room(4, 4);
+  const Guest a = arrive(room, "a"), b = arrive(room, "a"), c = arrive(room, "b"),
+              d = arrive(room, "c", true);
+  const Guest more = arrive(room, "b");
+  EXPECT_EQ(more.verdict, Verdict::kWelcome) << "a has two";
+  EXPECT_TRUE(a.is_told());
+  EXPECT_EQ(arrive(room, "b").verdict, Verdict::kFull) << "the others have one";
+  EXPECT_EQ(arrive(room, "c").verdict, Verdict::kWelcome) << "b has two";
+  EXPECT_TRUE(c.is_told());
+  EXPECT_FALSE(b.is_told() || d.is_told() || more.is_told());
+}
+
+TEST_F(Room, WhatManyClientsShareMakesRoomForItself) {
+  Connections room(2, 1);
+  std::vector<Guest> all;
+  for (int k = 0; k < 5; ++k) {
+    Connections::Arrival arrival = room.add("proxy", Connections::OfClient::kUnlimited);
+    all.push_back({arrival.verdict, std::make_shared<Seated>(), std::move(arrival.place)});
+    ASSERT_EQ(all.back().verdict, Verdict::kWelcome) << k;
+    all.back().place.enroll(all.back().session);
+    if (k >= 2) {
+      EXPECT_TRUE(all[static_cast<std::size_t>(k) - 2].is_told());
+    }
+  }
+}
+
+TEST_F(Room, WhatIsBeingComputedIsGivenUpOnlyForAClientThatWillHaveFewer) {
+  Connections room(3, 3);
+  const Guest a = arrive(room, "a", true), b = arrive(room, "a", true), c = arrive(room, "b", true);
+  EXPECT_EQ(arrive(room, "b").verdict, Verdict::kFull) << "it would have as many";
+  const Guest newcomer = arrive(room, "c", true);
+  EXPECT_EQ(newcomer.verdict, Verdict::kWelcome);
+  EXPECT_EQ(b.session->told, Drainable::Leave::kAnyhow) << "the latest of those that are busy";
+  EXPECT_FALSE(a.is_told() || c.is_told());
+  EXPECT_EQ(arrive(room, "d").verdict, Verdict::kFull) << "each has one";
+}
+
+/// However many clients hold one each, who comes next is served.
+TEST_F(Room, OfManyThatHaveOneTheLongestWaitingGoes) {
+  Connections room(8, 2);
+  std::vector<Guest> many;
+  for (int client = 0; client < 8 + 8; ++client) {
+    many.push_back(arrive(room, "client " + std::to_string(client)));
+    ASSERT_EQ(many.back().verdict, Verdict::kWelcome) << client;
+    if (client >= 8) {
+      EXPECT_TRUE(many[client - 8].is_told());
+    }
+  }
+}
+
+TEST_F(Room, RefusedOnesTakeNoPlacesAndFewOfThemAreTold) {
+  Connections room(100, 2);
+  std::vector<Guest> refused;
+  const Guest first = arrive(room, "a"), second = arrive(room, "a");
+  for (int k = 0; k < 1000; ++k) refused.push_back(arrive(room, "a"));
+  std::size_t told = 0;
+  for (const Guest& guest : refused) {
+    EXPECT_EQ(guest.verdict, Verdict::kTooManyOfClient);
+    told += static_cast<bool>(guest.place);
+  }
+  EXPECT_EQ(told, Connections::kMostToldOfClient);
+  EXPECT_EQ(room.count(), 2 + told);
+  for (int client = 0; client < 20; ++client)
+    for (int k = 0; k < 10; ++k) refused.push_back(arrive(room, "client " + std::to_string(client)));
+  EXPECT_EQ(room.count(), 2 + 2 * 20 + Connections::kMostTold);
+  EXPECT_EQ(arrive(room, "b").verdict, Verdict::kWelcome);
+  refused.clear();
+  EXPECT_EQ(room.count(), 2u);
+  EXPECT_TRUE(arrive(room, "a").place) << "it is told again";
+}
+
+TEST_F(Room, WhoLeavesIsWaitedForUpToANumber) {
+  Connections room(1, 1);
+  std::vector<Guest> all;
+  for (std::size_t k = 0; k <= Connections::kMostLeaving; ++k) {
+    all.push_back(arrive(room, "client " + std::to_string(k)));
+    EXPECT_EQ(all.back().verdict, Verdict::kWelcome) << k;
+  }
+  EXPECT_EQ(arrive(room, "another").verdict, Verdict::kFull);
+  all.front().place = {};
+  EXPECT_EQ(arrive(room, "another").verdict, Verdict::kWelcome);
+}
+
+TEST_F(Room, AConnectionOfAProxyIsTheClientsForWhomItAsks) {
+  using OfClient = Connections::OfClient;
+  Connections room(8, 2);
+  std::vector<Connections::Place> of_proxy;
+  for (int k = 0; k < 4; ++k) of_proxy.push_back(room.add("proxy", OfClient::kUnlimited).place);
+  EXPECT_TRUE(of_proxy[0].belongs_to("a", OfClient::kLimited));
+  EXPECT_TRUE(of_proxy[1].belongs_to("a", OfClient::kLimited));
+  EXPECT_FALSE(of_proxy[2].belongs_to("a", OfClient::kLimited));
+  EXPECT_TRUE(of_proxy[2].belongs_to("b", OfClient::kLimited));
+  EXPECT_TRUE(of_proxy[1].belongs_to("proxy", OfClient::kUnlimited));
+  EXPECT_TRUE(of_proxy[3].belongs_to("a", OfClient::kLimited));
+  EXPECT_EQ(room.add("a").verdict, Verdict::kTooManyOfClient);
+  of_proxy.clear();
+  EXPECT_EQ(room.count(), 0u);
+  EXPECT_EQ(room.add("a").verdict, Verdict::kWelcome);
+}
+
+}  // namespace
+}  // namespace fracture::http
