@@ -37,7 +37,7 @@ struct CollisionHull {
 /// Of one fragment.
 struct FragmentHulls {
   std::vector<CollisionHull> hulls;  ///< one for each body (member cell), or fewer (aggregate_hulls.hpp)
-  std::uint32_t flat = 0;        ///< bodies too thin for a hull (1e-5 of their extent): theirs is a small cube
+  std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent): theirs is a small cube
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
 };
 
