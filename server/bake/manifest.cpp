@@ -11,13 +11,12 @@
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
 #include "server/bake/output_path.hpp"
+#include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
 namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<Error> wrong(std::string detail) { return fail(ErrorCode::kBadParameter, std::move(detail)); }
 
 Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
   const auto read = read_json(line, {});

@@ -19,13 +19,12 @@
 #include "server/bake/report.hpp"
 #include "server/bake/result_file.hpp"
 #include "server/bake/safe_places.hpp"
+#include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
 namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<Error> wrong(std::string detail) { return fail(ErrorCode::kBadParameter, std::move(detail)); }
 
 bool is_mesh_name(const fs::path& path) {
   const std::string ending = path.extension().string();

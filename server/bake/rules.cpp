@@ -11,13 +11,12 @@
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
 #include "server/bake/name_pattern.hpp"
+#include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
 namespace {
 
 using nlohmann::json;
-
-tl::unexpected<Error> wrong(std::string detail) { return fail(ErrorCode::kBadParameter, std::move(detail)); }
 
 std::string text_of(const json& value) { return shortened(json_text(value)); }
 

@@ -11,13 +11,12 @@
 #include "server/bake/output_path.hpp"
 #include "server/bake/report.hpp"
 #include "server/bake/stage_dump.hpp"
+#include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
 namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<Error> wrong(std::string detail) { return fail(ErrorCode::kBadParameter, std::move(detail)); }
 
 /// Finds whatever a bake would lose by writing.
 class Places {
