@@ -324,10 +324,10 @@ int bake(const BakeOptions& options) {
   const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   tell_of(failures);
-  if (!options.quiet) {
+  if (!options.quiet && f.begun) {
     std::string summary =
-        plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), f.begun ? run.report : "");
-    if (!summary.empty() && f.begun && !plan->html.empty()) summary += "; page in " + plan->html;
+        plan->single ? f.sentence : summary_of(f, plan->jobs.size(), took.count(), run.report);
+    if (!summary.empty() && !plan->html.empty()) summary += "; page in " + plan->html;
     if (!summary.empty()) std::fprintf(words, "%s\n", printable_lines(summary).c_str());
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
     if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");

@@ -145,7 +145,7 @@ TEST_F(BakeProgram, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
   EXPECT_EQ(shell("$f bake --manifest .m"), 1);
   EXPECT_THAT(
       err, HasSubstr("cannot write file/bad.glb: the folder 'file' cannot be written to: Not a directory"));
-  EXPECT_THAT(out, AllOf(HasSubstr("1 not written of 2 jobs"), Not(HasSubstr("report in"))));
+  EXPECT_EQ(out, "") << "there is nothing to sum up";
   EXPECT_FALSE(fs::exists(folder / "good.glb"));
   EXPECT_EQ(shell("$f bake cube.off -o file/new/x.glb --sites 5"), 1);
   EXPECT_THAT(err, AllOf(HasSubstr("'file/new' cannot be written to"), Not(HasSubstr("encode"))));
