@@ -116,9 +116,9 @@ class Api {
   using Step = std::function<Answered(const Execution&)>;
   Answered on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
                    const Reply& reply, Step step);
-  /// Goes on here if so many bytes of parameters are few (kParseInline), else on the pool.
-  Answered with_parameters(std::uint64_t bytes, const std::shared_ptr<Request>& request, const Terms& terms,
-                           const Reply& reply, std::function<Answered()> go_on);
+  /// Goes on with so many bytes of parameters: here if they are at most `most`, else on the pool.
+  Answered with_parameters(std::uint64_t bytes, std::uint64_t most, const std::shared_ptr<Request>& request,
+                           const Terms& terms, const Reply& reply, std::function<Answered()> go_on);
   /// What a body takes to be made ready: hashed, decoded, taken apart.
   struct Preparation {
     std::string digest{};  ///< Content-Digest, of the bytes as they were sent; empty: nothing to check

@@ -16,7 +16,6 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   auto read = [this, request, body = std::move(body), terms = *terms,
                go_on = std::move(go_on)]() mutable -> Answered {
     std::shared_ptr<Body> own = std::move(body);
-    if (own->bytes.capacity() / 2 > own->bytes.size()) own->bytes.shrink_to_fit();  // it came in chunks
     OrProblem<FractureRequest> input = read_mesh_input(
         *request, own, service_, [&](const std::string& key) { return may_see(*request, key); });
     if (!input) return tl::unexpected<Problem>(std::move(input.error()));
@@ -31,7 +30,7 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";
   const bool stored = request->admission.route->operation != Operation::kPostFracture;
   const bool few = request->head.query.size() <= kParseInline &&
-                   service_.earlier_bytes(raw_parameters(request->admission.query)) <= kParseInline;
+                   service_.earlier_bytes(raw_parameters(request->admission.query)) <= kEarlierInline;
   if (request->on_pool || (!form && !stored && size <= kReadInline && few)) return read();
   return on_pool(expected_reading(size), request, *terms, reply,
                  [read = std::move(read)](const Execution&) mutable { return read(); });

@@ -133,7 +133,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   return with_parameters(
-      text.size() + request->head.query.size(), request, *terms, reply,
+      text.size() + request->head.query.size(), kParseInline, request, *terms, reply,
       [this, request, text, id = std::string(id), terms = *terms, reply]() mutable -> Answered {
         std::vector<RawParameter> given = raw_parameters(request->admission.query);
         if (!text.empty()) {
@@ -159,7 +159,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
                           "The format of a stored mesh is known: leave 'format' out.", "format"}));
         // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
         const std::uint64_t earlier = service_.earlier_bytes(given);
-        return with_parameters(earlier, request, terms, reply,
+        return with_parameters(earlier, kEarlierInline, request, terms, reply,
                                [this, request, given = std::move(given), id = std::move(id), terms, reply] {
                                  return fracture_stored_mesh(request, given, id, terms, reply);
                                });

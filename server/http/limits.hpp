@@ -50,7 +50,10 @@ inline constexpr std::uint64_t kSmallAnswer = 64u << 10;
 
 /// Of a header: its fields, and the commas and semicolons in all of them. Each part is looked at for itself, some of them
 /// several times: 16 KiB of commas took an io thread half a millisecond. Browsers and proxies send 30 fields and 60 members.
-inline constexpr std::size_t kMaxFields = 128, kMaxMembers = 1024;
+inline constexpr std::size_t kMaxFields = 128, kMaxMembers = 512;
+/// Of a query. There are fewer parameters, each of which may be given once: a query of more is refused, and what follows is
+/// not read.
+inline constexpr std::size_t kMaxQueryParameters = 256;
 
 // What an io thread does for one client before it serves the others takes 0.2 ms at most
 // (fracture_io_turn_seconds); everything beyond these sizes is done on the pool, where each client has its part.
@@ -58,10 +61,10 @@ inline constexpr std::size_t kMaxFields = 128, kMaxMembers = 1024;
 /// Bodies up to this size are hashed on the io thread: 0.03 ms with the SHA instructions of current processors, less
 /// than the way to another thread and back costs under load. Bodies that announce their digest are hashed up to three
 /// times, by SHA-512 too, which has no instructions of its own.
-inline constexpr std::size_t kReadInline = 64u << 10, kDigestInline = 16u << 10;
-/// Parameters up to so many bytes (of query and body together, and of an earlier answer that they name) are read, and
-/// made a name in the caches, there: 0.1 ms.
-inline constexpr std::uint64_t kParseInline = 1u << 10;
+inline constexpr std::size_t kReadInline = 64u << 10, kDigestInline = 4u << 10;
+/// Parameters up to so many bytes of query and body together are read, and made a name in the caches, there: 0.1 ms. Those
+/// of an earlier answer that they name were read before.
+inline constexpr std::uint64_t kParseInline = 512, kEarlierInline = 1u << 10;
 /// Bytes that are hashed, inflated or sorted in one turn, or what takes as long: a body, with its names in the caches and
 /// the token of its client. More is counted as a bug (HttpServer::bulk_turns).
 inline constexpr std::size_t kMostInTurn = 2 * kReadInline;
@@ -76,6 +79,8 @@ inline constexpr std::size_t kReadBuffer = 64u << 10;
 /// megabytes of an answer for each client that reads slowly: five hundred of them cost the io thread seconds
 /// of copying.
 inline constexpr int kMaxUnsent = 128 << 10;
+/// Bytes of an answer that are handed to the kernel in one turn.
+inline constexpr std::size_t kMaxWritten = 64u << 10;
 /// Of a connection, whatever its client does: beside bodies and answers, which are counted for themselves.
 inline constexpr std::uint64_t kConnectionBytes = kReadBuffer + kMaxUnsent;
 

@@ -36,6 +36,7 @@ struct Request {
   RequestHead head;
   Admission admission;
   std::string body;
+  std::vector<std::string> pieces;  ///< what came before `body`, of a long one in chunks; joined on the pool
   MemoryBudget::Reservation reservation;                                              ///< for the body
   std::string id;                                                                     ///< X-Request-Id
   std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now();  ///< all of it
@@ -43,7 +44,13 @@ struct Request {
   /// Of a name: its place among the name's computations, between the steps that need one (Terms::seat).
   std::shared_ptr<tenants::Account::Seat> seat{};
   std::stop_token client_left{};  ///< also of a request that goes on without its client (goes_on_alone)
-  bool on_pool = false;           ///< it is at a thread of the pool, admitted for all that it has brought along
+  bool on_pool = false;  ///< it is at a thread of the pool, admitted for all that it has brought along
+
+  std::uint64_t body_bytes() const {
+    std::uint64_t bytes = body.size();
+    for (const std::string& piece : pieces) bytes += piece.size();
+    return bytes;
+  }
 };
 
 /// A body that is not all there when the answer begins: it is written in chunks as it comes.

@@ -16,7 +16,22 @@ constexpr std::uint64_t kUsualRatio = 8, kMore = 4;
 
 void release_body(Request& request) {
   std::string().swap(request.body);
+  request.pieces.clear();
   request.reservation = {};
+}
+
+/// The pieces go one after the other: at no time are there two of the whole body.
+void join_pieces(Request& request) {
+  if (request.pieces.empty()) return;
+  std::string whole;
+  whole.reserve(request.body_bytes());
+  for (std::string& piece : request.pieces) {
+    whole += piece;
+    std::string().swap(piece);
+  }
+  request.pieces.clear();
+  whole += request.body;
+  request.body = std::move(whole);
 }
 
 }  // namespace
@@ -40,9 +55,10 @@ Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& 
   return std::nullopt;
 }
 
-Answered Api::with_parameters(std::uint64_t bytes, const std::shared_ptr<Request>& request,
-                              const Terms& terms, const Reply& reply, std::function<Answered()> go_on) {
-  if (request->on_pool || bytes <= kParseInline) return go_on();
+Answered Api::with_parameters(std::uint64_t bytes, std::uint64_t most,
+                              const std::shared_ptr<Request>& request, const Terms& terms, const Reply& reply,
+                              std::function<Answered()> go_on) {
+  if (request->on_pool || bytes <= most) return go_on();
   return on_pool(expected_reading(bytes), request, terms, reply,
                  [request, go_on = std::move(go_on)](const Execution&) {
                    request->on_pool = true;
@@ -64,10 +80,11 @@ void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply re
     Preparation preparation;
     preparation.digest = request->head.field("content-digest");
     const OrProblem<ContentCoding> coding = content_coding(request->head.field("content-encoding"));
-    const std::uint64_t size = request->body.size();
+    const std::uint64_t size = request->body_bytes();
+    const bool whole = request->pieces.empty();
     if (coding && size > 0) preparation.coding = *coding;
     if (preparation.coding == ContentCoding::kIdentity) {
-      if (size <= kDigestInline || preparation.digest.empty()) {
+      if (whole && (size <= kDigestInline || preparation.digest.empty())) {
         if (!preparation.digest.empty())
           if (auto wrong = check_content_digest(preparation.digest, request->body)) {
             release_body(*request);
@@ -77,7 +94,7 @@ void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply re
       }
       preparation.expected = size;
     } else {
-      const std::uint64_t announced = announced_size(request->body, preparation.coding);
+      const std::uint64_t announced = whole ? announced_size(request->body, preparation.coding) : 0;
       preparation.expected =
           std::min(std::max(announced > 0 ? announced : kUsualRatio * size, size), limits_.max_decoded_body);
     }
@@ -90,7 +107,7 @@ Answered Api::prepare_body(const std::shared_ptr<Request>& request, const Prepar
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   ExpectedWork work = expected_reading(preparation.expected);
-  if (!preparation.digest.empty()) work.seconds += expected_reading(request->body.size()).seconds;
+  if (!preparation.digest.empty()) work.seconds += expected_reading(request->body_bytes()).seconds;
   if (preparation.coding != ContentCoding::kIdentity)
     work.seconds += expected_decoding(preparation.expected).seconds;
   return on_pool(work, request, *terms, reply,
@@ -110,6 +127,7 @@ Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Prepa
   };
   try {
     execution.poll();  // it may have waited for long
+    join_pieces(*request);
     if (!preparation.digest.empty())
       if (auto wrong = check_content_digest(preparation.digest, request->body, execution))
         return refused(std::move(*wrong));

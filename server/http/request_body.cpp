@@ -21,7 +21,10 @@ constexpr std::uint64_t kWireAllowance = 1u << 20;
 /// Of one read, where the buffer has no more room already.
 constexpr std::size_t kPiece = 16u << 10;
 /// Chunks, or parts of them, that are taken apart before others are served: 0.1 ms.
-constexpr int kPartsInTurn = 500;
+constexpr int kPartsInTurn = 200;
+
+/// Bytes of a chunked body that stand in one string.
+constexpr std::size_t kBodyPiece = 256u << 10;
 
 Problem over_limit(const Admission& admission) {
   return Problem(HttpProblem::kBodyTooLarge,
@@ -93,11 +96,14 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
 
   const Clock::time_point start = Clock::now();
   const Clock::time_point end = start + limits.body_timeout;
+  std::uint64_t in_pieces = 0;
   for (;;) {
-    // What a chunked body may come to is set aside at once, and taken when it is written to: a string that grew by itself
-    // would copy megabytes. What is too much is given back on the pool (with_mesh_input).
-    std::string& body = parser.get().body();
-    if (request.head.chunked && body.size() + buffer.size() > kReadInline) body.reserve(admission.max_body);
+    // A chunked body does not say how long it will be: a string that grew by itself would copy megabytes at once.
+    if (std::string& body = parser.get().body(); request.head.chunked && body.size() >= kBodyPiece) {
+      request.pieces.emplace_back().swap(body);
+      body.reserve(kBodyPiece + kReadBuffer);
+      in_pieces += request.pieces.back().size();
+    }
     // All that is there is taken apart at once: a chunk of few bytes costs no turn of the event loop.
     for (int parts = 0; !parser.is_done() && buffer.size() > 0; ++parts) {
       if (parts == kPartsInTurn) {
@@ -110,7 +116,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
       outcome.wire_bytes += taken;
       if (ec) break;
     }
-    const std::uint64_t received = parser.get().body().size();
+    const std::uint64_t received = in_pieces + parser.get().body().size();
     if (!request.reservation.grow_to(received)) co_return refused(api.no_memory(request.reservation));
     if (ec && ec != bhttp::error::need_more) {
       outcome.problem = explain(ec, admission);
@@ -152,7 +158,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   request.body = std::move(parser.get().body());
   const Carries carries = admission.route->carries;
   // Only chunked bodies are found empty this late.
-  if ((carries == Carries::kMesh || carries == Carries::kMeshOrName) && request.body.empty())
+  if ((carries == Carries::kMesh || carries == Carries::kMeshOrName) && request.body_bytes() == 0)
     co_return refused(to_problem(Error{ErrorCode::kEmptyBody, "The body is empty.", "mesh"}));
   co_return outcome;
 }

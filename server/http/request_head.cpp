@@ -242,7 +242,7 @@ std::optional<std::string> percent_decode(std::string_view text, Plus plus) {
 
 std::optional<std::vector<std::pair<std::string, std::string>>> parse_query(std::string_view query) {
   std::vector<std::pair<std::string, std::string>> pairs;
-  while (!query.empty()) {
+  while (!query.empty() && pairs.size() <= kMaxQueryParameters) {
     const std::string_view item = query.substr(0, query.find('&'));
     query.remove_prefix(std::min(query.size(), item.size() + 1));
     if (item.empty()) continue;

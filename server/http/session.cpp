@@ -207,7 +207,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       record_.route = request.admission.route->path;
 
       BodyOutcome body = co_await read_body(*connection_, buffer_, head_size_, api_, request, client_key_);
-      record_.bytes_in = request.body.size();
+      record_.bytes_in = request.body_bytes();
       if (body.problem) {
         request.reservation = {};
         co_await refuse_and_close(*body.problem);

@@ -139,7 +139,7 @@ TEST(FurtherRequests, WhoseEarlierParametersAreManyAreReadOnThePool) {
   options.threads = 1;
   TestServer server(options);
   nlohmann::json points = nlohmann::json::array();
-  while (points.dump().size() <= http::kParseInline)
+  while (points.dump().size() <= http::kEarlierInline)
     for (int k = 0; k < 1000; ++k)
       points.push_back({0.001 * k, 0.5, 1e-6 * static_cast<double>(points.size())});
   const std::string boundary = "x--x";
