@@ -24,41 +24,6 @@
 
 namespace fracture {
 
-/// An answer changes only when this does.
-///  1  2026-11-21
-///  2  2026-11-21  hulls inset by 0.4 mm; united pieces fused on the outside; more parameters in the answer
-///  3  2026-11-21  the distribution of volumes in the report
-///  4  2026-11-21  tetrahedra in canonical order, so that a hit leaves what it does not touch as it was, to
-///                 the bit; several hits, whose sites stay within their radius
-///  5  2026-11-21  materials have rough cuts; triangles without area have mirror images in any reading
-///  6  2026-11-22  answers that do not prove themselves are refused; crossing caps, united pieces and slabs
-///                 are closed where they were open; areas in the certificate
-///  7  2026-11-23  volumes, masses and what follows from them of bodies of needles
-///  8  2026-11-23  hulls of convex fragments are their own surfaces; rough cuts calm down in fewer steps
-///  9  2026-11-23  collars of rough cuts are zipped up before they are flipped, another choice where four
-///                 corners are on a circle; areas, places and directions of bonds as floats
-/// 10  2026-11-23  sites, and fragments after them, in the order of a curve through the solid
-/// 11  2026-11-23  cut faces have the colour of what was cut; pieces of a fragment know their part
-/// 12  2026-11-24  closed parts of glass and ceramic become walls; a grain for each part; glass, metal; bricks of
-///                 real size along the axes of walls, ice, splinters; stone and concrete in ragged chunks of
-///                 several cells; cuts of a triangle by their cells
-/// 13  2026-11-24  plates however they stand; unions of patterns with sites outside of the box, and max_volume,
-///                 beside hits; clear cuts; hulls of fragments of many cells
-/// 14  2026-11-24  metal in large torn plates; crushed ice is white; walls as fine as the outside
-/// 15  2026-11-26  cuts of metal are as bright as bare steel, those of ceramic matt, those of ice frosted
-/// 16  2026-11-26  little is united for its size after the noise; beside hits one smallest volume; cuts of cast iron
-///                 are grey and matt
-/// 17  2026-11-26  of several parts of glass each breaks as its shape has it; hulls without corners that hardly
-///                 stick out
-/// 18  2026-11-27  metal is sheet, ice breaks in blocks, glass in longer shards and thinner walls; what has no material
-///                 is made of the one that is asked for
-/// 19  2026-11-27  rough cuts of longer edges, flat across thin walls; inner sides of walls have as many triangles as they
-///                 bend
-/// 20  2026-11-27  hulls leave out more of what hardly sticks out
-/// 21  2026-11-28  hulls without corners twice or triangles inside out; what bends inwards a little at many edges is no
-///                 hull; bodies without volume have a mass; walls with flat sides have fewer triangles
-inline constexpr int kAlgorithmVersion = 21;
-
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
   kBarycenter,    ///< the paper's look: hulls of barycentres clipped to the solid; no partition is promised

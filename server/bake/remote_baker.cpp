@@ -11,6 +11,7 @@
 #include "common/base/json_text.hpp"
 #include "common/exchange/headers.hpp"
 #include "common/exchange/stored_meshes.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/parameters/as_text.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/cli/serve_settings.hpp"
 #include "server/cli/spelling.hpp"
 

@@ -1,6 +1,7 @@
 // What may be asked, and how; and the probes.
 #include <algorithm>
 
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/http/api.hpp"
 #include "server/http/prefer.hpp"
 

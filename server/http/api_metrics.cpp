@@ -1,5 +1,6 @@
 // What the Api and everything below it knows about itself, for /metrics. What each part of the memory holds
 // and may hold is said by the program (server/cli/memory_metrics.cpp).
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/http/api.hpp"
 
 namespace fracture::http {

@@ -1,4 +1,5 @@
 #include "server/http/result_response.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -15,6 +15,7 @@
 
 #include "common/base/json_text.hpp"
 #include "common/parameters/as_text.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 #include "common/pipeline/fracture.hpp"
 
 namespace fracture {

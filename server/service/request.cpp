@@ -1,4 +1,5 @@
 #include "server/service/request.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 
 #include <algorithm>
 #include <string_view>

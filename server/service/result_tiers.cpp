@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/pipeline/algorithm_version.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "server/service/kept_result.hpp"
 

@@ -5,6 +5,7 @@
 
 #include "common/base/json_reader.hpp"
 #include "common/parameters/parameter_object.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
 

@@ -66,7 +66,7 @@ def complaint(stored_version, stored, version, hashes):
                 f"({len(changed)} of {len(stored)} differ). Store the new ones: scripts/golden --write")
     if changed:
         return (f"{len(changed)} of {len(stored)} answers have other bytes than algorithm version {version} had: {', '.join(changed)}. "
-                "If this is meant, raise kAlgorithmVersion (common/pipeline/fracture.hpp), say in CHANGELOG.md what it changes, and "
+                "If this is meant, raise kAlgorithmVersion (common/pipeline/algorithm_version.hpp), say in CHANGELOG.md what it changes, and "
                 "run scripts/golden --write. Otherwise find out what changed them.")
     if unpaired:
         return f"No hash is stored for these answers, or no request is left for them: {', '.join(unpaired)}. Run scripts/golden --write"

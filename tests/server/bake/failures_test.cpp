@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/bake/engine_around.hpp"
 #include "server/bake/run.hpp"
 #include "tests/server/support/bake_folder.hpp"

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 #include "server/http/multipart.hpp"

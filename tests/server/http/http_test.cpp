@@ -4,6 +4,7 @@
 #include <latch>
 #include <thread>
 
+#include "common/pipeline/algorithm_version.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 

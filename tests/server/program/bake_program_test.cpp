@@ -13,6 +13,7 @@
 #include <span>
 
 #include "common/digest/digest.hpp"
+#include "common/pipeline/algorithm_version.hpp"
 #include "server/bake/plan.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "tests/server/support/bake_folder.hpp"
