@@ -1,9 +1,10 @@
 #include "server/http/result_response.hpp"
-#include "common/pipeline/algorithm_version.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <utility>
+
+#include "common/pipeline/algorithm_version.hpp"
 
 namespace fracture::http {
 namespace {

@@ -1,8 +1,9 @@
 #include "server/service/request.hpp"
-#include "common/pipeline/algorithm_version.hpp"
 
 #include <algorithm>
 #include <string_view>
+
+#include "common/pipeline/algorithm_version.hpp"
 
 namespace fracture {
 namespace {
