@@ -366,7 +366,9 @@ TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
 
 TEST(RemoteBaker, SaysAnIpv6AddressInBrackets) {
   const FakeServer server([&](const FakeRequest&) { return problem(401, "unauthorized"); });
-  protocol::ConnectionSettings settings{.host = "::ffff:127.0.0.1", .port = server.port()};
+  protocol::ConnectionSettings settings;
+  settings.host = "::ffff:127.0.0.1";
+  settings.port = server.port();
   settings.connect_timeout = settings.answer_timeout = std::chrono::hours(1);
   Patience none = short_pauses();
   none.total = std::chrono::milliseconds(0);
