@@ -134,7 +134,7 @@ class Api {
   void write_metrics(ops::MetricWriter& writer) const;
   Answered dispatch(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
 
-  /// Takes a mesh out of the body and goes on with it: on the pool, unless it is a small one that is only fractured.
+  /// Takes a mesh out of the body and goes on with it: on the pool, unless it is small and no form.
   using WithMesh =
       std::function<Answered(FractureRequest input, std::shared_ptr<Body> body, const Terms& terms)>;
   Answered with_mesh_input(const std::shared_ptr<Request>& request, const std::stop_token& gone,

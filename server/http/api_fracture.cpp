@@ -26,12 +26,11 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
     input->digest = digest_of(*input, here).hex();
     return go_on(std::move(*input), std::move(own), terms);
   };
-  // A form has parameters of its own, of any size; a mesh that is to be stored is compared and described.
+  // A form has parameters of its own, of any size.
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";
-  const bool stored = request->admission.route->operation != Operation::kPostFracture;
   const bool few = request->head.query.size() <= kParseInline &&
                    service_.earlier_bytes(raw_parameters(request->admission.query)) <= kEarlierInline;
-  if (request->on_pool || (!form && !stored && size <= kReadInline && few)) return read();
+  if (request->on_pool || (!form && size <= kReadInline && few)) return read();
   return on_pool(expected_reading(size), request, *terms, reply,
                  [read = std::move(read)](const Execution&) mutable { return read(); });
 }

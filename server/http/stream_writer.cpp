@@ -50,8 +50,8 @@ asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& r
   while (!ec && !head_only) {
     target.connection.clear_deadline();
     const std::shared_ptr<Next> next = co_await next_of(*response.stream, target);
-    if (target.wait->stopped()) co_return false;
-    const bool last = !target.allowed() || !next->there || !next->bytes;
+    if (target.wait->stopped() || !target.allowed()) co_return false;
+    const bool last = !next->there || !next->bytes;
     if (last && !chunked) break;
     target.connection.set_deadline(steady_clock::now() + target.limits.write_stall);
     // Chunks have names: g++ 12 destroys a temporary twice that is an argument of what is awaited.

@@ -17,11 +17,12 @@ struct StreamTarget {
   std::shared_ptr<WorkWait> wait;
   const HttpLimits& limits;
   std::function<bool()> draining;  ///< the server stops: the stream ends here
-  std::function<bool()> allowed;   ///< false: its reader may read no more, and gets nothing more
+  std::function<bool()> allowed;   ///< false: its reader may read no more: the stream is cut off
 };
 
 /// What the stream delivers, until it ends, the server drains or its reader may read no more; in chunks, or (a client of HTTP/1.0 knows none)
-/// as it is: then the answer ends with the connection. False when the client is gone or takes it too slowly.
+/// as it is: then the answer ends with the connection. False when the client is gone, takes it too slowly or
+/// may read no more: then nothing is sent that would end the answer.
 asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& response,
                                    const std::string& id, const Fields& more, bool chunked, bool keep_alive,
                                    bool head_only);
