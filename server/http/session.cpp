@@ -99,9 +99,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     asio::post(executor(), [self = shared_from_this()] { self->work_->cancel(); });
   }
 
-  void tokens_changed() override {
-    asio::post(executor(),
-               [self = shared_from_this()] { self->work_->wake(); });  // a stream of events looks again
+  void tokens_changed() override {  // a stream of events looks again
+    asio::post(executor(), [self = shared_from_this()] { self->work_->wake(); });
   }
 
  private:
@@ -223,14 +222,11 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       const bool wanted = co_await compute();
       set_waiting(true);
       if (!wanted) {
-        const Problem gone(HttpProblem::kClientClosed,
-                           "The client closed its side of the connection while it waited for the answer. "
-                           "A client that half-closes and still reads sends 'Half-Close: yes'.");
+        const Problem gone = client_closed();
         co_await refuse_and_close(gone);
         co_return false;
       }
-      // What was asked for is given. What is read is not read for longer than the token is good: a job may have been waited
-      // for.
+      // A job may have been waited for: what is read is not read for longer than the token is good.
       if (waited_ && head.method == "GET")
         if (const std::optional<Problem> revoked =
                 refuse_by_now(context_.policy.accounts, head, request.payer.account)) {

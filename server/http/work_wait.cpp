@@ -4,6 +4,12 @@
 
 namespace fracture::http {
 
+Problem client_closed() {
+  return Problem(HttpProblem::kClientClosed,
+                 "The client closed its side of the connection while it waited for the answer. A client that "
+                 "half-closes and still reads sends 'Half-Close: yes'.");
+}
+
 WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection, beast::flat_buffer& ahead)
     : connection_(std::move(connection)), ahead_(ahead), woken_(connection_->socket().get_executor()) {}
 

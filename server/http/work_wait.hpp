@@ -5,6 +5,7 @@
 #include <memory>
 #include <stop_token>
 
+#include "server/http/problem.hpp"
 #include "server/http/timed_socket.hpp"
 
 namespace fracture::http {
@@ -14,6 +15,9 @@ enum class HalfClose {
   kIsGone,      ///< it takes its request back
   kStillReads,  ///< nothing: it has said that it would (Half-Close: yes)
 };
+
+/// What a client is told that has taken its request back and reads all the same.
+Problem client_closed();
 
 /// Used from the connection's strand only. Held by shared_ptr: the watch on the socket may outlive the wait.
 ///

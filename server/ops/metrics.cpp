@@ -72,7 +72,7 @@ struct Metrics::Impl {
   Family<Counter>& requests = counter(
       "fracture_requests_total",
       "Requests by route of the interface document (none: no such path, or not well-formed) and status "
-      "(0: the client went away before there was an answer).");
+      "(0: the client went away before its request was whole; 499: before there was an answer).");
   Family<Counter>& bytes = counter("fracture_body_bytes_total", "Bytes of bodies by direction (in, out).");
   Family<Counter>& undelivered =
       counter("fracture_answers_undelivered_total", "Answers that the client did not take whole.");

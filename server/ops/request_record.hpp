@@ -15,7 +15,7 @@ struct RequestRecord {
   std::string method;
   std::string path;        ///< decoded; may hold any byte
   std::string route;       ///< as in the interface document: "/fractures/{id}"; empty when there was none
-  int status = 0;          ///< 0: the client went away before it was answered
+  int status = 0;          ///< 0: the client went away before its request was whole
   bool delivered = false;  ///< the whole answer was handed to the socket
   std::uint64_t bytes_in = 0, bytes_out = 0;  ///< of the bodies, as sent
   double milliseconds = 0;                    ///< from the whole header to the last byte of the answer

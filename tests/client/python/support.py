@@ -20,6 +20,7 @@ import tempfile
 import threading
 import time
 import unittest
+import urllib.error
 import urllib.request
 import zlib
 from dataclasses import dataclass
@@ -325,8 +326,10 @@ class Haproxy:
             self.log.seek(0)
             raise RuntimeError("HAProxy ended: " + self.log.read())
         try:
-            with urllib.request.urlopen(self.url + "/version", timeout=PATIENCE) as answer:
-                return answer.status == 200
+            with urllib.request.urlopen(self.url + "/version", timeout=PATIENCE):
+                return True
+        except urllib.error.HTTPError as error:
+            return error.code == 401  # of the server; what HAProxy itself says is 503
         except OSError:
             return False
 

@@ -46,11 +46,6 @@ describe('from node', { skip: noServer, timeout: 120_000 }, () => {
       assert.equal((await asked).problem, 'aborted');
     };
   }));
-
-  test('the end of the time that a call has', t => check(t, server, (url, parameters) => {
-    const asked = refusal(new Client(url, PATIENT).mesh(id).fracture(parameters, { signal: AbortSignal.timeout(2000) }));
-    return async () => assert.equal((await asked).problem, 'aborted');
-  }));
 });
 
 describe('from Chromium', { skip: noBrowser, timeout: 120_000 }, () => {

@@ -9,7 +9,9 @@
 
 #include "tests/server/http/with_tenants.hpp"
 #include "tests/server/support/exposition.hpp"
-#include "tests/server/support/job_server.hpp"
+#include "tests/server/support/gate.hpp"
+#include "tests/server/support/requests.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 namespace {
@@ -45,6 +47,10 @@ struct Closed : testing::Test {
       return server.pool.running() == 0 && server.pool.queued() == 0 &&
              server.dispatcher.figures().flights == 0 && server.dispatcher.working().used() == 0;
     }));
+  }
+  void wait_until_done(const std::string& job) {
+    EXPECT_TRUE(eventually(kPatience, job + " to be done",
+                           [&] { return server.get(job).json().value("state", "") == "done"; }));
   }
   void wait_for_connections(std::size_t count) {
     require_eventually(kPatience, "connections to close",
@@ -277,7 +283,7 @@ TEST_F(ClosedByName, TheShareOfANameIsFreeAgain) {
 }
 
 TEST_F(Closed, AJobGoesOn) {
-  RawClient& client = connect(post("/fracture", "Prefer: respond-async\r\n"));
+  RawClient& client = connect(post("/fracture", kAsync));
   const auto accepted = client.receive();
   ASSERT_TRUE(accepted);
   EXPECT_EQ(accepted->status, 202);
@@ -285,15 +291,14 @@ TEST_F(Closed, AJobGoesOn) {
   wait_for_connections(0);
   gate.wait_for(1);
   gate.open = true;
-  wait_for_state(server, accepted->header("location"), "done");
+  wait_until_done(accepted->header("location"));
 }
 
 TEST_F(Closed, AJobIsMadeThoughItsClientLeavesBeforeItIsAccepted) {
   server.control->during_cut = [this](const Execution&) { gate.pass_without_polls(); };
   for (int seed = 1; seed <= 2; ++seed) connect(post("/fracture?seed=" + std::to_string(seed)));
   gate.wait_for(2);
-  RawClient& large =
-      connect(post("/fracture?seed=3", "Prefer: respond-async\r\n", std::string(1 << 20, 'm')));
+  RawClient& large = connect(post("/fracture?seed=3", kAsync, std::string(1 << 20, 'm')));
   require_eventually(kPatience, "the body to be queued", [&] { return server.pool.queued() == 1; });
   large.half_close();
   gate.open = true;
@@ -317,12 +322,12 @@ TEST_F(Closed, TheWaitForAJobEndsAndTheJobGoesOn) {
   wait_for_connections(0);
   EXPECT_EQ(server.control->cancelled, 0);
   gate.open = true;
-  wait_for_state(server, job, "done");
+  wait_until_done(job);
 }
 
 // A client that only closes its side would get keep-alives for as long as the job takes.
 TEST_F(Closed, AStreamOfEventsEnds) {
-  const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
+  const std::string job = server.post("/fracture", "mesh", kGlb + kAsync).header("location");
   gate.wait_for(1);
   RawClient& events = connect("GET " + job + "/events HTTP/1.1\r\nHost: t\r\n\r\n");
   ASSERT_TRUE(events.receive_until("event: progress"));
