@@ -283,7 +283,7 @@ TEST_F(ClosedByName, TheShareOfANameIsFreeAgain) {
 }
 
 TEST_F(Closed, AJobGoesOn) {
-  RawClient& client = connect(post("/fracture", kAsync));
+  RawClient& client = connect(post("/fracture", kRespondAsync));
   const auto accepted = client.receive();
   ASSERT_TRUE(accepted);
   EXPECT_EQ(accepted->status, 202);
@@ -298,7 +298,7 @@ TEST_F(Closed, AJobIsMadeThoughItsClientLeavesBeforeItIsAccepted) {
   server.control->during_cut = [this](const Execution&) { gate.pass_without_polls(); };
   for (int seed = 1; seed <= 2; ++seed) connect(post("/fracture?seed=" + std::to_string(seed)));
   gate.wait_for(2);
-  RawClient& large = connect(post("/fracture?seed=3", kAsync, std::string(1 << 20, 'm')));
+  RawClient& large = connect(post("/fracture?seed=3", kRespondAsync, std::string(1 << 20, 'm')));
   require_eventually(kPatience, "the body to be queued", [&] { return server.pool.queued() == 1; });
   large.half_close();
   gate.open = true;
@@ -327,7 +327,7 @@ TEST_F(Closed, TheWaitForAJobEndsAndTheJobGoesOn) {
 
 // A client that only closes its side would get keep-alives for as long as the job takes.
 TEST_F(Closed, AStreamOfEventsEnds) {
-  const std::string job = server.post("/fracture", "mesh", kGlb + kAsync).header("location");
+  const std::string job = server.post("/fracture", "mesh", kGlb + kRespondAsync).header("location");
   gate.wait_for(1);
   RawClient& events = connect("GET " + job + "/events HTTP/1.1\r\nHost: t\r\n\r\n");
   ASSERT_TRUE(events.receive_until("event: progress"));

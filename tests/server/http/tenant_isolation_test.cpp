@@ -28,7 +28,7 @@ struct Isolation : testing::Test {
     return "/meshes/" + id;
   }
   std::string finished_job(const std::string& name) {
-    const Reply started = server.post("/fracture?seed=9", "a mesh", kObj + kAsync + by(name));
+    const Reply started = server.post("/fracture?seed=9", "a mesh", kObj + kRespondAsync + by(name));
     EXPECT_EQ(started.status, 202);
     const std::string job = started.header("location");
     EXPECT_TRUE(eventually(kPatience, "the job",
