@@ -241,8 +241,8 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
         if (role == Flights::Role::kLeader) return;  // goes on by itself, below
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
-        if (waited) c->pay(waited->processor_seconds);  // computed for all who waited
         const auto resumed = guarded([&]() -> Expected<bool> {
+          if (waited) c->pay(waited->processor_seconds);  // computed for all who waited
           c->flight->common.urgency.goes_on(pool_, [&](Priority priority, const Flow& flow) {
             return pool_.resume([this, c, next, waited = std::move(waited)](
                                     int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },

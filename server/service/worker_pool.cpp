@@ -1,6 +1,7 @@
 #include "server/service/worker_pool.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "server/service/worker_pool_running.hpp"
@@ -193,7 +194,16 @@ bool WorkerPool::has_thread() {
   return true;
 }
 
-void WorkerPool::schedule() {
+void WorkerPool::schedule() noexcept {
+  try {
+    decide();
+  } catch (const std::bad_alloc&) {  // as things were; a free thread looks again soon
+    holds_ = true;
+    wake_.notify_one();
+  }
+}
+
+void WorkerPool::decide() {
   end_classes();
   const Clock::time_point now = Clock::now();
   std::vector<Running*> paused;
@@ -247,13 +257,20 @@ void WorkerPool::schedule() {
 }
 
 void WorkerPool::begin(const Queue::Next& next) {
-  Task task = queue_.take(next);
   // If it was hurried and there is a place where it comes from, it is that which it keeps.
-  const bool has_its_place = task.origin > next.priority && has_place(*next.client, task.origin);
-  const TaskId id = task.id;
-  const Priority place = has_its_place ? task.origin : next.priority;
-  begun_.push_back(std::make_unique<Running>(*this, *next.client, std::move(task), next.priority, place));
-  running_[id] = begun_.back().get();
+  const Priority origin = next.item().origin;
+  const bool has_its_place = origin > next.priority && has_place(*next.client, origin);
+  auto job =
+      std::make_unique<Running>(*this, *next.client, next.priority, has_its_place ? origin : next.priority);
+  Running& begins = *job;
+  begun_.push_back(std::move(job));
+  try {
+    running_.emplace(next.item().id, &begins);
+  } catch (const std::bad_alloc&) {
+    begun_.pop_back();
+    throw;
+  }
+  begins.task = queue_.take(next);  // last: what throws before leaves it in the queue
   wake_.notify_one();
 }
 
@@ -292,7 +309,7 @@ void WorkerPool::ask(const std::vector<Queue::Next>& fresh, const std::vector<Ru
   auto first = waiting.begin();
   for (Running* const job : computing) {
     const bool outranked = all >= thread_count_ && first != waiting.end() && goes_before(*first, *job);
-    if (too_many == 0 && !outranked) break;
+    if (too_many == 0 && !outranked) continue;  // short work ends first; another one may be stopped
     job->asked = true;
     if (too_many > 0)
       --too_many;
@@ -316,15 +333,17 @@ void WorkerPool::thin_out() {
   for (const Priority least : {Priority::kBackground, Priority::kBatch}) {
     const std::size_t most = least == Priority::kBatch ? 2 * thread_count_ : thread_count_;
     const auto counts = [least](const Running& job) { return job.priority >= least && !job.must_end; };
-    std::map<const Client*, std::size_t> count;
-    for (const auto& [id, job] : running_) count[&job->client] += counts(*job);
+    const auto count_of = [&](const Client& client) {
+      return static_cast<std::size_t>(std::count_if(running_.begin(), running_.end(), [&](const auto& job) {
+        return &job.second->client == &client && counts(*job.second);
+      }));
+    };
     // The latest first. Of the others no more begin than may run.
     for (auto at = running_.rbegin(); at != running_.rend(); ++at) {
       Running& job = *at->second;
-      if (!counts(job) || job.began >= least || count[&job.client] <= most) continue;
+      if (!counts(job) || job.began >= least || count_of(job.client) <= most) continue;
       job.must_end = true;
       job.go_on.notify_all();
-      --count[&job.client];
     }
   }
 }

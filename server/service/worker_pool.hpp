@@ -189,7 +189,8 @@ class WorkerPool {
   /// There is a thread for one more, or one can be started.
   bool has_thread();
   /// Who computes, begins and stands still, as things are. After every change.
-  void schedule();
+  void schedule() noexcept;
+  void decide();
   void begin(const Queue::Next& next);
   /// How much less another client must have used, in what that counts as.
   static double quantum(const Running& job);

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <new>
 #include <utility>
 
 #include "common/base/execution.hpp"
@@ -18,12 +19,8 @@ using Seconds = std::chrono::duration<double>;
 /// A job on its thread. Everything that is not said to be otherwise is guarded by the pool's mutex.
 class WorkerPool::Running final : public Turn {
  public:
-  Running(WorkerPool& its_pool, Client& its_client, Task its_task, Priority its_priority, Priority its_place)
-      : pool(its_pool),
-        client(its_client),
-        task(std::move(its_task)),
-        priority(its_priority),
-        began(its_place) {}
+  Running(WorkerPool& its_pool, Client& its_client, Priority its_priority, Priority its_place)
+      : pool(its_pool), client(its_client), priority(its_priority), began(its_place) {}
 
   void give_way() override {
     if (of_this_thread == this) tick();
@@ -67,10 +64,13 @@ class WorkerPool::Running final : public Turn {
       used_at = Clock::now();
       used_by_now += used;
     }
-    if (task.used)
-      task.used(used);
-    else
-      pool.charge(priority_of_charge(), task.flow, used);
+    try {
+      if (task.used)
+        task.used(used);
+      else
+        pool.charge(priority_of_charge(), task.flow, used);
+    } catch (const std::bad_alloc&) {  // no memory to remember the client in: it is not charged
+    }
   }
 
   bool computes() const { return !paused && !away; }
@@ -105,7 +105,7 @@ class WorkerPool::Running final : public Turn {
 
   WorkerPool& pool;
   Client& client;
-  Task task;
+  Task task{};
   Priority priority;
   const Priority began;  ///< the class whose place it has
   const Clock::time_point start = Clock::now();

@@ -86,8 +86,8 @@ TEST(Fairness, AsManyLongComputationsAsThereAreThreadsHoldUpNobodyElse) {
 TEST(Fairness, EachOfManyClientsWithLongComputationsGetsItsTurn) {
   WorkerPool pool(2, 100);
   std::deque<Using> clients;
-  for (int k = 0; k < 12; ++k) clients.emplace_back(pool, Flow{std::to_string(k)});
-  for (const Using& client : clients) client.wait_for(50);
+  for (int k = 0; k < 6; ++k) clients.emplace_back(pool, Flow{std::to_string(k)});
+  for (const Using& client : clients) client.wait_for(10);
   std::atomic<bool> answered{false};
   pool.submit(
       kBatch, 0, [&](int) { answered = true; }, kB);
@@ -101,7 +101,7 @@ TEST(Fairness, TwoClientsWithOneProcessorGetHalfOfItEach) {
   two.wait_for();
   const long first = one.polls, second = two.polls;
   EXPECT_TRUE(eventually(kPatience, "both to go on",
-                         [&] { return one.polls > first + 2000 && two.polls > second + 2000; }));
+                         [&] { return one.polls > first + 400 && two.polls > second + 400; }));
   const auto a = static_cast<double>(one.polls - first), b = static_cast<double>(two.polls - second);
   EXPECT_LT(a, 1.5 * b);
   EXPECT_LT(b, 1.5 * a);
@@ -137,7 +137,7 @@ TEST(Fairness, WhoIsOverItsProcessorRateStandsStillAndTheOthersDoNot) {
   const auto queued = pool.submit(
       kBatch, 0, [&](int) { own = true; }, flow);
   Using other(pool, kB);
-  other.wait_for(2000);
+  other.wait_for(200);
   EXPECT_EQ(over.polls, before);
   EXPECT_FALSE(own) << "nor does it begin anything";
   EXPECT_TRUE(pool.withdraw(queued));
