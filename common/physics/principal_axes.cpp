@@ -59,7 +59,7 @@ PrincipalAxes body_inertia(const Fragment& f) {
 }
 
 double body_volume(const Fragment& f) {
-  if (f.mass.volume > 0) return f.mass.volume;
+  if (!(f.mass.volume <= 0)) return f.mass.volume;  // NaN, too: no figure of a bug is mended
   if (const FileVolume in_file = file_volume(f); in_file.sign > 0) return in_file.volume;
   Box box;
   for (const Vec3f& p : f.positions) box.add(to_double(p));

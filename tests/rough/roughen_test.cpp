@@ -199,10 +199,10 @@ TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
 // Where a cut is steep the mean of the triangles around a corner may point behind one of them.
 TEST(Roughen, NoCornerIsLitFromBehindItsTriangle) {
   std::size_t corners = 0;
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : {1, 2}) {
     FractureParameters p = rough(60, 0.05, 12, 4);
     p.seed = seed;
-    for (const Mesh& mesh : {cube_with_seams(), torus(48, 24)}) {
+    for (const Mesh& mesh : {cube_with_seams(), sphere_with_seams(12, 24)}) {
       const FragmentSet set = fracture_roughly(mesh, p).set;
       for (const Fragment& f : set.fragments)
         for (const IndexRange& caps : f.caps)
@@ -216,7 +216,7 @@ TEST(Roughen, NoCornerIsLitFromBehindItsTriangle) {
           }
     }
   }
-  EXPECT_GT(corners, 100000u);
+  EXPECT_GT(corners, 10000u);
 }
 
 TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
