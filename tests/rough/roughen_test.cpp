@@ -200,7 +200,7 @@ TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
 TEST(Roughen, NoCornerIsLitFromBehindItsTriangle) {
   std::size_t corners = 0;
   for (const std::uint64_t seed : {1, 2}) {
-    FractureParameters p = rough(60, 0.05, 12, 4);
+    FractureParameters p = rough(40, 0.05, 10, 3);
     p.seed = seed;
     for (const Mesh& mesh : {cube_with_seams(), sphere_with_seams(12, 24)}) {
       const FragmentSet set = fracture_roughly(mesh, p).set;
