@@ -64,23 +64,26 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
                                                         " bytes; all stored meshes together may have " +
                                                         std::to_string(meshes_.config().quota_bytes) + ".");
         const auto asked = std::make_shared<FractureRequest>(input);
-        std::optional<Error> overload =
-            dispatcher_.prepare(std::move(input), terms,
-                                [this, request, reply, asked, body,
-                                 terms](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
-                                  answering(*request, reply, [&]() -> Answered {
-                                    if (!prepared) return refusal(std::move(prepared.error()), request->id);
-                                    const auto keep = [this, request, asked, body, mesh = *prepared] {
-                                      return store(*request, *asked, *mesh, *body);
-                                    };
-                                    if (WorkerPool::turn()) return keep();
-                                    // It was prepared before. The mesh is compared with what is stored, and described: not on an io thread.
-                                    Terms keeping = terms;
-                                    keeping.needs_seat = false;
-                                    return on_pool(expected_reading(asked->mesh.size()), request, keeping,
-                                                   reply, [keep](const Execution&) { return keep(); });
-                                  });
-                                });
+        const auto keep = [this, request, reply, asked, body,
+                           terms](const std::shared_ptr<const PreparedMesh>& prepared) -> Answered {
+          const auto stored = [this, request, asked, body, prepared] {
+            return store(*request, *asked, *prepared, *body);
+          };
+          if (WorkerPool::turn()) return stored();
+          // It was prepared before. It is compared with what is stored, and described: not on an io thread.
+          Terms storing = terms;
+          storing.needs_seat = false;
+          return on_pool(expected_reading(asked->mesh.size()), request, storing, reply,
+                         [stored](const Execution&) { return stored(); });
+        };
+        std::optional<Error> overload = dispatcher_.prepare(
+            std::move(input), terms,
+            [this, request, reply, keep](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
+              answering(*request, reply, [&]() -> Answered {
+                if (!prepared) return refusal(std::move(prepared.error()), request->id);
+                return keep(*prepared);
+              });
+            });
         if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));
         return std::nullopt;
       });
