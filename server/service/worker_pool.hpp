@@ -109,7 +109,7 @@ class WorkerPool {
   /// How many tasks go before each of these, as things are; nothing for one that is not queued, and for all of them
   /// while more than kMostPlaced wait: everybody waits for the lock meanwhile.
   std::vector<std::optional<std::size_t>> positions(const std::vector<TaskId>& tasks) const;
-  static constexpr std::size_t kMostPlaced = 3000;
+  static constexpr std::size_t kMostPlaced = 1000;
 
   /// As many tasks wait as may (max_queue), and of this flow as many as its part of them; or twice as many,
   /// whoever comes: who fills the queue leaves the others their part, up to here. Background tasks are counted

@@ -1,6 +1,6 @@
 // What the pool says of itself: how much waits, how long a new task would, and what it learns that from.
 #include <algorithm>
-#include <unordered_map>
+#include <utility>
 
 #include "common/base/bulk.hpp"
 #include "server/service/worker_pool.hpp"
@@ -13,14 +13,19 @@ std::vector<std::optional<std::size_t>> WorkerPool::positions(const std::vector<
   const std::lock_guard lock(mutex_);
   const std::size_t queued = queue_.size();
   if (queued > kMostPlaced) return positions;
-  constexpr std::size_t kAsHashed = 16;  // bytes: two passes over a task take as long as hashing so many
+  constexpr std::size_t kAsHashed =
+      64;  // bytes: to find the place of a task takes as long as hashing so many
   count_bulk(kAsHashed * queued);
+  std::vector<std::pair<TaskId, std::size_t>> asked;
+  for (std::size_t k = 0; k < tasks.size(); ++k) asked.emplace_back(tasks[k], k);
+  std::sort(asked.begin(), asked.end());
   std::size_t before = 0;
   for (const Priority priority : kPriorities) before += queue_.resumed(priority);
-  std::unordered_map<TaskId, std::size_t> places;
-  for (const TaskId id : queue_.order()) places.emplace(id, before++);
-  for (std::size_t k = 0; k < tasks.size(); ++k)
-    if (const auto at = places.find(tasks[k]); at != places.end()) positions[k] = at->second;
+  for (const TaskId id : queue_.order()) {
+    auto at = std::lower_bound(asked.begin(), asked.end(), std::pair(id, std::size_t{0}));
+    for (; at != asked.end() && at->first == id; ++at) positions[at->second] = before;
+    ++before;
+  }
   return positions;
 }
 
