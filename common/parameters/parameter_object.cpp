@@ -12,6 +12,13 @@ const ParameterTable& widest_table() {
   return table;
 }
 
+/// Nothing for what no server accepts, and for what names an earlier answer: that is kept with that answer's parameters.
+std::optional<RequestParameters> parsed(const nlohmann::json& object) {
+  auto parameters = widest_table().parse(raw_parameters(object));
+  if (!parameters || !parameters->of.empty()) return std::nullopt;
+  return std::move(*parameters);
+}
+
 }  // namespace
 
 Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::string_view what) {
@@ -37,14 +44,12 @@ std::optional<nlohmann::json> read_kept_parameters(std::string_view text) {
   if (text.size() > kOfKept.text) return std::nullopt;
   const auto read = read_json(text, {.depth = kParameterDepth, .bytes = kOfKept.held});
   if (!read || !read->value.is_object()) return std::nullopt;
-  const auto parsed = widest_table().parse(raw_parameters(read->value));
-  if (!parsed) return std::nullopt;
-  return canonical_parameters(*parsed);
+  const auto parameters = parsed(read->value);
+  if (!parameters) return std::nullopt;
+  return canonical_parameters(*parameters);
 }
 
-bool are_parameters(const nlohmann::json& value) {
-  return value.is_object() && widest_table().parse(raw_parameters(value)).has_value();
-}
+bool are_parameters(const nlohmann::json& value) { return value.is_object() && parsed(value).has_value(); }
 
 std::vector<RawParameter> raw_parameters(const nlohmann::json& object) {
   std::vector<RawParameter> given;

@@ -37,7 +37,7 @@ Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::
 /// Nothing for what is no JSON object within kOfKept, and for parameters that no server accepts in a request.
 std::optional<nlohmann::json> read_kept_parameters(std::string_view text);
 
-/// Whether some server accepts these parameters in a request. False for a value that is not an object.
+/// Whether some server accepts these parameters in a request, without an earlier answer. False for a value that is not an object.
 bool are_parameters(const nlohmann::json& value);
 
 /// The members of an object as parameters.

@@ -53,6 +53,7 @@ TEST(ParameterObject, WhatNoRequestCouldHaveHadWasNotKept) {
        {std::string(), std::string("[]"), std::string("{"), std::string(R"({"sites": "x"})"),
         std::string(R"({"sites": 4000000000})"), std::string(R"({"stretch": 1e999})"),
         std::string(R"({"local_point": 5})"), std::string(R"({"no_such_parameter": 1})"),
+        R"({"exterior": "material", "of": "sha256:)" + std::string(64, 'a') + "\"}",
         std::string("{\"material\": \"\xff\xff\"}"),
         "{\"sites\": 5, \"x\": " + repeated("[", 200'000) + repeated("]", 200'000) + "}",
         "{\"sites\": 5, \"x\": " + repeated("{\"a\":", 200'000) + "1" + repeated("}", 200'000) + "}",
