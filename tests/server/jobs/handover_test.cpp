@@ -56,7 +56,6 @@ TEST_F(Handover, TheSecondServerIsReadyWhenItHasTheFolderWithItsJobsAndResults) 
 
   first->api.stop_jobs();  // as a server does that is told to stop
   gate.open = true;
-  first->api.wait_idle();
   first.reset();
   EXPECT_EQ(second.api.take_folder(), true);
   EXPECT_FALSE(second.api.waits_for_folder());
