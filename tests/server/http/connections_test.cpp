@@ -16,6 +16,7 @@ using Verdict = Connections::Verdict;
 struct Seated final : Drainable {
   void close_when_idle() override {}
   void cancel_job() override {}
+  void tokens_changed() override {}
   void give_way(Leave how) override { told = how; }
   using Drainable::set_waiting;
   std::optional<Leave> told;
