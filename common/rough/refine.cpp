@@ -273,24 +273,28 @@ class RegionRefiner {
     return true;
   }
 
-  // A pair of vertices is split alike wherever it is a side, so nothing can open.
+  // A pair of vertices is split alike wherever it is a side, so nothing can open. Where the surface crosses itself a
+  // triangle may turn right, in which no ear would be found: it is divided as its mirror image.
   void split_sides(const std::array<CutVertexId, 3>& t) {
+    const auto in_plane = [&](CutVertexId v) {
+      const Vec3d d = positions_.points[v - positions_.first_constructed] - origin_;
+      return rounded({dot(d, across_), dot(d, up_)});
+    };
+    const bool mirrored = orient2d(in_plane(t[0]), in_plane(t[1]), in_plane(t[2])) < 0;
     ring_.clear();
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (const std::size_t k : {0, 1, 2}) {
       ring_.push_back(t[k]);
       splits_.between(t[k], t[(k + 1) % 3], ring_);
     }
     std::vector<LatticePoint> points;
-    ring_local_.clear();
-    for (const CutVertexId v : ring_) {
-      const Vec3d d = positions_.points[v - positions_.first_constructed] - origin_;
-      points.push_back(rounded({dot(d, across_), dot(d, up_)}));
-      ring_local_.push_back(static_cast<std::uint32_t>(ring_local_.size()));
-    }
+    for (const CutVertexId v : ring_) points.push_back(in_plane(v));
+    ring_local_.resize(ring_.size());
+    std::iota(ring_local_.begin(), ring_local_.end(), 0u);
+    if (mirrored) std::reverse(ring_local_.begin(), ring_local_.end());
     std::vector<Triangle> cut;
     clip_ears(points, ring_local_, cut);
-    for (const Triangle& c : cut)
-      triangles_.push_back({local(ring_[c[0]]), local(ring_[c[1]]), local(ring_[c[2]])});
+    for (const auto& [a, b, c] : cut)
+      triangles_.push_back({local(ring_[a]), local(ring_[mirrored ? c : b]), local(ring_[mirrored ? b : c])});
   }
 
   struct Edge {
