@@ -219,7 +219,8 @@ TEST_F(OneTooMany, DoesNotEndWhoWaitsForItsMesh) {
   ask(fracture_request("three"), background);  // the same answer
   ask(fracture_request("three", 2), hurried);  // another one, of the same mesh
   ask(fracture_request("three", 2), background);
-  require_eventually(kPatience, "it to wait for the mesh", [&] { return pool.queued() == 0; });
+  require_eventually(kPatience, "it to wait for the mesh",
+                     [&] { return pool.queued() == 0 && pool.running() == 3; });
   gone.request_stop();
   EXPECT_TRUE(eventually(kPatience, "the third to end", [&] { return bad == 3; }));
   gate.open = true;
