@@ -100,7 +100,7 @@ TEST(FairnessAttack, RealtimeBesideALongBatchJob) {
   const StoredMesh mesh(1);
   GameClient game(server.port);
   ASSERT_EQ(game.fracture(mesh, 0).status, 200);
-  const Reply started = ask(server.port, "POST", "/fracture?sites=100000", kObj + kAsync, kCube);
+  const Reply started = ask(server.port, "POST", "/fracture?sites=100000", kObj + kRespondAsync, kCube);
   ASSERT_EQ(started.status, 202) << started.body;
   const std::string job = started.header("location");
   const auto state = [&] { return ask(server.port, "GET", job).json().value("state", ""); };

@@ -102,7 +102,7 @@ TEST(OperationsAttack, LongJobs) {
   const int sites = full_tests() ? 25'000 : 15'000;
   const std::string body = R"({"sites": )" + std::to_string(sites) + "}";
   const auto job = [&](const std::string& target, const std::string& fields, const std::string& text) {
-    const Reply reply = ask(siege.server.port, "POST", target, fields + kAsync, text);
+    const Reply reply = ask(siege.server.port, "POST", target, fields + kRespondAsync, text);
     EXPECT_EQ(reply.status, 202) << reply.body;
     return reply.header("location");
   };
@@ -134,7 +134,7 @@ TEST(OperationsAttack, DrainWithAJob) {
   std::string job;
   {
     ServeProcess server(settings);
-    const Reply started = ask(server.port, "POST", "/fracture?sites=15000", kObj + kAsync, kCube);
+    const Reply started = ask(server.port, "POST", "/fracture?sites=15000", kObj + kRespondAsync, kCube);
     ASSERT_EQ(started.status, 202) << started.body;
     job = started.header("location");
     EXPECT_TRUE(eventually(kPatience, "it to run", [&] { return state_of(server, job) != "queued"; }));

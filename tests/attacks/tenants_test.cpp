@@ -78,7 +78,7 @@ TEST_F(TenantAttack, ComputationsAndBytesOverTheShare) {
   std::vector<std::string> jobs;
   for (int k = 0; k < 6; ++k) {
     const Reply reply =
-        post("/fracture?sites=8000&lloyd=50&seed=" + std::to_string(k), "greedy", kObj + kAsync);
+        post("/fracture?sites=8000&lloyd=50&seed=" + std::to_string(k), "greedy", kObj + kRespondAsync);
     running += reply.status == 202;
     refused += reply.status == 429;
     if (reply.status == 202) jobs.push_back(reply.header("location"));
@@ -210,7 +210,7 @@ TEST_P(TenantWay, DigestsAreNoAccessTokens) {
   const Reply made = get("POST", mesh + "/fracture", "ana", kJson, R"({"sites": 5})");
   ASSERT_EQ(made.status, 200) << made.body;
   const std::string answer = made.header("content-location");
-  const Reply started = get("POST", mesh + "/fracture", "ana", kJson + kAsync, R"({"sites": 6})");
+  const Reply started = get("POST", mesh + "/fracture", "ana", kJson + kRespondAsync, R"({"sites": 6})");
   ASSERT_EQ(started.status, 202) << started.body;
   const std::string job = started.header("location");
 

@@ -24,13 +24,13 @@ std::vector<nlohmann::json> without_times(const std::string& path, const std::st
   for (std::string line; std::getline(file, line);) {
     nlohmann::json json = nlohmann::json::parse(line);
     json.erase("seconds");
-    const auto leave_out_folder = [&](nlohmann::json& path) {
-      std::string text = path;
-      path = text.erase(text.find("/" + folder + "/"), folder.size() + 1);
+    const auto leave_out_folder = [&](nlohmann::json& place) {
+      std::string text = place;
+      place = text.erase(text.find("/" + folder + "/"), folder.size() + 1);
     };
     leave_out_folder(json.at("output"));
     if (json.contains("beside"))
-      for (nlohmann::json& file : json.at("beside")) leave_out_folder(file.at("path"));
+      for (nlohmann::json& other : json.at("beside")) leave_out_folder(other.at("path"));
     lines.push_back(std::move(json));
   }
   return lines;

@@ -59,7 +59,7 @@ TEST_F(MeshOwners, FormatAndReportAreEachOwners) {
   store.put(first, {"ana"});
   store.put(second, {"bob"});
   EXPECT_EQ(store.find("a", "ana", Whose::kOwn)->format, MeshFormat::kObj);
-  EXPECT_EQ(store.find("a", "ana", Whose::kOwn)->description, "of ana");
+  EXPECT_EQ(*store.find("a", "ana", Whose::kOwn)->description, "of ana");
   EXPECT_EQ(store.find("a", "bob", Whose::kOwn)->format, MeshFormat::kStl);
 }
 
