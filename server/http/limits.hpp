@@ -51,9 +51,6 @@ inline constexpr std::uint64_t kSmallAnswer = 64u << 10;
 /// Of a header: its fields, and the commas and semicolons in all of them. Each part is looked at for itself, some of them
 /// several times: 16 KiB of commas took an io thread half a millisecond. Browsers and proxies send 30 fields and 60 members.
 inline constexpr std::size_t kMaxFields = 128, kMaxMembers = 512;
-/// Of a query. There are fewer parameters, each of which may be given once: a query of more is refused, and what follows is
-/// not read.
-inline constexpr std::size_t kMaxQueryParameters = 256;
 
 // What an io thread does for one client before it serves the others takes 0.2 ms at most
 // (fracture_io_turn_seconds); everything beyond these sizes is done on the pool, where each client has its part.

@@ -242,7 +242,8 @@ std::optional<std::string> percent_decode(std::string_view text, Plus plus) {
 
 std::optional<std::vector<std::pair<std::string, std::string>>> parse_query(std::string_view query) {
   std::vector<std::pair<std::string, std::string>> pairs;
-  while (!query.empty() && pairs.size() <= kMaxQueryParameters) {
+  pairs.reserve(1 + static_cast<std::size_t>(std::count(query.begin(), query.end(), '&')));
+  while (!query.empty()) {
     const std::string_view item = query.substr(0, query.find('&'));
     query.remove_prefix(std::min(query.size(), item.size() + 1));
     if (item.empty()) continue;

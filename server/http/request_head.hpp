@@ -51,7 +51,7 @@ OrProblem<RequestHead> parse_head(std::string_view head, const HttpLimits& limit
 enum class Plus { kIsPlus, kIsSpace };
 std::optional<std::string> percent_decode(std::string_view text, Plus plus);
 
-/// name=value pairs of a query, decoded, as far as one more than kMaxQueryParameters; nothing when an escape is malformed.
+/// name=value pairs of a query, decoded; nothing when an escape is malformed.
 std::optional<std::vector<std::pair<std::string, std::string>>> parse_query(std::string_view query);
 
 bool equals_ignoring_case(std::string_view a, std::string_view b);
