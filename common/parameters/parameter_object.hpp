@@ -22,7 +22,7 @@ struct ParameterTextLimits {
 };
 /// About 30,000 points, which hold half of it when they are parsed.
 inline constexpr ParameterTextLimits kOfRequest{1u << 20, 8u << 20};
-/// The canonical form of such a request writes numbers in full: `1e14` becomes four times as long.
+/// The canonical form of such a request writes numbers in full: `9e5` becomes `900000.0`.
 inline constexpr ParameterTextLimits kOfKept{4u << 20, 16u << 20};
 
 /// The most sites that any server can be told to allow (--max-sites).
