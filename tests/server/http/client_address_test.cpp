@@ -71,7 +71,8 @@ TEST(ClientAddress, WhatAClientLeavesOpenSwallowsNothingOfItsProxys) {
           "host=\"a\\\",b\\\\\";for=198.51.100.7", "for=198.51.100.7, for=192.0.2.9"})
       EXPECT_EQ(forwarded_client("192.0.2.1", std::string(own) + ", " + proxys, proxies), "198.51.100.7")
           << own << " | " << proxys;
-  EXPECT_EQ(forwarded_client("192.0.2.1", "for=6.6.6.6;x=\"", proxies), "192.0.2.1") << "no proxy has written";
+  EXPECT_EQ(forwarded_client("192.0.2.1", "for=6.6.6.6;x=\"", proxies), "192.0.2.1")
+      << "no proxy has written";
 }
 
 TEST(ClientAddress, ANodeIsAnAddressAndAPortAndNothingBehindThem) {
