@@ -22,6 +22,8 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// Regions narrower than this much of an edge have no width, up to so many corners.
 constexpr double kThin = 1e-3;
 constexpr std::size_t kLongestSliver = 160;
+/// The share of a region's area that triangles may have which turn right: more than rounding makes of it.
+constexpr double kMostFolded = 1e-3;
 /// Planar coordinates are rounded to so many steps across a region.
 constexpr double kSteps = 1 << 23;
 
@@ -67,7 +69,7 @@ class RegionRefiner {
       core_.build(plane_, loop_begin_, length_, area, execution_);
       if (core_.points().empty() && ring_.size() == boundary_.size()) return keep(old);
       for (const Vec2d& p : core_.points()) fresh_.push_back(origin_ + p.x * across_ + p.y * up_);
-      if (triangulate_with_core()) return;
+      if (triangulate_with_core(area)) return;
     }
     triangles_.clear();
     fresh_.clear();
@@ -251,7 +253,7 @@ class RegionRefiner {
   }
 
   /// False, with nothing promised, where the loops do not nest (surfaces that cross themselves).
-  bool triangulate_with_core() {
+  bool triangulate_with_core(double area) {
     // Corners of the collar: the loops in their order, then the rim of the core.
     corner_.assign(loop_.begin(), loop_.end());
     collar_begin_ = loop_begin_;
@@ -265,6 +267,10 @@ class RegionRefiner {
     for (std::size_t k = 0; k < loop_.size(); ++k) collar_points_.push_back(rounded(plane_[k]));
     for (const std::uint32_t r : core_.rim()) collar_points_.push_back(rounded(core_.points()[r]));
     if (!collar_.build(collar_points_, collar_begin_, loop_begin_.size() - 1, execution_)) return false;
+    double folded = 0;  // twice the area of what turns right: a loop may cross itself
+    for (const auto& [p, q, r] : collar_.triangles())
+      folded -= std::fmin(0, orient2d(collar_points_[p], collar_points_[q], collar_points_[r]));
+    if (folded * step_ * step_ > 2 * kMostFolded * area) return false;
     for (const Triangle& t : collar_.triangles())
       triangles_.push_back({corner_[t[0]], corner_[t[1]], corner_[t[2]]});
     for (const Triangle& t : core_.triangles())
