@@ -284,6 +284,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   if (made) made->processor_seconds = spent.processor_seconds;
   mine.end_part(pool_, *part);
   flights.land(seat.flight, made);
+  if (!made) c->tried_again = true;  // it was computed here: computing it once more would end the same way
   (this->*next)(c, made, threads);
 }
 

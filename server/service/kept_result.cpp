@@ -81,7 +81,7 @@ std::shared_ptr<const FractureResult> result_in(const StoredEntry& stored, const
   if (mesh->substr(mesh->find(':') + 1, 16) != std::string_view(result->key).substr(0, 16)) return nullptr;
   result->file.assign(stored.entry.payload.begin(), stored.entry.payload.end());
   const auto figures = take_range(*ranges, result->file);
-  if (!figures) return nullptr;
+  if (!figures || figures->size == 0) return nullptr;  // every answer has figures
   result->figures = *figures;
   if (ranges->empty()) {
     const auto parameters = take_line(rest);

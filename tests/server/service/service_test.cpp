@@ -40,9 +40,12 @@ TEST(ResultTiersTest, HashingWhatTheDiskHasPolls) {
   const auto result = std::make_shared<FractureResult>();
   result->mesh_digest = "sha256:" + std::string(64, 'a');
   result->key = std::string(64, 'a');
+  result->parameters = "{}";
   result->file.assign(16u << 20, 'x');
+  result->file[0] = '{', result->file[1] = '}';
+  result->figures = {0, 2};
   result->file_digest = sha256(std::as_bytes(std::span(result->file)));
-  result->figures_digest = sha256("");
+  result->figures_digest = sha256("{}");
   ASSERT_TRUE(tiers.keep_on_disk(result));
   ResultTiers::Found found;
   EXPECT_GE(polls_of([&](const Execution& execution) { found = tiers.find(result->key, {}, execution); }),
