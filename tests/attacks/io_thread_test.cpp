@@ -66,7 +66,7 @@ TEST(IoThreadAttack, AnAnswerOfManyParametersNamedInFewBytes) {
 }
 
 TEST(IoThreadAttack, ListsOfAFullQueue) {
-  Siege siege({"--threads", "1"});
+  Siege siege({"--threads", "1", "--memory", "4GiB"});
   const std::string mesh = ask(siege.server.port, "POST", "/meshes", kObj, kCube).header("location");
   const auto job = [&](const std::string& body, const std::string& from) {
     return ask(siege.server.port, "POST", mesh + "/fracture", kJson + "Prefer: respond-async\r\n", body, from)

@@ -78,7 +78,7 @@ const std::string kU0 = "Priority: u=0\r\n", kU3 = "Priority: u=3\r\n";
 TEST_P(LongWorkAttack, Computations) {
   int good = 0;
   {
-    const LongWork work(server, 4, "/fracture?sites=60000&lloyd=50", GetParam());
+    const LongWork work(server, 4, "/fracture?sites=12000&lloyd=50", GetParam());
     EXPECT_TRUE(eventually(kPatience, "both processors to be taken",
                            [&] { return figures(server).sum("fracture_jobs_running") >= 2; }));
     good = answered(kU3);
