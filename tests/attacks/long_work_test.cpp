@@ -91,7 +91,7 @@ TEST_P(LongWorkAttack, Computations) {
 TEST_P(LongWorkAttack, Imports) {
   int good = 0;
   {
-    const LongWork work(server, 4, "/fracture?sites=8", GetParam(), kCube + many("o o\nf 1 2 3\n", 200'000));
+    const LongWork work(server, 4, "/fracture?sites=8", GetParam(), kCube + many("o o\nf 1 2 3\n", 400'000));
     EXPECT_TRUE(eventually(kPatience, "both import workers to be taken",
                            [&] { return figures(server).sum("fracture_import_workers_busy") >= 2; }));
     good = answered(kU3);
