@@ -298,7 +298,7 @@ struct Endless {
     Execution execution;
     execution.stop = stop.get_token();
     execution.turn = turn;
-    thread = std::thread([this, &pool, command, execution] {
+    thread = std::thread([&pool, command, execution] {
       try {
         (void)import_with(pool, command, execution);
         ADD_FAILURE() << "it should have been interrupted";
