@@ -295,7 +295,7 @@ TEST_F(Closed, AJobGoesOn) {
 }
 
 TEST_F(Closed, AJobIsMadeThoughItsClientLeavesBeforeItIsAccepted) {
-  server.control->during_cut = [this](const Execution&) { gate.pass_without_polls(); };
+  server.control->during_cut = gate.hook_without_polls();
   for (int seed = 1; seed <= 2; ++seed) connect(post("/fracture?seed=" + std::to_string(seed)));
   gate.wait_for(2);
   RawClient& large = connect(post("/fracture?seed=3", kRespondAsync, std::string(1 << 20, 'm')));

@@ -119,7 +119,7 @@ TEST_F(FlightsOverHttp, WhoWaitsForACompressionWaitsForAsLongAsItMay) {
   const std::string target = server.post("/fracture").header("content-location");
   gate.open = false;
   gate.arrived = 0;
-  server.control->during_cut = [this](const Execution&) { gate.pass_without_polls(); };
+  server.control->during_cut = gate.hook_without_polls();
   for (const char* sites : {"5", "6"}) send(std::string("/fracture?sites=") + sites);
   gate.wait_for(2);  // as many as there are threads
   const auto get = [&](const std::string& fields) -> RawClient& {

@@ -7,7 +7,7 @@ namespace {
 TEST_F(DispatcherTest, MemoryIsHandedOutByEstimateAndOneAloneAlwaysRuns) {
   Dispatcher narrow(service, pool, {.max_working_bytes = 1});
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   std::atomic<int> answers{0};
   const auto reply = [&](Expected<FractureAnswer> answer) { answers += answer.has_value(); };
   EXPECT_FALSE(narrow.fracture(fracture_request("a"), {}, reply));

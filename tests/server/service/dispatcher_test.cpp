@@ -15,7 +15,7 @@ using std::chrono::steady_clock;
 
 TEST_F(DispatcherTest, SixtyFourIdenticalColdRequestsAreOneComputation) {
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   for (int i = 0; i < 64; ++i) ask(fracture_request("mesh"));
   gate.open = true;
   dispatcher.wait_idle();
@@ -32,7 +32,7 @@ TEST_F(DispatcherTest, SixtyFourIdenticalColdRequestsAreOneComputation) {
 
 TEST_F(DispatcherTest, TheLeaderIsCancelledHalfWayAndTheOthersSucceed) {
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   std::stop_source leader;
   Terms terms;
   terms.gone = leader.get_token();
@@ -50,7 +50,7 @@ TEST_F(DispatcherTest, TheLeaderIsCancelledHalfWayAndTheOthersSucceed) {
 
 TEST_F(DispatcherTest, TheComputationDiesWithTheLastWhoWaits) {
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   std::stop_source everybody;
   Terms terms;
   terms.gone = everybody.get_token();
@@ -138,7 +138,7 @@ TEST_F(DispatcherTest, AnotherDualWaitsForTheSameTetrahedralization) {
 
 TEST_F(DispatcherTest, EachWaiterHasItsOwnDeadline) {
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   Terms hasty;
   hasty.deadline = steady_clock::now() + std::chrono::milliseconds(50);
   ask(fracture_request("mesh"), hasty);
@@ -154,7 +154,7 @@ TEST_F(DispatcherTest, EachWaiterHasItsOwnDeadline) {
 
 TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   ask(fracture_request("a"));
   ask(fracture_request("b"));
   gate.wait_for(2);  // both threads are busy
@@ -171,7 +171,7 @@ TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
 
 TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
   Gate gate;
-  control->during_cut = [&](const Execution& execution) { gate.pass(execution); };
+  control->during_cut = gate.hook();
   for (int i = 0; i < 200; ++i) pool.measured(1, 1000);  // a machine a thousand times slower than nominal
   ask(fracture_request("a"));
   ask(fracture_request("b"));

@@ -239,7 +239,7 @@ TEST_F(ReservationTest, PredictionsAreRevisedWhenTheMeshIsKnown) {
 
 TEST_F(ReservationTest, WhatNobodyWaitsForIsNotWaitedFor) {
   Gate gate;
-  control->during_cut = [&](const Execution&) { gate.pass_without_polls(); };
+  control->during_cut = gate.hook_without_polls();
   std::stop_source gone;
   Terms terms;
   terms.gone = gone.get_token();

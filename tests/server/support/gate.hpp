@@ -3,40 +3,57 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 
 #include "common/base/execution.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {
 
-/// Holds whoever passes until it is opened.
-struct Gate {
-  std::atomic<int> arrived{0};
-  std::atomic<bool> open{false};
+/// Holds every computation that passes, until it is opened. It opens when it is destroyed. A hook may outlive its gate: a
+/// server that is declared before the gate still computes when the gate is gone.
+class Gate {
+  struct State {
+    std::atomic<int> arrived{0};
+    std::atomic<bool> open{false};
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+
+ public:
+  std::atomic<int>& arrived = state_->arrived;
+  std::atomic<bool>& open = state_->open;
+
+  Gate() = default;
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+  ~Gate() { open = true; }
 
   /// An interruption gets through, and more urgent work is done meanwhile.
   void pass(const Execution& execution) {
-    wait([&execution] { execution.poll(); });
+    wait(*state_, [&execution] { execution.poll(); });
   }
   void pass_without_polls() {
-    wait([] {});
+    wait(*state_, [] {});
   }
   /// pass(), as a hook of FakeControl.
   std::function<void(const Execution&)> hook() {
-    return [this](const Execution& execution) { pass(execution); };
+    return [state = state_](const Execution& execution) { wait(*state, [&execution] { execution.poll(); }); };
   }
-  /// Until so many have come.
+  std::function<void(const Execution&)> hook_without_polls() {
+    return [state = state_](const Execution&) { wait(*state, [] {}); };
+  }
+  /// Waits until n computations have come.
   void wait_for(int n) const {
     require_eventually(kPatience, "computations to come to the gate", [&] { return arrived >= n; });
   }
 
  private:
   template <class Poll>
-  void wait(const Poll& poll) {
-    ++arrived;
+  static void wait(State& state, const Poll& poll) {
+    ++state.arrived;
     require_eventually(kPatience, "the gate to open", [&] {
       poll();
-      return open.load();
+      return state.open.load();
     });
   }
 };
