@@ -128,8 +128,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "What server and import processes may have resident, 0: the limit of their control group, or the "
            "machine's memory; budgets below that nobody gives are lowered until all fits"),
        number("max-queue", "N", o.max_queue, 0, 1'000'000,
-              "Requests that may wait for a computing thread; up to twice as many, so that each client has "
-              "its part"),
+              "Requests of one client that may wait for a computing thread; of all together up to four times "
+              "as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files, at a time"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,

@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "server/service/fair_share.hpp"
+
 namespace fracture::http {
 
 /// Thread-safe; outlives its holds. A buffer that many connections are sent from is held once.
@@ -17,8 +19,9 @@ class AnswerMemory {
  public:
   enum class Refusal { kFull, kOverShare };
 
-  /// `share`: what one address may hold. Whoever holds nothing else may exceed both.
-  AnswerMemory(std::uint64_t capacity, std::uint64_t share) : capacity_(capacity), share_(share) {}
+  /// `share`: what one client may hold when it is the only one (FairShare). An answer that is the only one of all may
+  /// be larger than the capacity.
+  AnswerMemory(std::uint64_t capacity, std::uint64_t share) : fair_{capacity, share} {}
 
   /// Counted from now until it is destroyed.
   class Hold {
@@ -26,41 +29,42 @@ class AnswerMemory {
     Hold() = default;
     Hold(Hold&& other) noexcept
         : memory_(std::exchange(other.memory_, nullptr)),
-          address_(std::move(other.address_)),
+          client_(std::move(other.client_)),
           buffer_(other.buffer_) {}
     Hold& operator=(Hold&& other) noexcept {
       std::swap(memory_, other.memory_);
-      std::swap(address_, other.address_);
+      std::swap(client_, other.client_);
       std::swap(buffer_, other.buffer_);
       return *this;
     }
     ~Hold() {
-      if (memory_) memory_->release(address_, buffer_);
+      if (memory_) memory_->release(client_, buffer_);
     }
 
    private:
     friend AnswerMemory;
     AnswerMemory* memory_ = nullptr;
-    std::string address_;
+    std::string client_;
     const void* buffer_ = nullptr;
   };
 
   /// Fills `hold`, or says why not.
-  std::optional<Refusal> take(const std::string& address, const void* buffer, std::uint64_t bytes,
+  std::optional<Refusal> take(const std::string& client, const void* buffer, std::uint64_t bytes,
                               Hold& hold) {
     const std::lock_guard lock(mutex_);
-    const auto held = all_.buffers.find(buffer);
-    const auto of_address = by_address_.find(address);
-    const bool mine = of_address != by_address_.end() && of_address->second.buffers.count(buffer) > 0;
-    if (!mine && share_ < capacity_ && of_address != by_address_.end() &&
-        of_address->second.bytes + bytes > share_)
-      return Refusal::kOverShare;
-    if (held == all_.buffers.end() && all_.bytes > 0 && all_.bytes + bytes > capacity_) return Refusal::kFull;
+    const auto of_client = by_client_.find(client);
+    const std::uint64_t before = of_client == by_client_.end() ? 0 : of_client->second.bytes;
+    const bool mine = before > 0 && of_client->second.buffers.count(buffer) > 0;
+    const std::uint64_t all = all_.bytes + (all_.buffers.count(buffer) > 0 ? 0 : bytes), own = before + bytes;
+    if (!mine && all_.bytes > 0 &&
+        !fair_.allows(own, all, by_client_.size() - (before > 0 ? 1 : 0), before == 0))
+      return before > 0 && (all <= fair_.capacity || own > fair_.share) ? Refusal::kOverShare
+                                                                        : Refusal::kFull;
     all_.add(buffer, bytes);
-    by_address_[address].add(buffer, bytes);
+    by_client_[client].add(buffer, bytes);
     hold = Hold();
     hold.memory_ = this;
-    hold.address_ = address;
+    hold.client_ = client;
     hold.buffer_ = buffer;
     return std::nullopt;
   }
@@ -94,18 +98,18 @@ class AnswerMemory {
     }
   };
 
-  void release(const std::string& address, const void* buffer) {
+  void release(const std::string& client, const void* buffer) {
     const std::lock_guard lock(mutex_);
     all_.remove(buffer);
-    const auto at = by_address_.find(address);
+    const auto at = by_client_.find(client);
     at->second.remove(buffer);
-    if (at->second.buffers.empty()) by_address_.erase(at);
+    if (at->second.buffers.empty()) by_client_.erase(at);
   }
 
-  const std::uint64_t capacity_, share_;
+  const FairShare fair_;
   mutable std::mutex mutex_;
   Account all_;
-  std::map<std::string, Account> by_address_;
+  std::map<std::string, Account> by_client_;
 };
 
 }  // namespace fracture::http

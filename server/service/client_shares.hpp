@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -16,25 +15,23 @@ namespace fracture {
 /// Thread-safe. Outlives its reservations.
 class ClientShares {
  public:
-  /// `share` is what one address may hold (of no meaning where it is the whole), `small_share` of the small
-  /// ones; a lone reservation of an address may exceed it.
+  /// `share` is what one client may hold when it is the only one (of no meaning where it is the whole), `small_share` of
+  /// the small ones. Where others hold much, it may hold less (FairShare).
   ClientShares(std::uint64_t capacity, std::uint64_t share, MemoryBudget::SmallPool small,
                std::uint64_t small_share)
-      : whole_(capacity, small), share_(share), make_share_([share, small_share, small] {
-          return new MemoryBudget(share, {small_share, small.largest}, MemoryBudget::Alone::kMayExceed);
-        }) {}
-  /// The same of one pool with headroom for small reservations: of an address these may have `small_share` beside
-  /// what its large ones hold.
-  ClientShares(const MemoryBudget::Divided& whole, std::uint64_t share, std::uint64_t small_share)
-      : whole_(whole), share_(share), make_share_([whole, share, small_share] {
-          return new MemoryBudget({share + small_share, small_share, whole.largest_small},
-                                  MemoryBudget::Alone::kMayExceed);
-        }) {}
+      : whole_(capacity, small, {share, small_share}), share_(share) {}
+  /// The same of one pool with headroom for small reservations.
+  ClientShares(const MemoryBudget::Divided& whole, std::uint64_t share)
+      : whole_(whole, {share, share}), share_(share) {}
 
   /// Of nothing yet. Nobody in particular ("") has no share.
-  MemoryBudget::Reservation begin(const std::string& address) {
-    if (share_ >= whole_.capacity() || address.empty()) return MemoryBudget::Reservation(whole_);
-    return {whole_, of(address)};
+  MemoryBudget::Reservation begin(const std::string& client) {
+    if (share_ >= whole_.capacity() || client.empty()) return MemoryBudget::Reservation(whole_);
+    return {whole_, of(client)};
+  }
+  /// What a reservation of so many bytes would be told now.
+  MemoryBudget::Verdict judge(const std::string& client, std::uint64_t bytes) {
+    return whole_.judge(share_ >= whole_.capacity() || client.empty() ? nullptr : of(client).get(), bytes);
   }
 
   MemoryBudget& whole() { return whole_; }
@@ -42,10 +39,12 @@ class ClientShares {
   std::uint64_t share() const { return share_; }
 
  private:
-  std::shared_ptr<MemoryBudget> of(const std::string& address) {
+  using Client = MemoryBudget::Client;
+
+  std::shared_ptr<Client> of(const std::string& name) {
     const auto alive = [&] {
-      const auto at = by_address_.find(address);
-      return at == by_address_.end() ? nullptr : at->second.lock();
+      const auto at = clients_.find(name);
+      return at == clients_.end() ? nullptr : at->second.lock();
     };
     {
       const std::lock_guard lock(mutex_);
@@ -53,23 +52,22 @@ class ClientShares {
     }
     // Forgotten with its last reservation, for which the lock must be free: also where there is no memory to
     // make it.
-    std::shared_ptr<MemoryBudget> fresh(make_share_(), [this, address](MemoryBudget* gone) {
+    std::shared_ptr<Client> fresh(new Client, [this, name](Client* gone) {
       delete gone;
       const std::lock_guard forgetting(mutex_);
-      const auto at = by_address_.find(address);
-      if (at != by_address_.end() && at->second.expired()) by_address_.erase(at);
+      const auto at = clients_.find(name);
+      if (at != clients_.end() && at->second.expired()) clients_.erase(at);
     });
     const std::lock_guard lock(mutex_);
     if (auto known = alive()) return known;
-    by_address_[address] = fresh;
+    clients_[name] = fresh;
     return fresh;
   }
 
   MemoryBudget whole_;
   const std::uint64_t share_;
-  const std::function<MemoryBudget*()> make_share_;
   std::mutex mutex_;
-  std::unordered_map<std::string, std::weak_ptr<MemoryBudget>> by_address_;
+  std::unordered_map<std::string, std::weak_ptr<Client>> clients_;
 };
 
 }  // namespace fracture

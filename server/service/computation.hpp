@@ -116,16 +116,42 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   LeaveEarly early;
 };
 
+/// Sets aside what a piece of work needs whose turn has come. False: there is not so much now, and it leaves its thread.
+/// When there is, `again` queues it; where that cannot be, `failed` is told why.
+template <class Work, class Again, class Failed>
+bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string& client, std::uint64_t bytes,
+                            Again again, Failed failed) {
+  if (work->working) return true;
+  std::optional<MemoryBudget::Reservation> memory =
+      line_.take({.client = client,
+                  .bytes = bytes,
+                  .given_up = [work] { return work->abandoned(); },
+                  .go_on =
+                      [work, again, failed](MemoryBudget::Reservation later) {
+                        const auto queued = guarded([&]() -> Expected<bool> {
+                          work->hold(std::move(later));
+                          again();
+                          return true;
+                        });
+                        if (!queued) failed(queued.error());
+                      }});
+  if (memory) work->hold(std::move(*memory));
+  return memory.has_value();
+}
+
 /// One result being computed, by the leader of its flight.
 struct Dispatcher::Computation {
   explicit Computation(Dispatcher& its_dispatcher) : dispatcher(its_dispatcher) {}
+  /// However it ended, its memory is free.
+  ~Computation() { give_back(); }
 
   Dispatcher& dispatcher;
   FractureRequest request{};
   RequestKeys keys{};
-  double cost = 0;                          ///< revised when the mesh is known
-  Priority origin = Priority::kBackground;  ///< of whoever led
-  std::optional<ComputationAllowance> working{};
+  double cost = 0;                                ///< revised when the mesh is known
+  std::uint64_t bytes = 0;                        ///< that it should need, set aside when its turn comes
+  Priority origin = Priority::kBackground;        ///< of whoever led
+  std::optional<ComputationAllowance> working{};  ///< nothing: it waits for its turn, or for memory
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
   bool tried_again = false;  ///< a part that somebody else computed, and was ended for
@@ -133,7 +159,8 @@ struct Dispatcher::Computation {
   FractureAnswer answer{};
   std::shared_ptr<const PreparedMesh> mesh{};
 
-  /// Whoever computed the part for all was one too many of its class: this one computes it itself, once.
+  /// Whoever was to compute the part for all was one too many of its class, or found no memory: this one computes it
+  /// itself, once.
   bool goes_on_without(const Error& error) {
     return error.code == ErrorCode::kOverloaded && !std::exchange(tried_again, true);
   }
@@ -147,6 +174,14 @@ struct Dispatcher::Computation {
     WorkerPool::stands_still_while_wanted(e);
     e.progress = [flight = flight](Stage stage, double fraction) { flight->common.tell(stage, fraction); };
     return e;
+  }
+  void hold(MemoryBudget::Reservation memory) {
+    working.emplace(dispatcher.working_.whole(), std::move(memory));
+  }
+  void give_back() {
+    if (!working) return;
+    working.reset();
+    dispatcher.line_.given_back();
   }
   /// All who wait for it pay for what was computed for it.
   void pay(double seconds) { dispatcher.charge(flight->common.payers.charge(seconds), seconds); }

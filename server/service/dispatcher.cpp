@@ -58,9 +58,9 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     return over;
   }
   // Who joins a flight costs nothing more and is let in. That flight may have landed by then: such a request
-  // leads one of its own, with a reservation that begins with nothing and grows.
+  // leads one of its own.
   double cost = 0;
-  MemoryBudget::Reservation working = working_.begin(terms.payer.flow.name);
+  std::uint64_t bytes = 0;
   {
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
     const FractureParameters& fracture = request.parameters.fracture;
@@ -77,11 +77,11 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
         work = expected_hit_work(fracture, selection, solid);
     }
     cost = work.seconds;
-    work.bytes = std::max(work.bytes, terms.least_bytes);
+    bytes = std::max(work.bytes, terms.least_bytes);
     std::optional<Error> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);
-      if (!overload) overload = reserve(work.bytes, terms, working);
+      if (!overload) overload = lacks_memory(bytes, terms);
     }
     if (overload) {
       ++refused_;
@@ -116,8 +116,8 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       c->request = std::move(request);
       c->keys = std::move(keys);
       c->cost = cost;
+      c->bytes = bytes;
       c->origin = terms.priority;
-      c->working.emplace(working_.whole(), std::move(working));
       c->flight = seat.flight;
       flight.common.urgency.lead(pool_, terms.payer.turn(), terms.priority, [&] {
         return pool_.submit(
@@ -127,93 +127,6 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     } else {
       ++collapsed_;
       flight.common.urgency.join(pool_, terms.priority, terms.payer.turn());
-    }
-  });
-  return std::nullopt;
-}
-
-std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& terms, MeshReply reply) {
-  RequestKeys keys = keys_of(request);
-  if (auto mesh = service_.find_mesh(keys)) {
-    reply(std::move(mesh));
-    return std::nullopt;
-  }
-  const ExpectedWork work = expected_work(bytes_of(request));
-  const double cost = work.seconds;
-  tenants::Account::Seat share;
-  MemoryBudget::Reservation working = working_.begin(terms.payer.flow.name);
-  if (auto over = seat(terms, share)) {
-    ++refused_;
-    return over;
-  }
-  if (!meshes_.find(keys.mesh)) {
-    std::optional<Error> overload = refuses(cost, terms);
-    if (!overload) overload = reserve(work.bytes, terms, working);
-    if (overload) {
-      ++refused_;
-      return overload;
-    }
-  }
-
-  using Waiter = Waiting<MeshFlights, std::shared_ptr<const PreparedMesh>>;
-  const auto waiting = std::make_shared<Waiter>(*this, meshes_, std::move(reply));
-  waiting->share = std::move(share);
-  const auto seat =
-      meshes_.join(keys.mesh, [this, waiting, payer = terms.payer, priority = terms.priority](
-                                  const Outcome<PreparedMesh>& outcome, MeshFlights::Role role) {
-        if (outcome && role == MeshFlights::Role::kFollower)
-          charge({{payer, priority}}, outcome->processor_seconds);
-        if (outcome)
-          waiting->answer(outcome->value);
-        else
-          waiting->answer(tl::unexpected<Error>(outcome.error()));
-      });
-  struct Preparation {
-    FractureRequest request;
-    RequestKeys keys;
-    Terms terms;
-    std::optional<ComputationAllowance> working{};
-  };
-  waiting->enter(seat, terms, [&] {
-    if (seat.role == MeshFlights::Role::kLeader) {
-      const auto p = std::make_shared<Preparation>();
-      p->request = std::move(request);
-      p->keys = std::move(keys);
-      p->terms = terms;
-      p->working.emplace(working_.whole(), std::move(working));
-      const auto prepare = [this, p, cost, flight = seat.flight](int threads) {
-        if (flight->stop().stop_requested()) return;
-        const Outcome<PreparedMesh> made = guarded([&] {
-          Execution execution;
-          execution.threads = threads;
-          execution.stop = flight->stop();
-          execution.allowance = &p->working->allowance();
-          execution.turn = WorkerPool::turn();
-          execution.progress = p->terms.progress;
-          WorkerPool::stands_still_while_wanted(execution);
-          Spent spent;
-          Outcome<PreparedMesh> prepared = guarded([&] {
-            const Meter meter(spent);
-            return service_.make_mesh(p->request, p->keys, execution);
-          });
-          if (prepared) {
-            prepared->processor_seconds = spent.processor_seconds;
-            pool_.measured(cost, spent.busy_seconds);
-          }
-          return prepared;
-        });
-        p->working.reset();
-        WorkerPool::charge_by_now();
-        flight->common.end();
-        meshes_.land(flight, made);
-      };
-      seat.flight->common.lead(pool_, terms.payer.turn(), terms.priority, [&] {
-        return pool_.submit(
-            terms.priority, cost, prepare, terms.payer.turn(),
-            [this, waits = Waits{terms.payer, terms.priority}](double seconds) { charge({waits}, seconds); });
-      });
-    } else {
-      seat.flight->common.join(pool_, terms.priority, terms.payer.turn());
     }
   });
   return std::nullopt;
@@ -299,6 +212,16 @@ void Dispatcher::at_station(const Shared& c, Station station) {
 
 void Dispatcher::begin(const Shared& c, int threads) {
   if (c->abandoned()) return;
+  Urgency& urgency = c->flight->common.urgency;
+  const auto again = [this, c, &urgency] {
+    urgency.goes_on(pool_, [&](Priority priority, const Flow& flow) {
+      return pool_.resume([this, c](int free) { at_station(c, [&] { begin(c, free); }); }, priority, c->cost,
+                          c->origin, flow, Computation::paid_by(c));
+    });
+  };
+  if (!has_memory(c, urgency.turn().name, c->bytes, again,
+                  [this, c](const Error& error) { end(c, tl::unexpected<Error>(error)); }))
+    return;
   const Clock::time_point now = Clock::now();
   // What waited so long that it would be given up half-way is not begun. What did not wait is tried.
   const bool waited = now - c->submitted > std::chrono::milliseconds(10);
@@ -391,7 +314,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
 }
 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
-  c->working.reset();
+  c->give_back();
   WorkerPool::charge_by_now();
   results_.land(c->flight, outcome);
   if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))

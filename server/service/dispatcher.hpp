@@ -31,6 +31,7 @@
 #include "server/service/client_shares.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "server/service/memory_budget.hpp"
+#include "server/service/memory_line.hpp"
 #include "server/service/payer.hpp"
 #include "server/service/service.hpp"
 #include "server/service/single_flight.hpp"
@@ -42,8 +43,9 @@ namespace fracture {
 
 struct DispatcherConfig {
   /// Bytes that computations may be working in at the same time, by estimate; one alone may always run. An
-  /// eighth is for small ones alone, and no client holds more than three quarters, or of that eighth beside it,
-  /// but for one computation of its own: who asks for much leaves room for a collision, of others and its own.
+  /// eighth is for small ones alone, and no client holds more than three quarters, less where others hold much, but for
+  /// one computation of its own: who asks for much leaves room for a collision, of others and its own. What is queued
+  /// holds none of it.
   std::uint64_t max_working_bytes = 2ull << 30;
   FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; borrowed; null: nobody does
 };
@@ -81,8 +83,7 @@ class Dispatcher {
       : service_(service),
         pool_(pool),
         failures_(config.failures),
-        working_(divided(config.max_working_bytes), share_of(config.max_working_bytes),
-                 share_of(divided(config.max_working_bytes).headroom)) {}
+        working_(divided(config.max_working_bytes), share_of(config.max_working_bytes)) {}
   /// Waits until nothing is computed any more; stop the flights first (stop_all) when that would take long.
   ~Dispatcher() { wait_idle(); }
   Dispatcher(const Dispatcher&) = delete;
@@ -104,6 +105,8 @@ class Dispatcher {
   std::optional<Error> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
   /// What all that is computed or read holds.
   MemoryBudget& working() { return working_.whole(); }
+  /// Computations whose turn has come and that wait for memory.
+  std::size_t waiting_for_memory() const { return line_.size(); }
 
   /// Would a request of so much work be refused? Asked before a body is read, so nothing is reserved.
   std::optional<Error> refuses(const ExpectedWork& work, const Terms& terms) const;
@@ -162,18 +165,23 @@ class Dispatcher {
   static std::optional<Error> seat(const Terms& terms, tenants::Account::Seat& share);
   /// All who waited are charged for all of it, each in the class of its own request.
   void charge(const std::vector<Waits>& payers, double seconds);
-  std::optional<Error> reserve(std::uint64_t bytes, const Terms& terms,
-                               MemoryBudget::Reservation& reservation);
+  /// Why it would not be begun now for want of memory. Nothing is set aside: that is done when its turn comes.
+  std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
-  /// What nobody waits for keeps neither its place in the queue nor its memory until its turn.
+  /// What nobody waits for keeps no place in a queue until its turn.
   template <class Flight>
   void withdraw_if_abandoned(const Flight& flight, const Urgency& urgency) {
-    if (flight.stop().stop_requested()) pool_.withdraw(urgency.task());
+    if (!flight.stop().stop_requested()) return;
+    pool_.withdraw(urgency.task());
+    line_.given_back();
   }
 
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);
+  template <class Work, class Again, class Failed>
+  bool has_memory(const std::shared_ptr<Work>& work, const std::string& client, std::uint64_t bytes,
+                  Again again, Failed failed);
   void obtain_mesh(const Shared& c, int threads);
   void obtain_diagram(const Shared& c, int threads);
   void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
@@ -189,11 +197,15 @@ class Dispatcher {
   template <class Flights, class Value>
   struct Waiting;
   struct Errand;
+  struct Preparation;
+  void begin_mesh(const std::shared_ptr<Preparation>& p, int threads);
+  void begin_errand(const std::shared_ptr<Errand>& errand, int threads);
 
   FractureService& service_;
   WorkerPool& pool_;
   FailureKeeper* const failures_;
   ClientShares working_;
+  MemoryLine line_{working_};
   ResultFlights results_;
   MeshFlights meshes_;
   DiagramFlights diagrams_;

@@ -67,17 +67,19 @@ MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
 
 std::uint64_t Dispatcher::share_of(std::uint64_t bytes) { return bytes - bytes / 4; }
 
-std::optional<Error> Dispatcher::reserve(std::uint64_t bytes, const Terms& terms,
-                                         MemoryBudget::Reservation& reservation) {
-  MemoryBudget& working = working_.whole();
-  reservation = working_.begin(terms.payer.flow.name);
-  if (reservation.grow_to(std::min(bytes, working.capacity()))) return std::nullopt;
+std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& terms) {
+  const MemoryBudget& working = working_.whole();
+  const MemoryBudget::Verdict verdict =
+      working_.judge(terms.payer.flow.name, std::min(bytes, working.capacity()));
+  if (verdict == MemoryBudget::Verdict::kFits) return std::nullopt;
   const std::chrono::seconds later = whole_seconds(pool_.backlog(Priority::kBatch).count());
-  if (reservation.over_share())
+  if (verdict == MemoryBudget::Verdict::kOverShare)
     return Error{.code = ErrorCode::kOverShare,
-                 .detail = "This client's requests hold all of the " + std::to_string(working_.share()) +
-                           " bytes that one client may work in, by estimate; this one needs " +
-                           std::to_string(bytes) + ".",
+                 .detail = "This client's computations hold its part of the " +
+                           std::to_string(working.used()) +
+                           " bytes that are worked in now, by estimate, of " +
+                           std::to_string(working_.share()) + " that it may have when nobody else works; " +
+                           "this one needs " + std::to_string(bytes) + ".",
                  .retry_after = later};
   Error error = overloaded("The computations in progress hold " + std::to_string(working.used()) +
                                " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",

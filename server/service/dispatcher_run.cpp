@@ -8,8 +8,9 @@ namespace fracture {
 /// Waits in the queue, until its turn comes or nobody waits for it any more: what is first decides. Lives in
 /// the task.
 struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
-  Errand(Dispatcher& d, const Terms& t, Job j, GivenUp g)
-      : dispatcher(d), terms(t), job(std::move(j)), given_up(std::move(g)), early(d.timer_) {}
+  Errand(Dispatcher& d, const ExpectedWork& w, const Terms& t, Job j, GivenUp g)
+      : dispatcher(d), work(w), terms(t), job(std::move(j)), given_up(std::move(g)), early(d.timer_) {}
+  ~Errand() { give_back(); }
 
   /// After it was queued. May give up before it returns.
   void arm(WorkerPool::TaskId its_task) {
@@ -24,12 +25,23 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
     dispatcher.pool_.withdraw(task);  // where its turn has just come, it finds that nobody waits
     share = {};
     job = nullptr;
-    working = {};
+    dispatcher.line_.given_back();  // where it waits for memory
     given_up(to_error(Interrupted{code}));
+  }
+  void fail(const Error& error) {
+    if (!decided.exchange(true)) given_up(error);
+  }
+
+  bool abandoned() const { return decided; }
+  void hold(MemoryBudget::Reservation memory) { working.emplace(std::move(memory)); }
+  void give_back() {
+    if (!working) return;
+    working.reset();
+    dispatcher.line_.given_back();
   }
 
   /// On its thread. False: it was given up.
-  bool begin(Spent& spent, int threads) {
+  bool begin(int threads) {
     if (decided.exchange(true)) return false;
     if (terms.seat) *terms.seat = std::move(share);
     Execution execution;
@@ -44,31 +56,31 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   }
 
   Dispatcher& dispatcher;
+  const ExpectedWork work;
   const Terms terms;
   Job job;
   const GivenUp given_up;
-  MemoryBudget::Reservation working;
+  std::optional<MemoryBudget::Reservation> working{};
   tenants::Account::Seat share;
   std::atomic<bool> decided{false};
+  Spent spent{};
   WorkerPool::TaskId task = 0;
   LeaveEarly early;
 };
 
 std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& terms, Job job,
                                      GivenUp given_up) {
-  const auto errand = std::make_shared<Errand>(*this, terms, std::move(job), std::move(given_up));
+  const auto errand = std::make_shared<Errand>(*this, work, terms, std::move(job), std::move(given_up));
   std::optional<Error> overload = seat(terms, errand->share);
   if (!overload) overload = refuses(work.seconds, terms);
-  if (!overload) overload = reserve(work.bytes, terms, errand->working);
+  if (!overload) overload = lacks_memory(work.bytes, terms);
   if (overload) {
     ++refused_;
     return overload;
   }
-  const auto at_its_turn = [this, errand, cost = work.seconds](int threads) {
-    Spent spent;
-    if (errand->begin(spent, threads)) pool_.measured(cost, spent.busy_seconds);
-  };
-  const WorkerPool::TaskId task = pool_.submit(terms.priority, work.seconds, at_its_turn, terms.payer.turn());
+  const WorkerPool::TaskId task = pool_.submit(
+      terms.priority, work.seconds, [this, errand](int threads) { begin_errand(errand, threads); },
+      terms.payer.turn());
   try {
     errand->arm(task);
   } catch (...) {
@@ -77,6 +89,21 @@ std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& term
     throw;
   }
   return std::nullopt;
+}
+
+void Dispatcher::begin_errand(const std::shared_ptr<Errand>& errand, int threads) {
+  if (errand->abandoned()) return;
+  const auto again = [this, errand] {
+    pool_.resume([this, errand](int free) { begin_errand(errand, free); }, errand->terms.priority,
+                 errand->work.seconds, std::nullopt, errand->terms.payer.turn());
+  };
+  const auto failed = [errand](const Error& error) { errand->fail(error); };
+  const Expected<bool> ready = guarded([&]() -> Expected<bool> {
+    return has_memory(errand, errand->terms.payer.flow.name, errand->work.bytes, again, failed);
+  });
+  if (!ready) return failed(ready.error());
+  if (!*ready) return;  // its turn comes again
+  if (errand->begin(threads)) pool_.measured(errand->work.seconds, errand->spent.busy_seconds);
 }
 
 }  // namespace fracture

@@ -207,9 +207,10 @@ class FairQueue {
     const auto at = clients_.find(flow);
     return at == clients_.end() ? 0 : at->second.line(priority).queue.size();
   }
-  /// Flows with something queued.
-  std::size_t busy_flows(Priority priority) const {
-    return sum(priority, [](const Line& line) { return static_cast<std::size_t>(!line.queue.empty()); });
+  /// Flows with something queued, but for this one.
+  std::size_t others_than(const std::string& flow, Priority priority) const {
+    return sum(priority, [](const Line& line) { return static_cast<std::size_t>(!line.queue.empty()); }) -
+           (size_of(flow, priority) > 0 ? 1 : 0);
   }
 
   /// Ids of what is queued, in the order in which that would begin if nothing came, one processor did all of it, and

@@ -91,6 +91,11 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return priority_;
   }
+  /// Whose turn it takes: of the most urgent who wait, that of the first.
+  Flow turn() const {
+    const std::lock_guard lock(mutex_);
+    return flow();
+  }
   /// The task may ask itself: it runs, perhaps, before submit() or resume() has said which it is.
   WorkerPool::TaskId task() const {
     const std::lock_guard lock(mutex_);

@@ -111,9 +111,9 @@ class WorkerPool {
   std::vector<std::optional<std::size_t>> positions(const std::vector<TaskId>& tasks) const;
   static constexpr std::size_t kMostPlaced = 1000;
 
-  /// As many tasks wait as may (max_queue), and of this flow as many as its part of them; or twice as many,
-  /// whoever comes: who fills the queue leaves the others their part, up to here. Background tasks are counted
-  /// for themselves: they may wait for long, and nobody else is turned away for them.
+  /// This flow has as many tasks waiting as it may: max_queue if no other waits, else its part of twice as many
+  /// (FairShare). A first one is taken up to four times as many, so that there is room for whoever comes next. Background tasks are counted for themselves: they may wait for
+  /// long, and nobody else is turned away for them.
   bool full(Priority priority, const Flow& flow = {}) const;
 
   /// How long a new job of this class, flow and cost would be queued or stand still: what is computed before its end, over

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/base/bulk.hpp"
+#include "server/service/fair_share.hpp"
 #include "server/service/worker_pool.hpp"
 #include "server/service/worker_pool_running.hpp"
 
@@ -31,22 +32,21 @@ std::vector<std::optional<std::size_t>> WorkerPool::positions(const std::vector<
 
 bool WorkerPool::full(Priority priority, const Flow& flow) const {
   const std::lock_guard lock(mutex_);
-  std::size_t waiting = 0, own = 0, busy = 0, ahead = 0;
+  std::size_t waiting = 0, own = 0, others = 0, ahead = 0;
   for (const Priority counted : kPriorities) {
     if (counted <= priority) ahead += running_of(counted);
     if ((counted == Priority::kBackground) != (priority == Priority::kBackground)) continue;
     waiting += queue_.size(counted);
     own += queue_.size_of(flow.name, counted);
-    busy += queue_.busy_flows(counted);
+    others += queue_.others_than(flow.name, counted);
   }
   // An idle worker, or one that stands back, takes the job at once: such a job does not count as queued.
   const std::size_t idle = thread_count_ - std::min(thread_count_, ahead);
-  if (waiting < max_queue_ + idle) return false;
-  // Each further flow has a place for its first task, and addresses are many.
-  if (waiting >= 2 * max_queue_ + idle) return true;
-  const std::size_t others = busy - (own > 0 ? 1 : 0);
-  // Who fills the queue leaves the others their part of it.
-  return max_queue_ == 0 || own >= std::max<std::size_t>(1, max_queue_ / (others + 1));
+  if (waiting < idle) return false;
+  waiting -= idle;
+  if (own == 0) return waiting >= 4 * max_queue_;  // a first one, though those with more have all of theirs
+  own -= std::min(own, idle);
+  return !FairShare{2 * max_queue_, max_queue_}.allows(own + 1, waiting + 1, others, false);
 }
 
 bool WorkerPool::has_idle_processors(Priority priority) const {

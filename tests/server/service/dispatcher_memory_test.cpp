@@ -11,6 +11,7 @@ TEST_F(DispatcherTest, MemoryIsHandedOutByEstimateAndOneAloneAlwaysRuns) {
   std::atomic<int> answers{0};
   const auto reply = [&](Expected<FractureAnswer> answer) { answers += answer.has_value(); };
   EXPECT_FALSE(narrow.fracture(fracture_request("a"), {}, reply));
+  gate.wait_for(1);
   EXPECT_TRUE(narrow.fracture(fracture_request("b"), {}, reply));
   gate.open = true;
   narrow.wait_idle();

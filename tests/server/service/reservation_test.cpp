@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <latch>
+#include <memory>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 #include "server/service/dispatcher.hpp"
 #include "tests/server/support/fake_engine.hpp"
@@ -81,10 +85,10 @@ TEST_F(ReservationTest, WhatAReaderTookIsFreeWhenItHasEnded) {
 }
 
 TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
-  MemoryBudget whole(1000, {100, 10});
-  const auto share = std::make_shared<MemoryBudget>(500, MemoryBudget::SmallPool{50, 10});
+  MemoryBudget whole(1000, MemoryBudget::SmallPool{100, 10}, {.large = 500, .small = 50});
+  const auto client = std::make_shared<MemoryBudget::Client>();
   {
-    MemoryBudget::Reservation large(whole, share), small(whole, share);
+    MemoryBudget::Reservation large(whole, client), small(whole, client);
     ASSERT_TRUE(large.grow_to(400));
     ASSERT_TRUE(small.grow_to(8));
     large.shrink_to(200);
@@ -93,62 +97,61 @@ TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
     EXPECT_EQ(large.bytes(), 200u);
     EXPECT_EQ(whole.used(), 205u);
     EXPECT_EQ(whole.small_used(), 5u);
-    EXPECT_EQ(share->used(), 205u);
+    EXPECT_EQ(client->large, 200u);
+    EXPECT_EQ(client->small, 5u);
     large.shrink_to(0);
     EXPECT_EQ(large.bytes(), 11u) << "a large one still";
     EXPECT_EQ(whole.small_used(), 5u);
     ASSERT_TRUE(large.grow_to(20));
   }
   EXPECT_EQ(whole.used(), 0u);
-  EXPECT_EQ(share->used(), 0u);
+  EXPECT_EQ(client->large + client->small, 0u);
   EXPECT_EQ(whole.small_used(), 0u);
 }
 
-TEST_F(ReservationTest, WhatExceedsAShareAloneCountsAsAllOfIt) {
-  MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10});
-  const auto share = std::make_shared<MemoryBudget>(
-      MemoryBudget::Divided{.capacity = 575, .headroom = 75, .largest_small = 10},
-      MemoryBudget::Alone::kMayExceed);
+/// A client that is the only one comes to its share; of one thing it may have more, where the others leave that much.
+TEST_F(ReservationTest, OneThingOfAClientMayBeLargerThanItsShare) {
+  MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10},
+                     {.large = 600, .small = 600});
+  const auto client = std::make_shared<MemoryBudget::Client>(),
+             other = std::make_shared<MemoryBudget::Client>();
   {
-    MemoryBudget::Reservation large(whole, share), small(whole, share), second(whole, share);
-    ASSERT_TRUE(large.grow_to(300));
+    MemoryBudget::Reservation large(whole, client), second(whole, client), small(whole, client);
     ASSERT_TRUE(large.grow_to(800));
-    EXPECT_EQ(share->used(), 500u);
     EXPECT_FALSE(second.grow_to(20));
     EXPECT_TRUE(second.over_share());
     ASSERT_TRUE(small.grow_to(10)) << "of what is for small ones";
-    ASSERT_TRUE(large.grow_to(850)) << "it has all of the share already";
-    EXPECT_FALSE(large.grow_to(901));
-    EXPECT_FALSE(large.over_share());
-    EXPECT_EQ(share->used(), 510u);
-    large.shrink_to(400);
-    EXPECT_EQ(share->used(), 410u);
-    EXPECT_EQ(whole.used(), 410u);
-    ASSERT_TRUE(second.grow_to(80));
-    EXPECT_FALSE(second.grow_to(120));
+    EXPECT_FALSE(large.grow_to(901)) << "more than there is";
+    large.shrink_to(500);
+    ASSERT_TRUE(second.grow_to(20));
+    EXPECT_FALSE(second.grow_to(120)) << "more than its share";
     EXPECT_TRUE(second.over_share());
-    large.shrink_to(0);
-    EXPECT_TRUE(second.grow_to(480));
+    MemoryBudget::Reservation theirs(whole, other);
+    EXPECT_FALSE(theirs.grow_to(380))
+        << "one thing, but nothing would be left, and the first has more than is its";
+    EXPECT_FALSE(theirs.over_share());
+    ASSERT_TRUE(theirs.grow_to(200));
   }
   EXPECT_EQ(whole.used(), 0u);
-  EXPECT_EQ(share->used(), 0u);
+  EXPECT_EQ(client->large + client->small + other->large, 0u);
 }
 
-TEST_F(ReservationTest, WhatGrowsOutOfTheHeadroomOfASmallShareIsCountedAsWhatIsLeftOfIt) {
-  MemoryBudget whole(1000);
-  const auto share = std::make_shared<MemoryBudget>(
-      MemoryBudget::Divided{.capacity = 50, .headroom = 45, .largest_small = 10},
-      MemoryBudget::Alone::kMayExceed);
-  {
-    MemoryBudget::Reservation alone(whole, share);
-    ASSERT_TRUE(alone.grow_to(10));
-    EXPECT_EQ(share->used(), 10u);
-    ASSERT_TRUE(alone.grow_to(20));
-    EXPECT_EQ(share->used(), 5u) << "of 50 bytes 45 are for small ones";
-    EXPECT_EQ(whole.used(), 20u);
+/// However many come, each alone, there is something for the next one.
+TEST_F(ReservationTest, WhateverManyClientsHoldTheNextOneFindsRoom) {
+  MemoryBudget whole(1'000'000, MemoryBudget::SmallPool{1000, 10}, {.large = 250'000, .small = 250});
+  std::vector<MemoryBudget::Reservation> held;
+  for (int client = 0; client < 250; ++client) {
+    const auto name = std::make_shared<MemoryBudget::Client>();
+    int taken = 0;
+    for (;; ++taken) {  // all that it is given, in pieces
+      held.emplace_back(whole, name);
+      if (!held.back().grow_to(100)) break;
+    }
+    ASSERT_GT(taken, 0) << "client " << client << ", while " << whole.used() << " bytes are held";
+    if (client == 0) {
+      EXPECT_EQ(taken, 2500) << "its share, while it is the only one";
+    }
   }
-  EXPECT_EQ(share->used(), 0u);
-  EXPECT_EQ(whole.used(), 0u);
 }
 
 TEST_F(ReservationTest, LargeOnesLeaveSmallOnesTheirHeadroom) {
@@ -181,6 +184,7 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
     return dispatcher.fracture(std::move(asked), terms, [](auto) {});
   };
   EXPECT_FALSE(add("greedy", 100'000, 1)) << "one alone may always run";
+  ASSERT_TRUE(eventually(kPatience, "it to run", [&] { return dispatcher.figures().working_bytes > 0; }));
   EXPECT_FALSE(add("other", 10, 2));
   EXPECT_FALSE(add("greedy", 10, 3)) << "a collision of its own";
   const auto second = add("greedy", 10'000, 5);
@@ -194,7 +198,8 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
 }
 
-TEST_F(ReservationTest, ManySmallOnesOfOneClientLeaveRoomForOthers) {
+/// What is queued holds none of the memory that computing takes: neither of one client, nor of very many.
+TEST_F(ReservationTest, WhateverIsQueuedLeavesRoomForOthers) {
   std::atomic<bool> open{false};
   control->during_cut = [&](const Execution& execution) {
     while (!open) execution.poll();
@@ -209,11 +214,87 @@ TEST_F(ReservationTest, ManySmallOnesOfOneClientLeaveRoomForOthers) {
     return dispatcher.fracture(std::move(asked), terms, [](auto) {});
   };
   while (taken < 200 && !add("greedy", taken)) ++taken;
-  EXPECT_GT(taken, 40);
-  EXPECT_LE(dispatcher.figures().working_bytes, (1u << 30) / 32 * 27) << "3/4 of all, and of an eighth";
-  for (int k = 0; k < 12; ++k) EXPECT_FALSE(add("other", 1'000 + k)) << k;
+  EXPECT_EQ(taken, 200);
+  ASSERT_TRUE(
+      eventually(kPatience, "the first to run", [&] { return dispatcher.figures().working_bytes > 0; }));
+  const std::uint64_t one = dispatcher.figures().working_bytes;
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(add("client " + std::to_string(k), 1'000 + k)) << k;
+  EXPECT_EQ(dispatcher.figures().working_bytes, one) << "of the only one that runs";
   open = true;
   dispatcher.wait_idle();
+}
+
+/// Its turn comes while others hold the memory: it leaves its thread to those who need less, and goes on afterwards.
+TEST_F(ReservationTest, WhoseTurnComesWithoutMemoryWaitsForIt) {
+  WorkerPool two(2, 256);
+  Dispatcher narrow(service, two, {.max_working_bytes = 256u << 20});
+  std::atomic<bool> open{false};
+  std::atomic<int> running{0};
+  std::atomic<int> answers{0};
+  control->during_cut = [&](const Execution& execution) {
+    ++running;
+    while (!open) execution.poll();
+  };
+  std::latch both(1);
+  for (int k = 0; k < 2; ++k) two.submit(Priority::kBatch, 0, [&](int) { both.wait(); });
+  const auto add = [&](const std::string& client, int sites, int seed, std::stop_token gone = {}) {
+    FractureRequest asked = request();
+    asked.parameters.fracture.sites = sites;
+    asked.parameters.fracture.seed = static_cast<std::uint64_t>(seed);
+    Terms terms;
+    terms.payer.flow = {client, 1};
+    terms.gone = std::move(gone);
+    EXPECT_FALSE(
+        narrow.fracture(std::move(asked), terms, [&](auto answer) { answers += answer.has_value(); }));
+  };
+  std::stop_source gone;
+  add("first", 10'000, 1);  // 164 MiB of 224
+  add("second", 9'000, 2);
+  add("left", 9'000, 3, gone.get_token());
+  both.count_down();
+  ASSERT_TRUE(eventually(kPatience, "two to wait", [&] { return narrow.waiting_for_memory() == 2; }));
+  EXPECT_EQ(running, 1);
+  add("small", 10, 4);
+  ASSERT_TRUE(eventually(kPatience, "the small one to run", [&] { return running == 2; }));
+  gone.request_stop();
+  EXPECT_EQ(narrow.waiting_for_memory(), 1u) << "who has left holds nothing";
+  open = true;
+  narrow.wait_idle();
+  EXPECT_EQ(narrow.waiting_for_memory(), 0u);
+  EXPECT_EQ(answers, 3);
+  EXPECT_EQ(control->cuts, 3);
+  EXPECT_EQ(narrow.figures().working_bytes, 0u);
+}
+
+/// A computation that has its memory waits for a mesh that somebody else is to prepare, and whose turn comes when there is
+/// none left: that one is refused, and the computation prepares the mesh itself.
+TEST_F(ReservationTest, NobodyWithMemoryWaitsForWhoWaitsForMemory) {
+  WorkerPool two(2, 256);
+  Dispatcher narrow(service, two, {.max_working_bytes = 64u << 20});
+  std::latch begin(1);
+  two.submit(Priority::kBatch, 0, [&](int) { begin.wait(); });
+  two.submit(Priority::kBatch, 0, [&](int) { begin.wait(); });
+  std::optional<ErrorCode> refused;
+  Terms upload, computing;
+  upload.payer.flow = {"upload", 1};
+  computing.payer.flow = {"computing", 1};
+  computing.priority = Priority::kRealtime;  // its turn comes first
+  const std::string large(3u << 20, 'm');    // 40 MiB to prepare it
+  FractureRequest mesh = request();
+  mesh.mesh = std::as_bytes(std::span(large));
+  EXPECT_FALSE(narrow.prepare(mesh, upload, [&](auto prepared) {
+    if (!prepared) refused = prepared.error().code;
+  }));
+  FractureRequest asked = mesh;
+  asked.parameters.fracture.sites = 100;
+  std::atomic<int> answers{0};
+  EXPECT_FALSE(
+      narrow.fracture(std::move(asked), computing, [&](auto answer) { answers += answer.has_value(); }));
+  begin.count_down();
+  EXPECT_TRUE(eventually(kPatience, "the answer", [&] { return answers == 1; }));
+  narrow.wait_idle();
+  EXPECT_TRUE(!refused || refused == ErrorCode::kOverloaded);
+  EXPECT_EQ(narrow.figures().working_bytes, 0u);
 }
 
 TEST_F(ReservationTest, AMeshThatCouldNeverBeHeldIsRefusedBeforeItIsPrepared) {
