@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/jobs/durable_file.hpp"
+#include "server/service/fair_share.hpp"
 
 namespace fracture {
 namespace {
@@ -87,7 +88,7 @@ std::vector<JobFolder::Found> JobFolder::restore() {
       }
       {
         const std::lock_guard lock(mutex_);
-        take_place(*record, size_of(path(kRecords, id)));
+        take_place(*record, size_of(path(kRecords, id)), "");
         if (open) meshes_[record->digest].written = fs::exists(path(kMeshes, record->digest));
       }
       record->parameters = nlohmann::json::object();
@@ -110,7 +111,7 @@ std::vector<JobFolder::Found> JobFolder::restore() {
 
 // -- places
 
-JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share) {
+JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share, const std::string& client) {
   std::uint64_t own = 0;
   try {
     own = encode_record(record).size();
@@ -125,14 +126,34 @@ JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share)
   const auto mesh = meshes_.find(record.digest);
   const bool there = mesh != meshes_.end(), theirs = there && mesh->second.needed.contains(record.owner);
   if (bytes_of_locked(record.owner) + (theirs ? own : all) > share) return Room::kOverShare;
-  if (figures_.bytes + (there ? own : all) > config_.max_bytes) return Room::kFull;
-  take_place(record, own);
+  const FairShare fair{config_.max_bytes, config_.max_bytes / 2};
+  const std::uint64_t of_client = bytes_of_client(client, record) + own,
+                      used = figures_.bytes + (there ? own : all);
+  const bool alone = of_client == all;
+  std::set<std::string_view> others;
+  for (const auto& [id, place] : places_)
+    if (place.client != client) others.insert(place.client);
+  if (client.empty() ? used > fair.capacity : !fair.allows(of_client, used, others.size(), alone))
+    return !client.empty() && !alone && (used <= fair.capacity || of_client > fair.share) ? Room::kOverPart
+                                                                                          : Room::kFull;
+  take_place(record, own, client);
   return Room::kThere;
 }
 
-void JobFolder::take_place(const JobRecord& record, std::uint64_t record_bytes) {
+std::uint64_t JobFolder::bytes_of_client(const std::string& client, const JobRecord& with) const {
+  std::uint64_t bytes = charged(with.mesh_bytes);
+  std::set<std::string_view> meshes{with.digest};
+  for (const auto& [id, place] : places_) {
+    if (place.client != client) continue;
+    bytes += place.bytes;
+    if (!place.digest.empty() && meshes.insert(place.digest).second) bytes += meshes_.at(place.digest).bytes;
+  }
+  return bytes;
+}
+
+void JobFolder::take_place(const JobRecord& record, std::uint64_t record_bytes, const std::string& client) {
   Place& place = places_[record.id];
-  place = {record.owner, {}, charged(record_bytes)};
+  place = {record.owner, client, {}, charged(record_bytes)};
   figures_.bytes += place.bytes;
   if (record.state != JobState::kQueued) return;
   place.digest = record.digest;

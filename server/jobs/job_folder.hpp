@@ -45,7 +45,8 @@ struct JobFolderFigures {
 };
 
 /// Invariant: the bytes of all jobs that have a place are at most max_bytes, where a mesh that several jobs
-/// need counts once; those of one owner, counted for itself, were at most its share when it got the place.
+/// need counts once; those of one owner, counted for itself, were at most its share when it got the place, and those of
+/// one client at most its part.
 /// Thread-safe; what is said to block blocks for as long as the disk takes.
 class JobFolder {
  public:
@@ -71,11 +72,13 @@ class JobFolder {
     kThere,
     kFull,       ///< other jobs have it
     kOverShare,  ///< this owner's other jobs have its share
-    kTooLarge,   ///< for the folder or the share, were they empty
-    kUnfit,      ///< it cannot be written down: a text of it is not UTF-8
+    kOverPart,  ///< this client's other jobs have its part, whatever its share (FairShare: half, when it is alone)
+    kTooLarge,  ///< for the folder or the share, were they empty
+    kUnfit,     ///< it cannot be written down: a text of it is not UTF-8
   };
-  /// A place for a job, until remove(). Does not touch the disk.
-  Room reserve(const JobRecord& record, std::uint64_t share);
+  /// A place for a job, until remove(). It counts as the client's; nobody in particular ("") has no part. Does not touch
+  /// the disk.
+  Room reserve(const JobRecord& record, std::uint64_t share, const std::string& client = "");
   /// Mesh and record. False when they could not be written. Blocks.
   bool write(const JobRecord& record, const FractureRequest& request);
   /// What write() wrote of a job that is to be computed. Nothing where it is gone or damaged (which puts it
@@ -98,7 +101,7 @@ class JobFolder {
 
  private:
   struct Place {
-    std::string owner;
+    std::string owner, client;
     std::string digest;  ///< of the mesh that it needs; empty: none (any more)
     std::uint64_t bytes = 0;
   };
@@ -119,7 +122,9 @@ class JobFolder {
   std::optional<JobRecord> get_record(const std::string& id);
   void put_aside(const char* kind, const std::string& name);
   // With the lock.
-  void take_place(const JobRecord& record, std::uint64_t record_bytes);
+  void take_place(const JobRecord& record, std::uint64_t record_bytes, const std::string& client);
+  /// What this client's jobs take, each mesh once; `with` is a mesh that one more of them needs.
+  std::uint64_t bytes_of_client(const std::string& client, const JobRecord& with) const;
   void let_mesh_go(Place& place);
   std::uint64_t bytes_of_locked(const std::string& owner) const;
 

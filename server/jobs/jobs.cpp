@@ -23,8 +23,6 @@ std::string random_digits() {
   return digits;
 }
 
-std::uint64_t bytes_of(const JobView& view) { return view.answer ? view.answer->result->file.size() : 0; }
-
 std::uint64_t bytes_of(const FractureRequest& request) {
   std::uint64_t bytes = request.mesh.size();
   for (const ImportFile& file : request.files) bytes += file.name.size() + file.bytes.size();
@@ -56,16 +54,14 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
   const auto job = std::make_shared<Job>();
   job->view.id = job->record.id = keys.digest.substr(0, 16) + "-" + random_digits();
   job->view.owner = job->record.owner = owner.name;
+  job->holder = terms.payer.flow.name;
   job->view.result_key = job->record.result_key = keys.result;
   job->client = terms.payer.flow.name;
   {
     const std::lock_guard lock(mutex_);
     make_room();
     if (stopping_) return overloaded("The server is stopping.", std::chrono::seconds(5));
-    if (jobs_.size() >= config_.max_jobs)
-      return overloaded(
-          "There are " + std::to_string(jobs_.size()) + " unfinished jobs, as many as there may be.",
-          std::chrono::seconds(10));
+    if (auto refused = make_place_for(job->holder)) return refused;
     job->view.created = job->record.created = last_created_ =
         std::max(now(), last_created_ + std::chrono::microseconds(1));
     insert(job);
@@ -126,7 +122,7 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
 }
 
 std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, std::uint64_t share) {
-  switch (folder_->reserve(record, share)) {
+  switch (folder_->reserve(record, share, job->holder)) {
     case JobFolder::Room::kThere: {
       const std::lock_guard lock(mutex_);
       job->kept = true;
@@ -142,6 +138,12 @@ std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, 
                              std::to_string(folder_->bytes_of(job->view.owner)) +
                              " bytes on the disk; with this one it would be over its share of " +
                              std::to_string(share) + ".",
+                   .retry_after = std::chrono::seconds(10)};
+    case JobFolder::Room::kOverPart:
+      return Error{.code = ErrorCode::kOverShare,
+                   .detail = "The jobs of this client take its part of the " +
+                             std::to_string(config_.max_disk_bytes) +
+                             " bytes that jobs may take on the disk. Ask again when one of them is finished.",
                    .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kTooLarge:
     case JobFolder::Room::kUnfit:
@@ -213,10 +215,10 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     } else if (!answer) {
       fail_locked(job, std::move(answer.error()));
     } else {
+      const Counted recount(*this, *job);
       view.state = JobState::kDone;
       view.percent = 100;
       view.answer = std::move(made);
-      if (index_.count(view.id) > 0) figures_.result_bytes += bytes_of(view);
       ended(job);
     }
     calls = change(job);
@@ -266,6 +268,7 @@ void Jobs::fail_locked(const Shared& job, Error error) {
     error.detail =
         "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
         "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
+  const Counted recount(*this, *job);
   job->waiting = false;
   job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
   job->view.error = std::move(error);
@@ -299,50 +302,6 @@ void Jobs::sweep() {
 
 void Jobs::flush() {
   disk_.flush();  // which also begins again what waits for memory, folder or not
-}
-
-void Jobs::insert(const Shared& job) {
-  auto at = jobs_.end();
-  while (at != jobs_.begin() && (*std::prev(at))->view.created > job->view.created) --at;
-  at = jobs_.insert(at, job);
-  try {
-    index_.emplace(job->view.id, at);
-  } catch (const std::bad_alloc&) {
-    jobs_.erase(at);
-    throw;
-  }
-}
-
-void Jobs::forget(std::list<Shared>::iterator at) {
-  const Shared job = *at;
-  figures_.result_bytes -= bytes_of(job->view);
-  if (std::exchange(job->kept, false))
-    disk_.run(job->client, [this, id = job->view.id] { folder_->remove(id); });
-  index_.erase(job->view.id);
-  jobs_.erase(at);
-}
-
-/// Expired ones leave, then the oldest finished ones until there is a place for a new job. Where the results do not fit,
-/// the oldest give theirs up, and stay what they are: done, with a result that a tier may have, or that can be asked for
-/// again.
-void Jobs::make_room() {
-  const Clock::time_point time = Clock::now();
-  for (auto at = jobs_.begin(); at != jobs_.end();) {
-    const auto next = std::next(at);
-    const bool finished = (*at)->view.finished();
-    if (finished && time - (*at)->finished >= config_.ttl) {
-      forget(at);
-      ++figures_.expired;
-    } else if (finished && jobs_.size() >= config_.max_jobs) {
-      forget(at);
-      ++figures_.evicted;
-    } else if (finished && (*at)->view.answer && figures_.result_bytes > config_.max_result_bytes) {
-      figures_.result_bytes -= bytes_of((*at)->view);
-      (*at)->view.answer.reset();
-      ++figures_.results_evicted;
-    }
-    at = next;
-  }
 }
 
 JobFigures Jobs::figures() const {

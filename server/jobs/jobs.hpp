@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -55,7 +56,8 @@ struct JobFigures {
   std::uint64_t result_bytes = 0;
 };
 
-/// Thread-safe.
+/// Thread-safe. A job counts as its holder's, the client that pays for it, whoever may see it. A holder that wants more
+/// than there is room for gives up its own, and never takes what others have that have no more.
 class Jobs {
  public:
   /// Learns what the folder has, unless another server has the folder. Nothing of that is computed before resume().
@@ -142,7 +144,8 @@ class Jobs {
   };
   struct Job {
     JobView view;
-    std::string client{};  ///< whose turn its work for the disk takes
+    std::string client{};  ///< whose turn its work for the disk takes, from its first to its last
+    std::string holder{};  ///< whose it counts as: the flow that pays for it
     /// What of it is or would be on the disk, but for its parameters: they may be a megabyte, and nobody pays for
     /// a job's share of the memory. They are in `request`, or on the disk.
     JobRecord record;
@@ -166,6 +169,12 @@ class Jobs {
     std::uint64_t least_bytes = 0;  ///< of working memory: set when it was crowded out
     bool suspended = false;         ///< stopped by stop(), to go on later
   };
+  /// What one holder has.
+  struct Held {
+    std::size_t jobs = 0, unfinished = 0;
+    std::uint64_t result_bytes = 0;
+  };
+  class Counted;
   using Shared = std::shared_ptr<Job>;
   using Calls = std::vector<std::function<void()>>;
 
@@ -212,15 +221,18 @@ class Jobs {
   Calls end_waits();
   /// Null: nobody may begin now. Not of those payers, and who was refused in this pass is not tried again.
   Shared next_to_submit(const std::set<std::string>& over_share);
-  static const std::string& payer_of(const Job& job) {
-    return job.terms ? job.terms->payer.flow.name : job.view.owner;
-  }
   bool can_be_submitted(const Job& job) const { return job.waiting && (job.request || terms_of_); }
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);
   void make_room();
+  /// A place for one more job of this holder, or why there is none.
+  std::optional<Error> make_place_for(const std::string& holder);
+  /// Of this holder the oldest that is finished, or has a result.
+  std::list<Shared>::iterator oldest_of(const std::string& holder, bool (*wanted)(const Job&));
   /// In the order of their creation.
   void insert(const Shared& job);
+  void count(const Job& job, bool held);
+  void hand_over(Job& job, const std::string& holder);
 
   Dispatcher& dispatcher_;
   const JobsConfig config_;
@@ -230,6 +242,7 @@ class Jobs {
   mutable std::mutex mutex_;
   std::list<Shared> jobs_;  // oldest first
   std::unordered_map<std::string, std::list<Shared>::iterator> index_;
+  std::map<std::string, Held> held_;  // by holder; none without jobs
   JobFigures figures_;
   WatchId next_watch_ = 1;
   std::chrono::sys_time<std::chrono::microseconds> last_created_{};
@@ -239,6 +252,24 @@ class Jobs {
   bool pump_queued_ = false;
   std::uint64_t pass_ = 0;  ///< of pump()
   DiskWork disk_;           // last: it uses everything above
+};
+
+/// While a job that is known changes, it is not counted.
+class Jobs::Counted {
+ public:
+  Counted(Jobs& jobs, const Job& job) : jobs_(jobs), job_(job), known_(jobs.index_.contains(job.view.id)) {
+    if (known_) jobs_.count(job_, false);
+  }
+  ~Counted() {
+    if (known_) jobs_.count(job_, true);
+  }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  Jobs& jobs_;
+  const Job& job_;
+  const bool known_;
 };
 
 }  // namespace fracture

@@ -4,6 +4,7 @@
 // that process left, and one by one, so that whoever ends the server again is alone when it happens; the
 // second time it has failed.
 #include <algorithm>
+#include <map>
 #include <new>
 #include <set>
 #include <utility>
@@ -96,12 +97,25 @@ void Jobs::resume(TermsOf terms_of, std::function<void(const JobView&)> known) {
 void Jobs::go_on() {
   std::vector<JobView> done;
   std::function<void(const JobView&)> known;
+  TermsOf terms_of;
+  std::map<std::string, std::string> holders;  // by owner
   {
     const std::lock_guard lock(mutex_);
     if (stopping_ || !terms_of_) return;
     known = known_;
+    terms_of = terms_of_;
     for (const Shared& job : jobs_)
+      if (!job->terms) holders.try_emplace(job->view.owner);
+  }
+  for (auto& [owner, holder] : holders) holder = terms_of(owner).payer.flow.name;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_ || !terms_of_) return;
+    for (const Shared& job : jobs_) {
+      if (const auto holder = holders.find(job->view.owner); !job->terms && holder != holders.end())
+        hand_over(*job, holder->second);
       if (job->view.state == JobState::kDone && !job->view.answer) done.push_back(job->view);
+    }
     pump_later();
   }
   for (const JobView& view : done) known(view);
@@ -158,7 +172,7 @@ Jobs::Shared Jobs::next_to_submit(const std::set<std::string>& over_share) {
     return nullptr;
   Shared suspect;
   for (const Shared& job : jobs_) {
-    if (!can_be_submitted(*job) || job->refused_in == pass_ || over_share.contains(payer_of(*job))) continue;
+    if (!can_be_submitted(*job) || job->refused_in == pass_ || over_share.contains(job->holder)) continue;
     if (job->begun > 0) {
       if (!suspect) suspect = job;
     } else if (job->terms || !suspect_computes) {
@@ -196,6 +210,7 @@ void Jobs::pump() {
       finish(next, fail(ErrorCode::kInternal, e.what()));
     }
     if (!refused) continue;
+    const bool no_place = dispatcher_.pool().full(Priority::kBackground, {next->holder, 1});
     const std::lock_guard lock(mutex_);
     next->computing = false;
     next->waiting = !next->view.finished();
@@ -203,7 +218,7 @@ void Jobs::pump() {
     // Another one may need less memory, or be another's. sweep() tries again, and so does the next one that is
     // finished.
     next->refused_in = pass_;
-    if (refused->code == ErrorCode::kOverShare) over_share.insert(payer_of(*next));
+    if (no_place || refused->code == ErrorCode::kOverShare) over_share.insert(next->holder);
   }
   for (const auto& call : calls) call();
 }
@@ -214,9 +229,8 @@ std::optional<Error> Jobs::refuses(Terms& terms) {
     if (!seat) return std::move(seat.error());
     terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*seat));
   }
-  MemoryBudget& working = dispatcher_.working();
-  MemoryBudget::Reservation trial(working);
-  if (!trial.grow_to(std::min(terms.least_bytes, working.capacity())))
+  const MemoryBudget& working = dispatcher_.working();
+  if (working.judge(nullptr, std::min(terms.least_bytes, working.capacity())) != MemoryBudget::Verdict::kFits)
     return overloaded("The memory that the job needs is not free.", std::chrono::seconds(10));
   return dispatcher_.refuses(ExpectedWork{}, terms);
 }

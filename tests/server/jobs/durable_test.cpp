@@ -242,15 +242,24 @@ TEST_F(Durable, WhatTheDiskTierHasNoRoomForIsComputedAgain) {
 
 TEST_F(Durable, AFullFolderRefusesAndABrokenOneSaysThatItKeepsNothing) {
   TestServerOptions options = durable(folder);
-  options.jobs.max_disk_bytes = 3 * 4096;
+  options.jobs.max_disk_bytes = 6 * 4096;
   TestServer server(options);
   server.control->during_cut = gate.hook();
   ASSERT_EQ(server.post("/fracture?seed=1", "mesh", kAsync).status, 202);
   ASSERT_EQ(server.post("/fracture?seed=2", "mesh", kAsync).status, 202) << "the mesh is there once";
   const Reply full = server.post("/fracture?seed=3", "mesh", kAsync);
-  EXPECT_EQ(full.status, 503);
+  EXPECT_EQ(full.status, 429) << "half of the folder is one client's";
+  EXPECT_EQ(full.problem(), "over-share");
   EXPECT_GE(std::atoi(full.header("retry-after").c_str()), 1);
-  const Reply large = server.post("/fracture?seed=3", std::string(20'000, 'm'), kAsync);
+  const auto from_another = [&](const std::string& target, const std::string& mesh) {
+    return ask(server.port(), "POST", target, kAsync, mesh, "127.0.0.2");
+  };
+  EXPECT_EQ(from_another("/fracture?seed=4", "mesh").status, 202) << "of another client";
+  EXPECT_EQ(
+      ask(server.port(), "POST", "/fracture?seed=6", kAsync, std::string(9'000, 'm'), "127.0.0.3").status,
+      503)
+      << "it holds nothing, and there is no room";
+  const Reply large = server.post("/fracture?seed=3", std::string(30'000, 'm'), kAsync);
   EXPECT_EQ(large.status, 202);
   EXPECT_EQ(large.json().at("durable"), false) << "it could never be kept";
 

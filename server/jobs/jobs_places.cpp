@@ -1,0 +1,130 @@
+// Holders of jobs: how much each has, and whose jobs leave for others.
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "server/jobs/jobs.hpp"
+#include "server/service/fair_share.hpp"
+
+namespace fracture {
+namespace {
+
+/// Unfinished jobs of clients that have more than one: half of all that may be known, three quarters of them for a client
+/// that is the only one. The other half is for the first of each client.
+FairShare unfinished_share(std::size_t max_jobs) {
+  const std::size_t half = max_jobs - max_jobs / 2;
+  return {half, half - half / 4};
+}
+
+std::uint64_t bytes_of(const JobView& view) { return view.answer ? view.answer->result->file.size() : 0; }
+
+}  // namespace
+
+void Jobs::count(const Job& job, bool held) {
+  Held& sum = held_.at(job.holder);
+  const auto add = [held](auto& number, auto more) { held ? number += more : number -= more; };
+  const std::uint64_t bytes = bytes_of(job.view);
+  add(sum.jobs, std::size_t{1});
+  add(sum.unfinished, std::size_t{!job.view.finished()});
+  add(sum.result_bytes, bytes);
+  add(figures_.result_bytes, bytes);
+}
+
+void Jobs::hand_over(Job& job, const std::string& holder) {
+  count(job, false);
+  if (const auto before = held_.find(job.holder); before->second.jobs == 0) held_.erase(before);
+  job.holder = holder;
+  held_.try_emplace(holder);
+  count(job, true);
+}
+
+void Jobs::insert(const Shared& job) {
+  held_.try_emplace(job->holder);
+  auto at = jobs_.end();
+  while (at != jobs_.begin() && (*std::prev(at))->view.created > job->view.created) --at;
+  at = jobs_.insert(at, job);
+  try {
+    index_.emplace(job->view.id, at);
+  } catch (const std::bad_alloc&) {
+    jobs_.erase(at);
+    throw;
+  }
+  count(*job, true);
+}
+
+void Jobs::forget(std::list<Shared>::iterator at) {
+  const Shared job = *at;
+  if (std::exchange(job->kept, false))
+    disk_.run(job->client, [this, id = job->view.id] { folder_->remove(id); });
+  count(*job, false);
+  if (const auto held = held_.find(job->holder); held->second.jobs == 0) held_.erase(held);
+  index_.erase(job->view.id);
+  jobs_.erase(at);
+}
+
+std::list<Jobs::Shared>::iterator Jobs::oldest_of(const std::string& holder, bool (*wanted)(const Job&)) {
+  return std::find_if(jobs_.begin(), jobs_.end(),
+                      [&](const Shared& job) { return job->holder == holder && wanted(*job); });
+}
+
+/// Expired ones leave. Where the results do not fit, whoever holds most gives up its oldest: that job stays what it is,
+/// done, with a result that a tier may have, or that can be asked for again.
+void Jobs::make_room() {
+  const Clock::time_point time = Clock::now();
+  for (auto at = jobs_.begin(); at != jobs_.end();) {
+    const auto next = std::next(at);
+    if ((*at)->view.finished() && time - (*at)->finished >= config_.ttl) {
+      forget(at);
+      ++figures_.expired;
+    }
+    at = next;
+  }
+  while (figures_.result_bytes > config_.max_result_bytes) {
+    const auto most = std::max_element(held_.begin(), held_.end(), [](const auto& a, const auto& b) {
+      return a.second.result_bytes < b.second.result_bytes;
+    });
+    Job& job = **oldest_of(most->first, [](const Job& known) { return bytes_of(known.view) > 0; });
+    const Counted recount(*this, job);
+    job.view.answer.reset();
+    ++figures_.results_evicted;
+  }
+}
+
+/// The oldest finished one of whoever has most leaves for it, and never one of somebody who has no more than it will
+/// have. What is unfinished stays, and so nobody may have more of that than leaves room for others.
+std::optional<Error> Jobs::make_place_for(const std::string& holder) {
+  const auto mine = held_.find(holder);
+  const Held own = mine == held_.end() ? Held{} : mine->second;
+  std::size_t unfinished = 0, others = 0;
+  for (const auto& [name, held] : held_) {
+    unfinished += held.unfinished;
+    others += held.unfinished > 0 && name != holder;
+  }
+  const bool first = own.unfinished == 0;
+  if (first ? unfinished >= config_.max_jobs
+            : !unfinished_share(config_.max_jobs).allows(own.unfinished + 1, unfinished + 1, others, false)) {
+    const std::string all = std::to_string(unfinished) + " unfinished jobs";
+    if (first) return overloaded("There are " + all + ", as many as there may be.", std::chrono::seconds(10));
+    return Error{.code = ErrorCode::kOverShare,
+                 .detail = "There are " + all + ", and " + std::to_string(own.unfinished) +
+                           " of them are this client's: its part. Ask again when one of them is finished.",
+                 .retry_after = std::chrono::seconds(10)};
+  }
+  if (jobs_.size() < config_.max_jobs) return std::nullopt;
+  const std::pair<const std::string, Held>* most = nullptr;
+  for (const auto& entry : held_) {
+    const bool has_finished = entry.second.jobs > entry.second.unfinished;
+    const bool may = entry.first == holder || entry.second.jobs > own.jobs;
+    if (has_finished && may && (!most || entry.second.jobs > most->second.jobs)) most = &entry;
+  }
+  if (!most)
+    return Error{.code = own.jobs > 0 ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
+                 .detail = "There are " + std::to_string(jobs_.size()) +
+                           " jobs, as many as there may be, and none that could be forgotten for this one.",
+                 .retry_after = std::chrono::seconds(10)};
+  forget(oldest_of(most->first, [](const Job& known) { return known.view.finished(); }));
+  ++figures_.evicted;
+  return std::nullopt;
+}
+
+}  // namespace fracture

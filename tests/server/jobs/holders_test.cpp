@@ -1,0 +1,168 @@
+// Whose jobs leave for others: never those of a client that has no more than the one who comes.
+#include <gtest/gtest.h>
+
+#include "tests/server/support/job_server.hpp"
+#include "tests/server/support/jobs_host.hpp"
+#include "tests/server/support/tenant_file.hpp"
+
+namespace fracture::test {
+namespace {
+
+using ErrorOf = std::optional<Error>;
+
+struct Holders : testing::Test {
+  static Terms of(const std::string& client) {
+    Terms terms;
+    terms.priority = Priority::kBackground;
+    terms.deadline = far_off();
+    terms.payer.flow = {client, 1};
+    return terms;
+  }
+  std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
+  FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
+  WorkerPool pool{2, 64};
+  Dispatcher dispatcher{service, pool};
+  std::optional<Jobs> jobs;
+
+  void begin(std::size_t max_jobs, std::uint64_t max_result_bytes = 512u << 20) {
+    JobsConfig config;
+    config.max_jobs = max_jobs;
+    config.max_result_bytes = max_result_bytes;
+    jobs.emplace(dispatcher, config);
+  }
+  ErrorOf start(const std::string& client, std::uint64_t seed, std::string* id = nullptr) {
+    return jobs->start(fracture_request("mesh", seed), of(client), {}, [id](const JobView& job) {
+      if (id) *id = job.id;
+    });
+  }
+  std::string started(const std::string& client, std::uint64_t seed) {
+    std::string id;
+    const ErrorOf refused = start(client, seed, &id);
+    EXPECT_FALSE(refused) << refused->detail;
+    dispatcher.wait_idle();
+    return id;
+  }
+  void TearDown() override {
+    if (jobs) jobs->stop();
+    dispatcher.wait_idle();
+  }
+};
+
+TEST_F(Holders, WhoHasMostGivesUpItsOldest) {
+  begin(10);
+  const std::string first = started("many", 0);
+  std::vector<std::string> mine;
+  for (std::uint64_t seed = 100; seed < 103; ++seed) mine.push_back(started("few", seed));
+  for (std::uint64_t seed = 1; seed < 50; ++seed)
+    started("many", seed % 5);  // known answers, for the most part
+  for (const std::string& job : mine) EXPECT_TRUE(jobs->find(job)) << job;
+  EXPECT_FALSE(jobs->find(first));
+  EXPECT_EQ(jobs->figures().jobs, 10u);
+  EXPECT_EQ(jobs->figures().evicted, 50u - 7u);
+  for (std::uint64_t seed = 103; seed < 107; ++seed) mine.push_back(started("few", seed));
+  EXPECT_EQ(jobs->list({}, 100).size(), 10u);
+  EXPECT_TRUE(jobs->find(mine[2])) << "it takes from who has more";
+  started("third", 200);
+  started("third", 201);
+  EXPECT_EQ(jobs->figures().jobs, 10u);
+}
+
+/// However many clients have one each, who comes next has a place, and takes it from who has two.
+TEST_F(Holders, ManyThatHaveOneTakeNothingFromEachOtherButForWhoIsNew) {
+  begin(10);
+  const std::string mine = started("few", 1000);
+  started("few", 1001);
+  for (std::uint64_t client = 0; client < 8; ++client) started("client " + std::to_string(client), client);
+  EXPECT_EQ(jobs->figures().evicted, 0u);
+  started("one more", 2000);
+  EXPECT_EQ(jobs->figures().evicted, 1u);
+  EXPECT_FALSE(jobs->find(mine)) << "the older one of the two";
+  const std::size_t before = jobs->figures().evicted;
+  started("one more", 2001);  // which has as many as each of the others: its own leaves
+  EXPECT_EQ(jobs->figures().evicted, before + 1);
+  EXPECT_EQ(jobs->figures().jobs, 10u);
+}
+
+TEST_F(Holders, WhoHasMostGivesUpItsResults) {
+  control->glb_padding = 1000;
+  begin(100, 6000);
+  const std::string mine = started("few", 1000);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) started("many", seed);
+  EXPECT_TRUE(jobs->find(mine)->answer) << "and its result with it";
+  EXPECT_LE(jobs->figures().result_bytes, 6000u);
+  EXPECT_GT(jobs->figures().results_evicted, 10u);
+  EXPECT_EQ(jobs->figures().jobs, 21u);
+}
+
+TEST_F(Holders, UnfinishedOnesOfOneClientLeavePlacesForOthers) {
+  begin(10);
+  Gate gate;
+  control->during_cut = gate.hook();
+  std::uint64_t seed = 0;
+  int taken = 0;
+  ErrorOf refused;
+  while (taken < 20 && !(refused = start("many", seed++))) ++taken;
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(taken, 4) << "three quarters of five, rounded up";
+  EXPECT_EQ(refused->code, ErrorCode::kOverShare);
+  EXPECT_GE(refused->retry_after.count(), 1);
+  for (std::uint64_t client = 0; client < 6; ++client)
+    EXPECT_FALSE(start("client " + std::to_string(client), 1000 + client));
+  EXPECT_EQ(start("many", seed++)->code, ErrorCode::kOverShare);
+  EXPECT_EQ(start("client 0", seed++)->code, ErrorCode::kOverShare);
+  EXPECT_EQ(start("one more", seed++)->code, ErrorCode::kOverloaded) << "ten are unfinished";
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(jobs->figures().unfinished, 0u);
+  for (int k = 0; k < 20; ++k) started("many", seed++);
+  EXPECT_EQ(jobs->figures().jobs, 10u);
+}
+
+TEST_F(Holders, JobsThatAreRefusedOrCancelledAreCountedNoMore) {
+  begin(4);
+  Gate gate;
+  control->during_cut = gate.hook();
+  for (int round = 0; round < 5; ++round) {
+    std::string id;
+    ASSERT_FALSE(start("a", 10 + round, &id)) << round;
+    EXPECT_TRUE(jobs->cancel(id));
+    EXPECT_TRUE(eventually(kPatience, "it to be cancelled", [&] { return jobs->find(id)->finished(); }));
+    EXPECT_TRUE(jobs->cancel(id)) << "forgotten";
+  }
+  Terms late = of("a");
+  late.deadline = std::chrono::steady_clock::now();
+  for (std::uint64_t seed = 100; seed < 110; ++seed)
+    jobs->start(fracture_request("mesh", seed), late, {}, [](const JobView&) {});
+  EXPECT_TRUE(eventually(kPatience, "all to be finished", [&] { return jobs->figures().unfinished == 0; }));
+  gate.open = true;
+  started("a", 1);
+}
+
+/// A thousand jobs whose answer is known already cost next to nothing: those of others stay, also after a restart.
+TEST(DurableHolders, FinishedJobsOfOthersOutliveAFloodOfKnownAnswers) {
+  const TemporaryFolder folder;
+  TestServerOptions options = durable(folder);
+  options.jobs.max_jobs = 20;
+  options.server.tokens = *tenants::TokenFile::parse(tenant_file({tenant("ana"), tenant("bob")}));
+  std::vector<std::string> anas;
+  {
+    TestServer server(options);
+    for (int seed = 0; seed < 5; ++seed) {
+      anas.push_back(server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync + by("ana"))
+                         .header("location"));
+      wait_for_state(server, anas.back(), "done", by("ana"));
+    }
+    for (int k = 0; k < 100; ++k)
+      ASSERT_EQ(server.post("/fracture?seed=77", "mesh", kAsync + by("bob")).status, 202) << k;
+    for (const std::string& job : anas) EXPECT_EQ(server.get(job, by("ana")).status, 200) << job;
+    EXPECT_EQ(server.api.jobs().figures().jobs, 20u);
+  }
+  TestServer server(options);
+  for (int k = 0; k < 30; ++k)
+    ASSERT_EQ(server.post("/fracture?seed=77", "mesh", kAsync + by("bob")).status, 202) << k;
+  for (const std::string& job : anas)
+    EXPECT_EQ(server.get(server.get(job, by("ana")).json().at("result"), by("ana")).status, 200) << job;
+}
+
+}  // namespace
+}  // namespace fracture::test
