@@ -175,6 +175,8 @@ class Api {
 
   /// Whose what this request makes is; "" where nobody is asked who it is, or names share everything.
   static std::string owner_of(const Request& request);
+  /// Whose it counts as: the owner's, and where all share everything, the client's.
+  static std::string holder_of(const Request& request);
   static MeshStore::Whose whose(const Request& request);
   /// May it see the answer of this key?
   bool may_see(const Request& request, const std::string& key);

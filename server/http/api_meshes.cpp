@@ -97,8 +97,8 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity);
   stored->description = std::make_shared<const std::string>(describe(*stored, prepared, meshes_.config()));
   stored->triangles = prepared.solid.triangles.size();
-  MeshStore::Owner owner{owner_of(request)};
-  if (!owner.name.empty()) owner.share = request.payer.account->shares().stored_bytes;
+  MeshStore::Owner owner{holder_of(request)};
+  if (!owner_of(request).empty()) owner.share = request.payer.account->shares().stored_bytes;
   const MeshStore::Put put = meshes_.put(stored, owner);
   if (put == MeshStore::Put::kOverShare)
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
@@ -118,7 +118,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
 
 OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(const Request& request, std::string_view id) {
   const auto digest = digest_in(id);
-  auto mesh = digest ? meshes_.find(*digest, owner_of(request), whose(request)) : nullptr;
+  auto mesh = digest ? meshes_.find(*digest, holder_of(request), whose(request)) : nullptr;
   if (!mesh) return tl::unexpected<Problem>(no_mesh());
   return mesh;
 }
@@ -132,7 +132,7 @@ Answered Api::get_mesh(const Request& request) {
 Answered Api::delete_mesh(const Request& request) {
   const auto digest = digest_in(request.admission.segment);
   const std::string owner = owner_of(request);
-  // Its own first; what is left then only an administrator can see.
+  // Its own first; what is left then only an administrator can see. Where all share everything it is gone for all.
   if (!digest || (!meshes_.erase(*digest, owner) && !meshes_.erase(*digest, owner, whose(request))))
     return tl::unexpected<Problem>(no_mesh());
   Response response;
@@ -187,10 +187,20 @@ Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
   auto mesh = stored_mesh(*request, id);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
 
-  FractureRequest asked{(*mesh)->mesh, (*mesh)->format, std::move(*parameters), (*mesh)->files};
-  asked.digest = (*mesh)->digest;
-  asked.triangles = (*mesh)->triangles;
-  asked.owner = std::move(*mesh);
+  // What it holds while it waits: of its own, what its body and the answer that it names bring with them.
+  struct Held {
+    std::shared_ptr<const StoredMesh> mesh;
+    MemoryBudget::Reservation parameters;
+  };
+  if (const std::uint64_t earlier = service_.earlier_bytes(given); earlier > kParseInline)
+    if (!request->reservation.grow_to(request->reservation.bytes() + earlier))
+      return tl::unexpected<Problem>(no_memory(request->reservation));
+  const auto held = std::make_shared<Held>(Held{std::move(*mesh), std::move(request->reservation)});
+  const StoredMesh& stored = *held->mesh;
+  FractureRequest asked{stored.mesh, stored.format, std::move(*parameters), stored.files};
+  asked.digest = stored.digest;
+  asked.triangles = stored.triangles;
+  asked.owner = held;
   return fracture(request, std::move(asked), terms, reply);
 }
 

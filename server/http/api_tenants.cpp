@@ -9,6 +9,11 @@ std::string Api::owner_of(const Request& request) {
   return request.payer.account ? request.payer.account->owner() : "";
 }
 
+std::string Api::holder_of(const Request& request) {
+  std::string owner = owner_of(request);
+  return owner.empty() ? request.payer.flow.name : owner;
+}
+
 MeshStore::Whose Api::whose(const Request& request) {
   return !request.payer.account || request.payer.account->sees("") ? MeshStore::Whose::kAnybodys
                                                                    : MeshStore::Whose::kOwn;

@@ -68,6 +68,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
     co_return refused(
         Problem(HttpProblem::kMalformedRequest, "The header was not understood (" + ec.message() + ")."));
   buffer.consume(head_size);
+  request.reservation = api.bodies().begin(address);  // also of what a request without a body brings with it
   if (parser.is_done()) co_return outcome;
 
   // What follows the last chunk is taken in as a whole, and is not used: its fields are as few as those of a header.
@@ -80,8 +81,6 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
       wrong = bhttp::error::buffer_overflow;
   };
   parser.on_chunk_header(refuse_long_trailer);
-
-  request.reservation = api.bodies().begin(address);
 
   if (request.head.expects_continue && buffer.size() == 0) {
     static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";

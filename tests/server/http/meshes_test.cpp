@@ -146,5 +146,27 @@ TEST(Meshes, TheBodyOfACollisionIsSmallAndJson) {
   EXPECT_EQ(server.post_json("/fracture", R"({"mesh": "sha256:00"})").problem(), "not-found");
 }
 
+/// Where nobody is asked for a token, too, whoever stores most makes room, and all see and delete everything.
+TEST(Meshes, WhoStoresMostMakesRoomForOthers) {
+  TestServerOptions options;
+  options.store.quota_bytes = 200'000;
+  TestServer server(options);
+  const auto put = [&](const std::string& mesh, const std::string& from) {
+    return ask(server.port(), "PUT", "/meshes/" + id_of(mesh), "Content-Type: model/gltf-binary\r\n", mesh,
+               from)
+        .status;
+  };
+  const std::string mine(20'000, 'm');
+  EXPECT_EQ(put(mine, "127.0.0.2"), 201);
+  for (char letter = 'a'; letter < 'm'; ++letter)
+    EXPECT_EQ(put(std::string(30'000, letter), "127.0.0.3"), 201);
+  EXPECT_EQ(server.get("/meshes/" + id_of(mine)).status, 200);
+  EXPECT_GT(server.api.meshes().figures().evicted, 5u);
+  EXPECT_EQ(put(mine, "127.0.0.3"), 201) << "it has a place of its own there";
+  EXPECT_EQ(put(mine, "127.0.0.3"), 200);
+  EXPECT_EQ(ask(server.port(), "DELETE", "/meshes/" + id_of(mine), "", "", "127.0.0.4").status, 204);
+  EXPECT_EQ(server.get("/meshes/" + id_of(mine)).status, 404);
+}
+
 }  // namespace
 }  // namespace fracture::test
