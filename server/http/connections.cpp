@@ -1,5 +1,6 @@
 #include "server/http/connections.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 namespace fracture::http {
@@ -58,27 +59,27 @@ std::vector<std::shared_ptr<Drainable>> Connections::sessions() const {
   return alive;
 }
 
-/// One of the client that has most, the longest waiting of those that only wait for their client; if none of them does, the
-/// latest of the busy ones. It is never one of a client that has fewer than the newcomer's, and a busy one only if that
-/// client keeps as many as the newcomer's then has. Nor is it one of the newcomer's own, which knows of them, unless it
-/// is many clients.
+/// One that only waits for its client: of the client that has most, the longest waiting. Clients that have few count alike
+/// here, since what each of them uses is waited for the shortest. If none waits, the latest busy one of the client that has
+/// most, if that one keeps as many as the newcomer's then has. It is never one of a client with fewer, nor of the
+/// newcomer's own, which knows of them, unless it is many clients.
 std::shared_ptr<Drainable> Connections::make_room_for(Clients::iterator client, OfClient limit) {
   if (leaving_ >= kMostLeaving) return nullptr;
   using Since = Drainable::Clock::time_point;
+  const std::size_t before = client->second.places;
   Entry* chosen = nullptr;
-  std::tuple<std::size_t, bool, Since::duration> best;
+  std::tuple<bool, std::size_t, Since::duration> best;
   for (Entry& entry : entries_) {
     if (entry.kind != Kind::kPlace || entry.alive.expired()) continue;
     const bool own = entry.client == client;
-    const std::size_t places = entry.client->second.places;
     const std::optional<Since> since = entry.session->waiting_since();
-    const std::size_t before = client->second.places;
+    const std::size_t places = std::max(entry.client->second.places, since ? kFew : 0);
     const bool may = own     ? since && limit == OfClient::kUnlimited
                      : since ? places >= before
                              : places > before + 1;
     if (!may) continue;
-    // Of those that are busy all are equal, and the last in the list is the latest.
-    const std::tuple candidate(places, since.has_value(),
+    // Those that are busy are equal in time, and the last in the list is the latest.
+    const std::tuple candidate(since.has_value(), places,
                                since ? -since->time_since_epoch() : Since::duration(0));
     if (chosen && (since ? candidate <= best : candidate < best)) continue;
     best = candidate;
@@ -87,7 +88,7 @@ std::shared_ptr<Drainable> Connections::make_room_for(Clients::iterator client, 
   if (!chosen) return nullptr;
   std::shared_ptr<Drainable> session = chosen->alive.lock();
   if (!session) return nullptr;  // it is closing by itself
-  session->give_way(std::get<1>(best) ? Drainable::Leave::kIfItWaits : Drainable::Leave::kAnyhow);
+  session->give_way(std::get<0>(best) ? Drainable::Leave::kIfItWaits : Drainable::Leave::kAnyhow);
   count(*chosen, false);
   chosen->kind = Kind::kLeaving;
   count(*chosen, true);

@@ -61,6 +61,8 @@ class Connections {
 
   /// Connections beyond the places that are open at the same time to be told why they are refused; of one client.
   static constexpr std::size_t kMostTold = 32, kMostToldOfClient = 4;
+  /// Places of a client that are no more than anybody's: a page and a game, say.
+  static constexpr std::size_t kFew = 8;
   /// Connections that have lost their place and are not closed yet.
   static constexpr std::size_t kMostLeaving = 16;
   /// All that may be open beyond the places.

@@ -39,28 +39,44 @@ struct Room : testing::Test {
 };
 
 TEST_F(Room, TheClientThatHasMostMakesRoomAndOfItsOwnTheLongestWaiting) {
-  Connections room(4, 4);
-  Guest other = arrive(room, "b"), busy = arrive(room, "a", true), first = arrive(room, "a"),
-        second = arrive(room, "a");
-  first.session->set_waiting(true);  // waits anew
+  Connections room(20, 12);
+  std::vector<Guest> others, many;
+  for (int k = 0; k < 8; ++k) others.push_back(arrive(room, "b"));
+  for (int k = 0; k < 12; ++k) many.push_back(arrive(room, "a", k == 0));
+  many[1].session->set_waiting(true);  // waits anew
   const Guest newcomer = arrive(room, "c");
   EXPECT_EQ(newcomer.verdict, Verdict::kWelcome);
-  EXPECT_EQ(second.session->told, Drainable::Leave::kIfItWaits);
-  EXPECT_FALSE(first.is_told() || busy.is_told() || other.is_told());
-  EXPECT_EQ(room.count(), 5u) << "until it is closed";
+  EXPECT_EQ(many[2].session->told, Drainable::Leave::kIfItWaits);
+  std::size_t told = 0;
+  for (const auto* guests : {&others, &many})
+    for (const Guest& guest : *guests) told += guest.is_told();
+  EXPECT_EQ(told, 1u);
+  EXPECT_EQ(room.count(), 21u) << "until it is closed";
+}
+
+/// Who has two connections, and uses them, is not who makes room for a thousand that have one and do nothing.
+TEST_F(Room, OfClientsWithFewTheLongestWaitingGoes) {
+  Connections room(4, 4);
+  const Guest a = arrive(room, "a"), idle = arrive(room, "b"), c = arrive(room, "a"), d = arrive(room, "c");
+  a.session->set_waiting(true);
+  const Guest newcomer = arrive(room, "d");
+  EXPECT_TRUE(idle.is_told());
+  EXPECT_FALSE(a.is_told() || c.is_told() || d.is_told());
 }
 
 TEST_F(Room, NobodyMakesRoomForAClientThatHasMoreNorTheClientItself) {
-  Connections room(4, 4);
-  const Guest a = arrive(room, "a"), b = arrive(room, "a"), c = arrive(room, "b"),
-              d = arrive(room, "c", true);
-  const Guest more = arrive(room, "b");
-  EXPECT_EQ(more.verdict, Verdict::kWelcome) << "a has two";
-  EXPECT_TRUE(a.is_told());
-  EXPECT_EQ(arrive(room, "b").verdict, Verdict::kFull) << "the others have one";
-  EXPECT_EQ(arrive(room, "c").verdict, Verdict::kWelcome) << "b has two";
-  EXPECT_TRUE(c.is_told());
-  EXPECT_FALSE(b.is_told() || d.is_told() || more.is_told());
+  Connections room(12, 12);
+  std::vector<Guest> many;
+  for (int k = 0; k < 9; ++k) many.push_back(arrive(room, "a", true));
+  const Guest b = arrive(room, "b"), c = arrive(room, "b"), d = arrive(room, "c", true);
+  EXPECT_EQ(arrive(room, "a").verdict, Verdict::kFull);
+  EXPECT_EQ(arrive(room, "b").verdict, Verdict::kWelcome) << "a is busy, and has more than it then has";
+  EXPECT_TRUE(many.back().is_told());
+  EXPECT_FALSE(b.is_told() || c.is_told() || d.is_told());
+  Connections small(2, 2);
+  const Guest busy = arrive(small, "a", true), own = arrive(small, "b");
+  EXPECT_EQ(arrive(small, "b").verdict, Verdict::kFull);
+  EXPECT_FALSE(busy.is_told() || own.is_told());
 }
 
 TEST_F(Room, WhatManyClientsShareMakesRoomForItself) {
