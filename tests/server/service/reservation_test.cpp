@@ -130,7 +130,7 @@ TEST_F(ReservationTest, OneThingOfAClientMayBeLargerThanItsShare) {
     EXPECT_FALSE(theirs.grow_to(380))
         << "one thing, but nothing would be left, and the first has more than is its";
     EXPECT_FALSE(theirs.over_share());
-    ASSERT_TRUE(theirs.grow_to(200));
+    ASSERT_TRUE(theirs.grow_to(140));
   }
   EXPECT_EQ(whole.used(), 0u);
   EXPECT_EQ(client->large + client->small + other->large, 0u);
