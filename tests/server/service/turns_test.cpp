@@ -333,7 +333,8 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
         kBatch, 1, [](int) {}, a);
   }
   EXPECT_TRUE(pool.full(kBatch, a));
-  for (int k = 0; k < 5; ++k) {
+  // Of 20 places (FairShare) the second client may have half of what is free then: 3 of 20 - 13, not 4 of 20 - 14.
+  for (int k = 0; k < 3; ++k) {
     EXPECT_FALSE(pool.full(kBatch, b)) << k;
     pool.submit(
         kBatch, 1, [](int) {}, b);
@@ -343,7 +344,7 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
   pool.wait_idle();
 }
 
-TEST(Turns, HoweverManyComeNoMoreWaitThanTwiceWhatMay) {
+TEST(Turns, HoweverManyComeNoMoreWaitThanFourTimesWhatMay) {
   std::latch gate(1);
   WorkerPool pool(1, 10);
   pool.submit(kBatch, 0, [&](int) { gate.wait(); });
@@ -354,7 +355,7 @@ TEST(Turns, HoweverManyComeNoMoreWaitThanTwiceWhatMay) {
     pool.submit(
         k % 2 == 0 ? kBatch : Priority::kRealtime, 1, [](int) {}, flow);
   }
-  EXPECT_EQ(pool.queued(), 20u);
+  EXPECT_EQ(pool.queued(), 40u);
   EXPECT_TRUE(pool.full(kBatch, {"address of somebody else", 1}));
   gate.count_down();
   pool.wait_idle();
