@@ -22,6 +22,16 @@ const std::string kNobody;
 /// No further mesh is read from the disk while those of resumed jobs hold more than this.
 constexpr std::uint64_t kMostBytes = 64u << 20;
 
+/// Whose share the jobs of this owner count for. The owner's own, if its terms cannot be had now: the attempt to go on with a
+/// job says why.
+std::string holder_of(const std::string& owner, const Jobs::TermsOf& terms_of) {
+  try {
+    return terms_of(owner).payer.flow.name;
+  } catch (const std::exception&) {
+    return owner;
+  }
+}
+
 Terms without_seat(Terms terms) {
   terms.seat.reset();
   return terms;
@@ -107,7 +117,7 @@ void Jobs::go_on() {
     for (const Shared& job : jobs_)
       if (!job->terms) holders.try_emplace(job->view.owner);
   }
-  for (auto& [owner, holder] : holders) holder = terms_of(owner).payer.flow.name;
+  for (auto& [owner, holder] : holders) holder = holder_of(owner, terms_of);
   {
     const std::lock_guard lock(mutex_);
     if (stopping_ || !terms_of_) return;

@@ -38,9 +38,17 @@ class GameClient {
   /// Throws std::runtime_error when no whole answer came.
   Reply ask(const std::string& method, const std::string& path, const std::string& type,
             const std::string& body) {
-    if (!connection_) connection_.emplace(port_);
-    connection_->send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
-                      "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+    const std::string request = method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
+                                "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+    // Closed while it was idle: no answer begins.
+    if (connection_) {
+      connection_->send(request);
+      if (!connection_->receive_until("HTTP/1.1", kPatience)) connection_.reset();
+    }
+    if (!connection_) {
+      connection_.emplace(port_);
+      connection_->send(request);
+    }
     const std::optional<Reply> reply = connection_->receive(false, kPatience);
     if (!reply || reply->header("connection") == "close") connection_.reset();
     if (!reply) throw std::runtime_error("no whole answer to " + method + " " + path);

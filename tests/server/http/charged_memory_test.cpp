@@ -97,7 +97,7 @@ TEST(ChargedMemory, AStoredMeshKeepsNothingOfItsFormButMeshAndFiles) {
   const Reply stored = server.post("/meshes", form, kForm);
   ASSERT_EQ(stored.status, 201) << stored.body;
   const std::string id = stored.json().value("id", "").substr(7);
-  const auto mesh = const_cast<MeshStore&>(server.api.meshes()).find(id);
+  const auto mesh = const_cast<MeshStore&>(server.api.meshes()).find(id, "", MeshStore::Whose::kAnybodys);
   ASSERT_TRUE(mesh);
   EXPECT_LT(mesh->capacity, 100u) << "of the form of " << form.size() << " bytes";
   EXPECT_LT(server.api.meshes().figures().bytes, 50'000u);

@@ -200,10 +200,8 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
 
 /// What is queued holds none of the memory that computing takes: neither of one client, nor of very many.
 TEST_F(ReservationTest, WhateverIsQueuedLeavesRoomForOthers) {
-  std::atomic<bool> open{false};
-  control->during_cut = [&](const Execution& execution) {
-    while (!open) execution.poll();
-  };
+  Gate gate;
+  control->during_cut = gate.hook_without_polls();  // it stands still for nobody
   int taken = 0;
   const auto add = [&](const std::string& client, int seed) {
     FractureRequest asked = request();
@@ -220,7 +218,7 @@ TEST_F(ReservationTest, WhateverIsQueuedLeavesRoomForOthers) {
   const std::uint64_t one = dispatcher.figures().working_bytes;
   for (int k = 0; k < 200; ++k) EXPECT_FALSE(add("client " + std::to_string(k), 1'000 + k)) << k;
   EXPECT_EQ(dispatcher.figures().working_bytes, one) << "of the only one that runs";
-  open = true;
+  gate.open = true;
   dispatcher.wait_idle();
 }
 
