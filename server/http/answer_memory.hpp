@@ -56,8 +56,8 @@ class AnswerMemory {
     const std::uint64_t before = of_client == by_client_.end() ? 0 : of_client->second.bytes;
     const bool mine = before > 0 && of_client->second.buffers.count(buffer) > 0;
     const std::uint64_t all = all_.bytes + (all_.buffers.count(buffer) > 0 ? 0 : bytes), own = before + bytes;
-    const bool fits =
-        mine || all_.bytes == 0 || fair_.allows(own, all, by_client_.size() - (before > 0 ? 1 : 0), before == 0);
+    const bool fits = mine || all_.bytes == 0 ||
+                      fair_.allows(own, all, by_client_.size() - (before > 0 ? 1 : 0), before == 0);
     if (!fits) {
       const bool have_shares = fair_.share < fair_.capacity;
       const bool by_own = have_shares && before > 0 && (all <= fair_.capacity || own > fair_.share);

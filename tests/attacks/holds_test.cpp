@@ -76,17 +76,18 @@ TEST(HoldsAttack, QueuedJobs) {
   for (const Case& c : {Case{"QueuedJobsOfTwo", 2, 400}, Case{"QueuedJobsOfMany", 120, 4}}) {
     Siege siege({"--threads", "1", "--memory", "2GiB", "--job-ttl", "5"});
     // The only thread that computes is busy for long, so that all others wait.
-    ASSERT_EQ(
-        ask(siege.server.port, "POST", "/fracture?sites=8000&lloyd=50", kObj + kRespondAsync, kCube, "127.0.3.1")
-            .status,
-        202);
+    ASSERT_EQ(ask(siege.server.port, "POST", "/fracture?sites=8000&lloyd=50", kObj + kRespondAsync, kCube,
+                  "127.0.3.1")
+                  .status,
+              202);
     const int taken = fill_the_queue(siege.server, c.addresses, c.most);
     EXPECT_GE(taken, 300) << c.name;
     const int end = siege.neighbours->served + (full_tests() ? 10 : 2) * kServed;
     EXPECT_TRUE(eventually(kPatience, "the neighbours", [&] {
       return siege.neighbours->served >= end || siege.neighbours->refused > 0 || siege.neighbours->failed > 0;
     }));
-    EXPECT_EQ(ask(siege.server.port, "POST", "/fracture?sites=10", kObj + kRespondAsync, kCube, "127.0.0.99").status,
+    EXPECT_EQ(ask(siege.server.port, "POST", "/fracture?sites=10", kObj + kRespondAsync, kCube, "127.0.0.99")
+                  .status,
               202)
         << "a job of somebody else";
     siege.judge(c.name, "253 jobs hold all working memory: 0 of 453 computations of a third were answered",

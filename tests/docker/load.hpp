@@ -38,7 +38,8 @@ class GameClient {
   /// Throws std::runtime_error when no whole answer came.
   Reply ask(const std::string& method, const std::string& path, const std::string& type,
             const std::string& body) {
-    const std::string request = method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
+    const std::string request = method + " " + path +
+                                " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
                                 "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
     // Closed while it was idle: no answer begins.
     if (connection_) {

@@ -20,7 +20,8 @@ std::shared_ptr<tenants::Account> account_over_its_share(const std::string& name
 struct Resume : testing::Test {
   TemporaryFolder folder;
   Gate gate;
-  std::atomic<int> asked{0};  ///< for the terms of a job: once for its owner, and once in each attempt to go on with it
+  std::atomic<int> asked{
+      0};  ///< for the terms of a job: once for its owner, and once in each attempt to go on with it
   /// Ana is over her share.
   Jobs::TermsOf terms_of() {
     return [this, account = account_over_its_share("ana")](const std::string& owner) {

@@ -251,7 +251,7 @@ TEST_F(ReservationTest, WhoseTurnComesWithoutMemoryWaitsForIt) {
   add("left", 9'000, 3, gone.get_token());
   both.count_down();
   ASSERT_TRUE(eventually(kPatience, "two to wait", [&] { return narrow.waiting_for_memory() == 2; }));
-  EXPECT_EQ(running, 1);
+  EXPECT_TRUE(eventually(kPatience, "the first to run", [&] { return running == 1; }));
   add("small", 10, 4);
   ASSERT_TRUE(eventually(kPatience, "the small one to run", [&] { return running == 2; }));
   gone.request_stop();
