@@ -1,0 +1,185 @@
+// The worker processes of the pool: started ahead of need by one thread, kept, replaced and ended.
+#include <unistd.h>
+
+#include <algorithm>
+#include <climits>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+
+#include "server/import_worker/import_pool.hpp"
+
+namespace fracture {
+
+ImportPool::ImportPool(ImportPoolConfig config)
+    : config_(std::move(config)), thread_([this] { supervise(); }) {
+  std::unique_lock lock(mutex_);
+  free_.wait(lock, [this] { return !idle_.empty() || failed_starts_ > 0; });
+  if (!idle_.empty()) return;
+  stopping_ = true;
+  supervisor_.notify_all();
+  lock.unlock();
+  thread_.join();
+  throw std::runtime_error(start_error_);
+}
+
+ImportPool::~ImportPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  supervisor_.notify_all();
+  thread_.join();
+}
+
+/// The only thread that starts and ends processes.
+void ImportPool::supervise() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    supervisor_.wait(lock, [this] { return stopping_ || to_start_ > 0 || !retired_.empty(); });
+    std::vector<std::unique_ptr<WorkerProcess>> dead = std::move(retired_);
+    retired_.clear();
+    if (stopping_) {
+      std::move(idle_.begin(), idle_.end(), std::back_inserter(dead));
+      idle_.clear();
+      counters_.workers = 0;
+      zygote_pid_ = -1;
+      lock.unlock();
+      zygote_.reset();
+      return;  // `dead` is buried here
+    }
+    const bool start = to_start_ > 0;
+    to_start_ -= start;
+    starting_ += start;
+    lock.unlock();
+    std::unique_ptr<WorkerProcess> born;
+    std::string error;
+    if (start) {
+      try {
+        born = fork_worker();
+      } catch (const std::exception& e) {
+        error = e.what();
+      }
+    }
+    dead.clear();
+    lock.lock();
+    starting_ -= start;
+    if (born) {
+      if (counters_.started++ == 0) hello_ = born->hello();
+      ++counters_.workers;
+      idle_.push_back(std::move(born));
+    } else if (start) {
+      ++failed_starts_;
+      start_error_ = error;
+    }
+    if (start) free_.notify_all();
+  }
+}
+
+/// A zygote that has ended (the system was short of memory) is found out by its fork: then from a new one.
+std::unique_ptr<WorkerProcess> ImportPool::fork_worker() {
+  bool renew = false;
+  {
+    const std::lock_guard lock(mutex_);
+    renew = std::exchange(renew_zygote_, false);
+  }
+  if (zygote_ && (renew || zygote_->forks() >= config_.max_forks)) zygote_.reset();
+  if (zygote_) {
+    try {
+      return std::make_unique<WorkerProcess>(*zygote_, config_.worker);
+    } catch (const std::exception&) {
+      zygote_.reset();
+    }
+  }
+  try {
+    return first_worker_of_a_new_zygote();
+  } catch (const std::exception&) {
+    // These are the first that the system ends when it is short of memory: also while they start.
+    return first_worker_of_a_new_zygote();
+  }
+}
+
+std::unique_ptr<WorkerProcess> ImportPool::first_worker_of_a_new_zygote() {
+  zygote_.reset();
+  zygote_ = std::make_unique<ZygoteProcess>(config_.worker);
+  {
+    const std::lock_guard lock(mutex_);
+    ++counters_.zygotes;
+    zygote_pid_ = zygote_->pid();
+    zygote_hello_ = zygote_->hello();
+  }
+  return std::make_unique<WorkerProcess>(*zygote_, config_.worker);
+}
+
+/// So that the next import does not wait for a fork. Called with the lock.
+void ImportPool::want_a_spare() {
+  if (!idle_.empty() || starting_ + to_start_ > 0 || reading_or_starting() >= config_.workers) return;
+  ++to_start_;
+  supervisor_.notify_one();
+}
+
+int ImportPool::reading_or_starting() const {
+  return counters_.workers - counters_.standing + starting_ + to_start_;
+}
+
+/// For the next file.
+void ImportPool::keep(std::unique_ptr<WorkerProcess> worker) {
+  const std::lock_guard lock(mutex_);
+  --counters_.busy;
+  idle_.push_back(std::move(worker));
+  free_.notify_all();
+}
+
+/// It has read its file. Ended by the supervisor, and replaced at once.
+void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
+  const std::lock_guard lock(mutex_);
+  --counters_.busy;
+  --counters_.workers;
+  renew_zygote_ = renew_zygote_ || worker->death() == WorkerDeath::kCrash;
+  retired_.push_back(std::move(worker));
+  want_a_spare();
+  supervisor_.notify_one();
+  free_.notify_all();
+}
+
+ImportCounters ImportPool::counters() const {
+  const std::lock_guard lock(mutex_);
+  ImportCounters now = counters_;
+  now.starting = starting_ + to_start_;
+  return now;
+}
+
+pid_t ImportPool::zygote_pid() const {
+  const std::lock_guard lock(mutex_);
+  return zygote_pid_;
+}
+
+ZygoteHello ImportPool::zygote_hello() const {
+  const std::lock_guard lock(mutex_);
+  return zygote_hello_;
+}
+
+WorkerHello ImportPool::hello() const {
+  const std::lock_guard lock(mutex_);
+  return hello_;
+}
+
+std::vector<pid_t> ImportPool::pids() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<pid_t> pids = busy_;
+  for (const auto& worker : idle_) pids.push_back(worker->pid());
+  return pids;
+}
+
+std::string import_worker_beside_this_program() {
+  char path[PATH_MAX];
+  const ssize_t length = ::readlink("/proc/self/exe", path, sizeof path - 1);
+  std::string program(path, static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
+  program.replace(program.rfind('/') + 1, std::string::npos, "fracture-import");
+  if (::access(program.c_str(), X_OK) != 0)
+    throw std::runtime_error("there is no program " + program +
+                             ", which reads files for this one: install both");
+  return program;
+}
+
+}  // namespace fracture

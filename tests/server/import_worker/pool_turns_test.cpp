@@ -1,0 +1,184 @@
+// Imports take turns: what they spend is told to their computations, and nobody reads for ever while others wait.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <stop_token>
+#include <thread>
+
+#include "tests/server/support/import_pool_fixture.hpp"
+
+namespace fracture::test {
+namespace {
+
+/// Of a computation whose urgency a test decides; it counts what is said to have been spent for it.
+struct ToldTurn : Turn {
+  explicit ToldTurn(bool urgent) : is_in_a_hurry(urgent) {}
+  void give_way() override {}
+  void leave() override {}
+  void come_back() override {}
+  bool is_urgent() const override {
+    ++asked;
+    return is_in_a_hurry;
+  }
+  void spent_elsewhere(double seconds) override { spent = spent + seconds; }
+  std::atomic<bool> is_in_a_hurry;
+  mutable std::atomic<int> asked{0};
+  std::atomic<double> spent{0};
+};
+
+TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
+  constexpr std::chrono::duration<double> kWaits{1.0};
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn spins(false), hangs(false), waits(false);
+  const auto import_for = [&](ToldTurn& turn, std::string_view file, std::chrono::duration<double> patience) {
+    Execution execution;
+    execution.turn = &turn;
+    execution.deadline = std::chrono::steady_clock::now() +
+                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(patience);
+    return import_with(pool, file, execution);
+  };
+  // Of a machine with other work it gets a part of the time.
+  EXPECT_THROW((void)import_for(spins, "! spin", kWaits), Interrupted);
+  EXPECT_GT(spins.spent, 0.05 * kWaits.count());
+  auto hanging = std::async(std::launch::async,
+                            [&] { EXPECT_THROW((void)import_for(hangs, "! hang", kWaits), Interrupted); });
+  EXPECT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
+  EXPECT_TRUE(import_for(waits, kTetrahedron, kPatience));
+  hanging.get();
+  EXPECT_GT(waits.spent, 0);
+  EXPECT_LT(waits.spent, 0.5 * kWaits.count());
+}
+
+/// An import that does not end by itself, as long as this lives.
+struct Endless {
+  Endless(ImportPool& pool, const char* command, Turn* turn) {
+    Execution execution;
+    execution.stop = stop.get_token();
+    execution.turn = turn;
+    thread = std::thread([&pool, command, execution] {
+      try {
+        (void)import_with(pool, command, execution);
+        ADD_FAILURE() << "it should have been interrupted";
+      } catch (const Interrupted& interrupted) {
+        EXPECT_EQ(interrupted.code, ErrorCode::kCancelled);
+      }
+    });
+  }
+  ~Endless() {
+    stop.request_stop();
+    thread.join();
+  }
+  std::stop_source stop;
+  std::thread thread;
+};
+
+/// Somebody who waits for no longer than tests do.
+Expected<Mesh> read_for(ImportPool& pool, Turn& turn) {
+  Execution execution;
+  execution.turn = &turn;
+  execution.deadline = std::chrono::steady_clock::now() + kPatience;
+  return import_with(pool, kTetrahedron, execution);
+}
+
+bool are(const ImportPool& pool, int busy, int standing) {
+  return eventually(kPatience, "so many to read and to stand still", [&] {
+    const ImportCounters counters = pool.counters();
+    return counters.busy == busy && counters.standing == standing;
+  });
+}
+
+TEST(ImportPool, ImportsTakeTurns) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
+  ToldTurn turns[4] = {ToldTurn(false), ToldTurn(false), ToldTurn(false), ToldTurn(false)};
+  {
+    const Endless first(pool, "! hang", &turns[0]), second(pool, "! spin", &turns[1]);
+    EXPECT_TRUE(are(pool, 2, 0));
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(read_for(pool, turns[2])) << k;
+    const Endless third(pool, "! hang", &turns[3]);
+    EXPECT_TRUE(are(pool, 2, 1));
+    EXPECT_TRUE(read_for(pool, turns[2]));
+  }
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().standing, 0);
+  EXPECT_EQ(pool.counters().interrupted, 3u);
+  EXPECT_EQ(pool.counters().imported, 4u);
+}
+
+TEST(ImportPool, UrgentWorkHasItsTurnAtOnceAndKeepsIt) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn batch(false), realtime(true), hurried(false);
+  {
+    const Endless slow(pool, "! hang", &batch);
+    EXPECT_TRUE(are(pool, 1, 0));
+    const Endless urgent(pool, "! spin", &realtime);
+    EXPECT_TRUE(are(pool, 1, 1));
+    const double before = batch.spent;
+    // Somebody in a hurry comes to wait for what waits here.
+    auto promoted = std::async(std::launch::async, [&] { return read_for(pool, hurried); });
+    const int asked = hurried.asked;
+    EXPECT_TRUE(eventually(kPatience, "it to wait", [&] { return hurried.asked >= asked + 20; }));
+    EXPECT_EQ(pool.counters().imported, 0u);
+    EXPECT_EQ(batch.spent, before) << "it was stopped";
+    hurried.is_in_a_hurry = true;
+    EXPECT_TRUE(promoted.get());
+  }
+  EXPECT_TRUE(settles(pool));
+  EXPECT_EQ(pool.counters().workers, 1);
+}
+
+TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNobodyWaiting) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  ToldTurn left(true), batch(false);
+  {
+    const Endless hangs(pool, "! hang", &left);
+    EXPECT_TRUE(are(pool, 1, 0));
+    left.is_in_a_hurry = false;
+    EXPECT_TRUE(read_for(pool, batch));
+  }
+  EXPECT_TRUE(settles(pool));
+}
+
+/// A computation that stands still for another one.
+TEST(ImportPool, AnImportStandsStillWithItsComputation) {
+  struct Standing : ToldTurn {
+    Standing() : ToldTurn(false) {}
+    void give_way() override {
+      ++calls;
+      require_eventually(kPatience, "it to be allowed to go on", [this] { return !stands; });
+    }
+    std::atomic<bool> stands{false};
+    std::atomic<int> calls{0};
+  } turn;
+  ToldTurn other(false);
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  std::stop_source stop;
+  Execution execution;
+  execution.turn = &turn;
+  execution.stop = stop.get_token();
+  std::thread spins([&] {
+    const std::string file = "! spin";
+    EXPECT_THROW((void)pool.import(bytes_of(file), MeshFormat::kOff, {}, {}, execution, digest_of(file),
+                                   [&] { return turn.stands.load(); }),
+                 Interrupted);
+  });
+  EXPECT_TRUE(are(pool, 1, 0));
+  turn.stands = true;
+  EXPECT_TRUE(are(pool, 0, 1));
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(read_for(pool, other)) << "its place is free";
+  const pid_t reader = pool.pids().front();
+  std::ifstream stat("/proc/" + std::to_string(reader) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(stat), {}};
+  EXPECT_EQ(text.substr(text.rfind(')') + 2, 1), "T") << "stopped by a signal";
+  turn.stands = false;
+  EXPECT_TRUE(are(pool, 1, 0));
+  stop.request_stop();
+  spins.join();
+  EXPECT_TRUE(settles(pool));
+}
+
+}  // namespace
+}  // namespace fracture::test
