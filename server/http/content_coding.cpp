@@ -97,15 +97,20 @@ OrProblem<ContentCoding> content_coding(std::string_view field) {
           .with("Accept-Encoding", "gzip, zstd"));
 }
 
+/// Bytes that one byte can decode to: deflate writes at most 258 bytes for two bits (RFC 1951, section 3.2.5), zstd a block of
+/// 128 KiB for four bytes (RFC 8878, section 3.1.1.2). A body that announces more is damaged.
+constexpr std::uint64_t kMostOfDeflate = 1'032, kMostOfZstd = 32'768;
+
 std::uint64_t announced_size(std::string_view body, ContentCoding coding) {
   if (coding == ContentCoding::kZstd) {
     const unsigned long long size = ZSTD_getFrameContentSize(body.data(), body.size());
-    return size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR ? 0 : size;
+    if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return 0;
+    return std::min<std::uint64_t>(size, kMostOfZstd * body.size());
   }
   std::uint64_t size = 0;  // ISIZE (RFC 1952, section 2.3.1), of the last member
   if (coding == ContentCoding::kGzip && body.size() >= 18)
     for (std::size_t k = 1; k <= 4; ++k) size = size << 8 | static_cast<unsigned char>(body[body.size() - k]);
-  return size;
+  return std::min<std::uint64_t>(size, kMostOfDeflate * body.size());
 }
 
 Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limit,

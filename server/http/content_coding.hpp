@@ -22,7 +22,7 @@ enum class ContentCoding { kIdentity, kGzip, kZstd };
 OrProblem<ContentCoding> content_coding(std::string_view field);
 
 /// How long the body says that it is when it is decoded: in the last bytes of gzip, in the first frame of
-/// zstd. A hint: bodies may lie, or say nothing (0).
+/// zstd. A hint: bodies may lie, or say nothing (0). Never more than so many bytes can decode to.
 std::uint64_t announced_size(std::string_view body, ContentCoding coding);
 
 /// Decodes `body` in place. Decodes twice: the first time it only counts, so that a body that unfolds beyond

@@ -43,6 +43,18 @@ std::vector<std::uint8_t> compressible(std::size_t size) {
   return {text.begin(), text.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 
+/// So garbage is refused as damaged, and not because 4 GiB of it could not be decoded in time.
+TEST(AnnouncedSize, IsNeverMoreThanTheBytesCanDecodeTo) {
+  using http::announced_size, http::ContentCoding;
+  const std::string zeros(1 << 20, '\0'), packed = gzip(zeros);
+  EXPECT_EQ(announced_size(packed, ContentCoding::kGzip), zeros.size()) << "of the densest body that there is";
+  const std::string garbage(300, '\xff');
+  EXPECT_EQ(announced_size(garbage, ContentCoding::kGzip), 300u * 1'032);
+  std::string frame(ZSTD_compressBound(zeros.size()), '\0');
+  frame.resize(ZSTD_compress(frame.data(), frame.size(), zeros.data(), zeros.size(), 19));
+  EXPECT_EQ(announced_size(frame, ContentCoding::kZstd), zeros.size());
+}
+
 TEST(AnswerCoding, PollsAndMakesTheBytesOfOnePiece) {
   // More than the window of either coding, and what fits in one output block.
   for (const std::size_t size : {std::size_t{2'000}, std::size_t{5} << 20}) {
