@@ -35,6 +35,7 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
               small_share(limits)),
       answers_(limits.max_answers, limits.answer_share()),
       meshes_(store),
+      held_meshes_(store.quota_bytes, store.quota_bytes / 2),
       ledger_(limits.answer_ledger),
       jobs_(dispatcher, jobs) {
   limits_text_ = describe_limits().dump(2) + "\n";

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/http/answer_memory.hpp"
 #include "server/http/content_coding.hpp"
+#include "server/http/held_buffers.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/message.hpp"
@@ -96,7 +96,7 @@ class Api {
   /// Why this reservation could not grow.
   Problem no_memory(const MemoryBudget::Reservation& reservation) const;
   ClientShares& bodies() { return bodies_; }
-  AnswerMemory& answers() { return answers_; }
+  HeldBuffers& answers() { return answers_; }
   const MeshStore& meshes() const { return meshes_; }
   const Jobs& jobs() const { return jobs_; }
   const tenants::AnswerLedger& ledger() const { return ledger_; }
@@ -172,6 +172,7 @@ class Api {
   Answered fracture_stored_mesh(const std::shared_ptr<Request>& request,
                                 const std::vector<RawParameter>& given, const std::string& id,
                                 const Terms& terms, const Reply& reply);
+  Problem mesh_is_not_held(HeldBuffers::Refusal refusal) const;
 
   /// Whose what this request makes is; "" where nobody is asked who it is, or names share everything.
   static std::string owner_of(const Request& request);
@@ -227,8 +228,9 @@ class Api {
   FractureService& service_;
   const HttpLimits limits_;
   ClientShares bodies_;
-  AnswerMemory answers_;
+  HeldBuffers answers_;
   MeshStore meshes_;
+  HeldBuffers held_meshes_;  ///< stored meshes that requests use, which the store cannot let go
   tenants::AnswerLedger ledger_;
   Jobs jobs_;
   std::string limits_text_, patterns_text_;  ///< made once: they are long and never change

@@ -108,6 +108,12 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
                                                   " bytes; all stored meshes together may take " +
                                                   std::to_string(meshes_.config().quota_bytes) + ".");
+  if (put == MeshStore::Put::kNoRoom)
+    return tl::unexpected<Problem>(
+        Problem(ErrorCode::kOverloaded, "Meshes that are being fractured hold most of the " +
+                                            std::to_string(meshes_.config().quota_bytes) +
+                                            " bytes for stored meshes. Try again after Retry-After.")
+            .with("Retry-After", "2"));
   // From here on the quota of the store counts the body that it keeps. One that it does not keep goes with
   // its reservation.
   if (stored->owner == asked.owner) body.reservation = {};
@@ -178,6 +184,17 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
       });
 }
 
+Problem Api::mesh_is_not_held(HeldBuffers::Refusal refusal) const {
+  const bool share = refusal == HeldBuffers::Refusal::kOverShare;
+  return Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
+                 std::string(share ? "This client's" : "The") +
+                     " requests that wait or compute use stored meshes of " +
+                     (share ? "its part of the " : "all of the ") +
+                     std::to_string(meshes_.config().quota_bytes) +
+                     " bytes for stored meshes. Ask again when some of them are finished.")
+      .with("Retry-After", "2");
+}
+
 Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
                                    const std::vector<RawParameter>& given, const std::string& id,
                                    const Terms& terms, const Reply& reply) {
@@ -191,11 +208,17 @@ Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
   struct Held {
     std::shared_ptr<const StoredMesh> mesh;
     MemoryBudget::Reservation parameters;
+    HeldBuffers::Hold part;  ///< of what requests may hold of the store: it cannot evict this mesh meanwhile
   };
   if (const std::uint64_t earlier = service_.earlier_bytes(given); earlier > kParseInline)
     if (!request->reservation.grow_to(request->reservation.bytes() + earlier))
       return tl::unexpected<Problem>(no_memory(request->reservation));
-  const auto held = std::make_shared<Held>(Held{std::move(*mesh), std::move(request->reservation)});
+  HeldBuffers::Hold part;
+  if (const auto refusal =
+          held_meshes_.take(terms.payer.flow.name, (*mesh)->owner.get(), (*mesh)->shared_bytes(), part))
+    return tl::unexpected<Problem>(mesh_is_not_held(*refusal));
+  const auto held =
+      std::make_shared<Held>(Held{std::move(*mesh), std::move(request->reservation), std::move(part)});
   const StoredMesh& stored = *held->mesh;
   FractureRequest asked{stored.mesh, stored.format, std::move(*parameters), stored.files};
   asked.digest = stored.digest;

@@ -309,12 +309,12 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
   /// Counts the answer as on its way, from `hold` on; where there is no room for it, a refusal takes its
   /// place.
-  void count_answer(Response& response, bool head_only, AnswerMemory::Hold& hold) {
+  void count_answer(Response& response, bool head_only, HeldBuffers::Hold& hold) {
     const std::uint64_t held = std::max<std::uint64_t>(response.body.size(), response.owner_bytes);
     if (!response.owner || head_only || held <= kSmallAnswer) return;
     const auto refusal = api_.answers().take(client_key_, response.owner.get(), held, hold);
     if (!refusal) return;
-    const bool share = *refusal == AnswerMemory::Refusal::kOverShare;
+    const bool share = *refusal == HeldBuffers::Refusal::kOverShare;
     response = Response::problem(
         Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
                 share ? "Other answers that this client has not read hold its share; read those first."
@@ -334,7 +334,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       const bool chunked = exchange_->request.head.minor_version >= 1;
       co_return co_await write_stream(target, response, id_, policy_fields_, chunked, keep_alive, head_only);
     }
-    AnswerMemory::Hold hold;
+    HeldBuffers::Hold hold;
     count_answer(response, head_only, hold);
     const bool written = co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_,
                                                keep_alive, head_only);

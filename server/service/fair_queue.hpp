@@ -167,6 +167,26 @@ class FairQueue {
     }
     return false;
   }
+  /// A queued task takes the turn of this flow from now on, if that comes sooner: true. `per_cost`: seconds for one of cost.
+  bool hasten(std::uint64_t id, const Flow& flow, double per_cost) {
+    for (auto& [name, client] : clients_) {
+      if (name == flow.name) continue;
+      for (const Priority priority : kPriorities) {
+        std::deque<Item>& queue = client.line(priority).queue;
+        const auto at =
+            std::find_if(queue.begin(), queue.end(), [&](const Item& item) { return item.id == id; });
+        if (at == queue.end()) continue;
+        const double now = turn_of(client, priority, id, per_cost);
+        if (turn_of(arrives(flow), priority, id, per_cost) >= now) return false;
+        Item item = std::move(*at);
+        queue.erase(at);
+        item.flow = flow;
+        push(priority, std::move(item));
+        return true;
+      }
+    }
+    return false;
+  }
   /// A task that waits; null when it does not.
   Item* find(std::uint64_t id) {
     for (auto& [name, client] : clients_)
@@ -308,6 +328,16 @@ class FairQueue {
  private:
   static constexpr double key(double tag, Priority priority) {
     return tag - kLead * (1 - static_cast<double>(priority));
+  }
+  /// The tag of this client when all has been computed that it serves before a queued task of this class and id.
+  static double turn_of(const Client& client, Priority priority, std::uint64_t id, double per_cost) {
+    double tag = client.tag;
+    for (const Priority of : kPriorities)
+      for (const auto* items : {&client.line(of).resumed, &client.line(of).queue})
+        for (const Item& item : *items)
+          if (of < priority || (of == priority && (items == &client.line(of).resumed || item.id < id)))
+            tag += cost_of(of) * per_cost * item.cost / client.weight;
+    return tag;
   }
   /// The client of this flow, who has rested where it does nothing just now.
   Client& arrives(const Flow& flow) {

@@ -68,12 +68,34 @@ std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh) {
   return other;
 }
 
+std::shared_ptr<const void> MeshStore::counted(const std::shared_ptr<Sum>& sum, const StoredMesh& mesh) {
+  struct Counted {
+    Counted(std::shared_ptr<Sum> its_sum, std::shared_ptr<const void> its_owner, std::uint64_t its_bytes)
+        : sum(std::move(its_sum)), owner(std::move(its_owner)), bytes(its_bytes) {
+      sum->bytes += bytes;
+      ++sum->meshes;
+    }
+    ~Counted() {
+      sum->bytes -= bytes;
+      --sum->meshes;
+    }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+    const std::shared_ptr<Sum> sum;
+    const std::shared_ptr<const void> owner;
+    const std::uint64_t bytes;
+  };
+  const auto held = std::make_shared<const Counted>(sum, mesh.owner, mesh.shared_bytes());
+  return {held, mesh.owner.get()};
+}
+
 MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner,
                               Clock::time_point now) {
   const std::uint64_t bytes = mesh->held(), shared = mesh->shared_bytes(), own = mesh->own_bytes();
   if (bytes > config_.quota_bytes) return Put::kOverQuota;
   if (bytes > owner.share) return Put::kOverShare;
-  if (const auto equal = equal_of(*mesh)) {
+  const auto equal = equal_of(*mesh);
+  if (equal) {
     auto with_its_bytes = std::make_shared<StoredMesh>(*mesh);
     with_its_bytes->owner = equal->owner;
     with_its_bytes->mesh = equal->mesh;
@@ -90,13 +112,16 @@ MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owne
     remove_least_recent_of(owner.name);
     ++figures_.evicted;
   }
-  const auto needed = [&] { return own + (bytes_.contains(mesh->owner.get()) ? 0 : shared); };
-  while (figures_.bytes + needed() > config_.quota_bytes) {
-    remove_least_recent_of(owner_of_most());
+  const std::uint64_t needed = own + (equal ? 0 : shared);
+  while (figures_.bytes + sum_->bytes + needed > config_.quota_bytes) {
+    if (!remove_one_of_most()) return Put::kNoRoom;
     ++figures_.evicted;
   }
-  Bytes& kept = bytes_[mesh->owner.get()];
-  if (++kept.entries == 1) figures_.bytes += kept.held = shared;
+  if (!equal) {
+    auto with_counted_bytes = std::make_shared<StoredMesh>(*mesh);
+    with_counted_bytes->owner = counted(sum_, *mesh);
+    mesh = std::move(with_counted_bytes);
+  }
   figures_.bytes += own;
   entries_.push_front({std::move(mesh), owner.name, bytes, now});
   Owned& owned = owned_[owner.name];
@@ -151,10 +176,19 @@ std::uint64_t MeshStore::bytes_of_locked(const std::string& owner) const {
   return owned == owned_.end() ? 0 : owned->second.bytes;
 }
 
-std::string MeshStore::owner_of_most() const {
-  return std::max_element(owned_.begin(), owned_.end(),
-                          [](const auto& a, const auto& b) { return a.second.bytes < b.second.bytes; })
-      ->first;
+bool MeshStore::remove_one_of_most() {
+  const Owned* most = nullptr;
+  Iterator chosen{};
+  for (const auto& [name, owned] : owned_) {
+    if (most && owned.bytes <= most->bytes) continue;
+    const auto free = std::find_if(owned.entries.rbegin(), owned.entries.rend(),
+                                   [](const Iterator& entry) { return entry->mesh.use_count() == 1; });
+    if (free == owned.entries.rend()) continue;
+    most = &owned;
+    chosen = *free;
+  }
+  if (most) remove(chosen);
+  return most != nullptr;
 }
 
 void MeshStore::remove_least_recent_of(const std::string& owner) { remove(owned_.at(owner).entries.back()); }
@@ -169,7 +203,8 @@ void MeshStore::sweep(Clock::time_point now) {
 StoreFigures MeshStore::figures() const {
   const std::lock_guard lock(mutex_);
   StoreFigures figures = figures_;
-  figures.meshes = bytes_.size();
+  figures.bytes += sum_->bytes;
+  figures.meshes = sum_->meshes;
   return figures;
 }
 
@@ -184,11 +219,6 @@ bool MeshStore::expire(Clock::time_point now) {
 }
 
 void MeshStore::remove(Iterator at) {
-  const auto kept = bytes_.find(at->mesh->owner.get());
-  if (--kept->second.entries == 0) {
-    figures_.bytes -= kept->second.held;
-    bytes_.erase(kept);
-  }
   figures_.bytes -= at->mesh->own_bytes();
   const auto owned = owned_.find(at->owner);
   owned->second.bytes -= at->bytes;

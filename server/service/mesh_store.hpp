@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +14,6 @@
 #include <mutex>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "server/service/request.hpp"
@@ -60,7 +60,7 @@ struct StoreFigures {
   std::uint64_t stored = 0;   ///< meshes that were put in
   std::uint64_t expired = 0;  ///< forgotten because nobody used them
   std::uint64_t evicted = 0;  ///< forgotten because others needed their room
-  std::uint64_t bytes = 0;    ///< held
+  std::uint64_t bytes = 0;    ///< held, those of evicted meshes that are computed on included
   std::size_t meshes = 0;
 };
 
@@ -68,8 +68,9 @@ struct StoreFigures {
 /// whoever stored them, and leave with the last owner; format and description are each owner's. Where nobody is
 /// asked who it is, all are one owner, "".
 ///
-/// Invariant: what is held for the meshes that are stored is at most the quota, where equal ones count once;
-/// what an owner has, counted for itself, is at most its share. Who holds an evicted mesh keeps it alive.
+/// Invariant: the bytes of all meshes that were stored and are still in memory are at most the quota; equal ones count once.
+/// The meshes of one owner, counted for itself, are at most its share. Whoever holds an evicted mesh keeps it alive, and it
+/// counts against the quota until then: a limit counts what is held.
 /// Thread-safe.
 class MeshStore {
  public:
@@ -82,7 +83,13 @@ class MeshStore {
 
   explicit MeshStore(const StoreConfig& config) : config_(config) {}
 
-  enum class Put { kCreated, kReplaced, kOverQuota, kOverShare };
+  enum class Put {
+    kCreated,
+    kReplaced,
+    kOverQuota,  ///< it is larger than the quota
+    kOverShare,  ///< it is larger than the share of its owner
+    kNoRoom,     ///< meshes that are computed on leave too little of the quota for now
+  };
   /// The owner's least recently used ones leave for it where its share needs them to; where the quota does,
   /// those of whoever has most.
   Put put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner, Clock::time_point now = Clock::now());
@@ -119,15 +126,19 @@ class MeshStore {
     std::uint64_t bytes = 0;
     std::list<Iterator> entries{};  // most recently used first
   };
-  struct Bytes {
-    std::size_t entries = 0;
-    std::uint64_t held = 0;
+  /// The bytes of a mesh, of which equal meshes have one: they count for as long as anybody has them.
+  struct Sum {
+    std::atomic<std::uint64_t> bytes{0};
+    std::atomic<std::size_t> meshes{0};
   };
+  static std::shared_ptr<const void> counted(const std::shared_ptr<Sum>& sum, const StoredMesh& mesh);
   /// The entry of this owner, else, with kAnybodys, of any.
   Iterator at(const std::string& digest, const std::string& owner, Whose whose);
   void remove(Iterator at);
   void remove_least_recent_of(const std::string& owner);
-  std::string owner_of_most() const;
+  /// The least recently used mesh that nobody else holds, of the owner with most that has one: false, and nothing is done,
+  /// if there is none.
+  bool remove_one_of_most();
   std::shared_ptr<const StoredMesh> equal_of(const StoredMesh& mesh);
   std::uint64_t bytes_of_locked(const std::string& owner) const;
   bool has_expired(const Entry& entry, Clock::time_point now) const {
@@ -141,8 +152,8 @@ class MeshStore {
   mutable std::mutex mutex_;
   std::list<Entry> entries_;                                       // most recently used first
   std::map<std::pair<std::string, std::string>, Iterator> index_;  // by digest and owner
-  std::unordered_map<const void*, Bytes> bytes_;                   // by StoredMesh::owner
-  std::map<std::string, Owned> owned_;                             // by owner
+  const std::shared_ptr<Sum> sum_ = std::make_shared<Sum>();
+  std::map<std::string, Owned> owned_;  // by owner
   StoreFigures figures_;
 };
 

@@ -28,13 +28,14 @@ class Urgency {
     priority_ = priority;
     task_ = submit();
     decide(pool);
+    hasten(pool, priority_, Flow(this->flow()));
   }
 
-  /// One more waits. Its flow gives the turn where that has not come yet and nobody else is so urgent.
+  /// One more waits. A task that is queued takes its turn, if that comes sooner than the turn of those who wait already: one
+  /// client's queue does not keep others waiting who ask for the same.
   void join(WorkerPool& pool, Priority priority, const Flow& flow) {
     const std::lock_guard lock(mutex_);
-    add(priority, flow);
-    decide(pool);
+    add_to(pool, priority, flow);
   }
   /// One who joined, or the leader, waits no longer.
   void leave(WorkerPool& pool, Priority priority) {
@@ -91,7 +92,7 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return priority_;
   }
-  /// Whose turn it takes: of the most urgent who wait, that of the first.
+  /// Whose turn it takes: the earliest of the most urgent who wait.
   Flow turn() const {
     const std::lock_guard lock(mutex_);
     return flow();
@@ -105,7 +106,7 @@ class Urgency {
  private:
   struct Waiting {
     std::size_t count = 0;
-    Flow flow{};  ///< of the first of them, whether that still waits or not
+    Flow flow{};  ///< of the one whose turn came first, whether that still waits or not
   };
 
   // All of these with the lock.
@@ -116,6 +117,20 @@ class Urgency {
     ++waiting(priority);
     if (!first_) first_ = flow.name;
     others_ = others_ || flow.name != *first_;
+  }
+  void add_to(WorkerPool& pool, Priority priority, const Flow& flow) {
+    add(priority, flow);
+    decide(pool);
+    hasten(pool, priority, flow);
+  }
+  /// The task, or the part that it waits for, is queued and may take this turn.
+  void hasten(WorkerPool& pool, Priority priority, const Flow& flow) {
+    if (priority != priority_ || in_part_) return;
+    Flow& turn = waiting_[static_cast<std::size_t>(priority)].flow;
+    if (task_ > 0 && pool.hasten(task_, flow)) turn = flow;
+    if (!part_) return;
+    const std::lock_guard lock(part_->mutex_);
+    part_->hasten(pool, priority, flow);
   }
   /// That its first client is over its rate must not keep the others waiting.
   void tell_of_others(WorkerPool& pool) {
@@ -138,15 +153,13 @@ class Urgency {
 
   void move(WorkerPool& pool, Priority from, Priority to, const Flow& flow) {
     const std::lock_guard lock(mutex_);
-    add(to, flow);
     --waiting(from);
-    decide(pool);
+    add_to(pool, to, flow);
   }
   bool join_unless_over(WorkerPool& pool, Priority priority, const Flow& flow) {
     const std::lock_guard lock(mutex_);
     if (over_) return false;
-    add(priority, flow);
-    decide(pool);
+    add_to(pool, priority, flow);
     return true;
   }
 

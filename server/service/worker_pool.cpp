@@ -92,6 +92,13 @@ bool WorkerPool::reclassify(TaskId task, Priority priority, const Flow& flow) {
   return is_queued;
 }
 
+bool WorkerPool::hasten(TaskId task, const Flow& flow) {
+  const std::lock_guard lock(mutex_);
+  const bool moved = queue_.hasten(task, flow, took_ / cost_);
+  if (moved) schedule();
+  return moved;
+}
+
 void WorkerPool::share(TaskId task) {
   const std::lock_guard lock(mutex_);
   if (const auto at = running_.find(task); at != running_.end())

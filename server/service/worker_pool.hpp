@@ -82,6 +82,9 @@ class WorkerPool {
   /// Nothing happens when it is neither, or of that class already. True: it is queued, and takes the turn of this flow
   /// there instead of the one that it had.
   bool reclassify(TaskId task, Priority priority, const Flow& flow = {});
+  /// Another client waits for the task, too, in the same class. True: it is queued, and takes the turn of this flow, because
+  /// that comes sooner.
+  bool hasten(TaskId task, const Flow& flow);
   /// Another client waits for the task, too: that the first one is over its processor rate holds it up no longer.
   void share(TaskId task);
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.

@@ -47,7 +47,8 @@ std::vector<std::uint8_t> compressible(std::size_t size) {
 TEST(AnnouncedSize, IsNeverMoreThanTheBytesCanDecodeTo) {
   using http::announced_size, http::ContentCoding;
   const std::string zeros(1 << 20, '\0'), packed = gzip(zeros);
-  EXPECT_EQ(announced_size(packed, ContentCoding::kGzip), zeros.size()) << "of the densest body that there is";
+  EXPECT_EQ(announced_size(packed, ContentCoding::kGzip), zeros.size())
+      << "of the densest body that there is";
   const std::string garbage(300, '\xff');
   EXPECT_EQ(announced_size(garbage, ContentCoding::kGzip), 300u * 1'032);
   std::string frame(ZSTD_compressBound(zeros.size()), '\0');

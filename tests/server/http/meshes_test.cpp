@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "common/digest/digest.hpp"
+#include "tests/server/support/gate.hpp"
+#include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -32,6 +34,35 @@ TEST(Meshes, PostNamesItItself) {
   const Reply created = server.post("/meshes", "mesh");
   EXPECT_EQ(created.status, 201);
   EXPECT_EQ(created.header("location"), "/meshes/" + id_of("mesh"));
+}
+
+/// Requests that wait keep their meshes. A client that stores, uses and deletes them in turn comes to its part of the store,
+/// and there is room for the mesh of another one.
+TEST(Meshes, DeletedMeshesOfQueuedRequestsCountAgainstTheStore) {
+  Gate gate;
+  TestServerOptions options;
+  options.store.quota_bytes = 1 << 20;
+  TestServer server(options);
+  server.control->during_cut = gate.hook();
+  const auto use = [&](int k, const std::string& from) {
+    const std::string mesh = std::to_string(k) + std::string(100'000, 'm'), path = "/meshes/" + id_of(mesh);
+    const Reply put = ask(server.port(), "PUT", path, "Content-Type: model/obj\r\n", mesh, from);
+    if (put.status != 201) return put;
+    Reply job = ask(server.port(), "POST", path + "/fracture", kRespondAsync, "", from);
+    ask(server.port(), "DELETE", path, "", "", from);
+    return job;
+  };
+  int taken = 0;
+  Reply last;
+  while (taken < 20 && (last = use(taken, "127.0.0.2")).status == 202) ++taken;
+  EXPECT_EQ(taken, 5) << "half of the store, because no other client uses any";
+  EXPECT_EQ(last.problem(), "over-share") << last.body;
+  EXPECT_NE(last.header("retry-after"), "");
+  EXPECT_LE(server.api.meshes().figures().bytes, options.store.quota_bytes);
+  EXPECT_EQ(use(100, "127.0.0.3").status, 202) << "another client";
+  gate.open = true;
+  EXPECT_TRUE(eventually(kPatience, "nothing to be held any more",
+                         [&] { return server.api.meshes().figures().bytes == 0; }));
 }
 
 TEST(Meshes, AWrongDigestIsRefusedAndNothingStored) {

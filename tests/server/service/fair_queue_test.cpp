@@ -173,6 +173,19 @@ TEST(FairQueue, ATaskTakenOutLeavesTheOthersInOrder) {
   EXPECT_EQ(queue.serve(), "ab");
 }
 
+TEST(FairQueue, ATaskThatAnotherWaitsForTakesTheSoonerTurn) {
+  Queue queue;
+  for (int k = 0; k < 5; ++k) queue.add("a");
+  EXPECT_FALSE(queue.hasten(1, {"b", 1}, 1)) << "the turns are equal";
+  EXPECT_TRUE(queue.hasten(5, {"b", 1}, 1));
+  EXPECT_EQ(queue.serve(2), "ab");
+  queue.add("b");
+  queue.add("b");
+  EXPECT_FALSE(queue.hasten(2, {"b", 1}, 1));
+  EXPECT_FALSE(queue.hasten(5, {"c", 1}, 1)) << "it is not queued any more";
+  EXPECT_EQ(queue.size(), 5u);
+}
+
 TEST(FairQueue, ForgetsFlowsThatOweNothing) {
   Queue queue;
   for (int k = 0; k < 50; ++k) queue.add(std::to_string(k), 0);

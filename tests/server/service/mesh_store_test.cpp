@@ -82,5 +82,34 @@ TEST(MeshStore, WhoHoldsAMeshKeepsItsBytes) {
   EXPECT_EQ(static_cast<char>(held->mesh[2]), 'x');
 }
 
+TEST(MeshStore, ADeletedMeshCountsUntilNobodyHoldsIt) {
+  MeshStore store({.quota_bytes = 100'000, .ttl = seconds(1000)});
+  store.put(stored_mesh("a", 60'000));
+  auto held = store.find("a");
+  EXPECT_TRUE(store.erase("a"));
+  EXPECT_EQ(store.figures().bytes, 60'000u);
+  EXPECT_EQ(store.put(stored_mesh("b", 50'000)), Put::kNoRoom);
+  EXPECT_EQ(store.put(stored_mesh("c", 30'000)), Put::kCreated);
+  EXPECT_EQ(store.figures().bytes, 90'000 + kAround);
+  held = nullptr;
+  EXPECT_EQ(store.figures().bytes, 30'000 + kAround);
+  EXPECT_EQ(store.put(stored_mesh("b", 50'000)), Put::kCreated);
+}
+
+/// It would free nothing, so one that nobody uses leaves instead.
+TEST(MeshStore, AMeshThatIsHeldIsNotEvicted) {
+  MeshStore store({.quota_bytes = 100 + 2 * kAround, .ttl = seconds(1000)});
+  store.put(stored_mesh("a", 40));
+  store.put(stored_mesh("b", 40));
+  const auto held = store.find("a");
+  EXPECT_TRUE(store.find("b"));
+  EXPECT_EQ(store.put(stored_mesh("c", 40)), Put::kCreated);
+  EXPECT_TRUE(store.find("a"));
+  EXPECT_FALSE(store.find("b"));
+  const auto both = store.find("c");
+  EXPECT_EQ(store.put(stored_mesh("d", 40)), Put::kNoRoom);
+  EXPECT_EQ(store.figures().evicted, 1u);
+}
+
 }  // namespace
 }  // namespace fracture

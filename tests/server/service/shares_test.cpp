@@ -2,9 +2,12 @@
 // once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <latch>
+#include <mutex>
 #include <stop_token>
+#include <vector>
 
 #include "common/base/processor_time.hpp"
 #include "server/service/dispatcher.hpp"
@@ -45,6 +48,39 @@ struct Shares : testing::Test {
   }
   static double charged(const Terms& terms) { return terms.payer.account->figures().processor_seconds; }
 };
+
+/// A popular request that another client has at the end of its own queue.
+TEST_F(Shares, WhoAsksForTheSameDoesNotWaitBehindTheQueueOfAnother) {
+  WorkerPool one(1, 256);
+  Dispatcher narrow(service, one);
+  std::atomic<bool> open{false};
+  std::vector<std::uint64_t> order;  // seeds, by the only thread
+  control->during_cut = [&](const Execution& execution) {
+    while (!open) execution.poll();
+  };
+  std::mutex mutex;
+  const auto ask_for = [&](const std::string& client, std::uint64_t seed, Priority priority) {
+    Terms terms;
+    terms.payer.flow = {client, 1};
+    terms.priority = priority;
+    EXPECT_FALSE(narrow.fracture(fracture_request("mesh", seed), terms, [&, seed](Expected<FractureAnswer>) {
+      const std::lock_guard lock(mutex);
+      order.push_back(seed);
+    }));
+  };
+  for (const Priority priority : {Priority::kBatch, Priority::kBackground}) {
+    open = false;
+    order.clear();
+    const std::uint64_t first = priority == Priority::kBatch ? 100 : 200;
+    for (std::uint64_t k = 0; k < 50; ++k) ask_for("greedy", first + k, priority);
+    ask_for("modest", first + 49, priority);
+    open = true;
+    narrow.wait_idle();
+    EXPECT_EQ(control->cuts.exchange(0), 50);
+    const auto at = std::find(order.begin(), order.end(), first + 49) - order.begin();
+    EXPECT_LE(at, 2) << "behind what ran, and what was next";
+  }
+}
 
 TEST_F(Shares, EverybodyWhoWaitedIsChargedForAllOfItOnce) {
   std::atomic<bool> open{false};

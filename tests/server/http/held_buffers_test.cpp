@@ -1,5 +1,5 @@
 // What answers that are on their way may hold, of each client and together.
-#include "server/http/answer_memory.hpp"
+#include "server/http/held_buffers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace fracture::http {
 namespace {
 
-using Refusal = AnswerMemory::Refusal;
+using Refusal = HeldBuffers::Refusal;
 
 struct AnswersOnTheirWay : testing::Test {
   std::deque<char> buffers;  // whose addresses are the buffers
@@ -18,8 +18,8 @@ struct AnswersOnTheirWay : testing::Test {
 };
 
 TEST_F(AnswersOnTheirWay, OneThatIsAloneMayBeLargerThanAllThereIs) {
-  AnswerMemory memory(1000, 250);
-  AnswerMemory::Hold first, second;
+  HeldBuffers memory(1000, 250);
+  HeldBuffers::Hold first, second;
   EXPECT_FALSE(memory.take("a", buffer(), 5000, first));
   EXPECT_EQ(memory.take("b", buffer(), 10, second), Refusal::kFull);
   first = {};
@@ -28,8 +28,8 @@ TEST_F(AnswersOnTheirWay, OneThatIsAloneMayBeLargerThanAllThereIs) {
 
 /// However many clients read slowly, there is something for the answer of the next one.
 TEST_F(AnswersOnTheirWay, WhateverManyClientsHoldTheNextOneFindsRoom) {
-  AnswerMemory memory(1'000'000, 250'000);
-  std::deque<AnswerMemory::Hold> holds;
+  HeldBuffers memory(1'000'000, 250'000);
+  std::deque<HeldBuffers::Hold> holds;
   for (int client = 0; client < 250; ++client) {
     int taken = 0;
     while (!memory.take("client " + std::to_string(client), buffer(), 100, holds.emplace_back())) ++taken;
@@ -38,16 +38,16 @@ TEST_F(AnswersOnTheirWay, WhateverManyClientsHoldTheNextOneFindsRoom) {
       EXPECT_EQ(taken, 2500) << "its share, while it is the only one";
     }
   }
-  AnswerMemory::Hold one_more;
+  HeldBuffers::Hold one_more;
   EXPECT_FALSE(memory.take("one more", buffer(), 100, one_more));
   holds.clear();
   EXPECT_EQ(memory.used(), 100u);
 }
 
 TEST_F(AnswersOnTheirWay, ABufferThatManyAreSentFromIsHeldOnceAndAgainByTheSameClientForNothing) {
-  AnswerMemory memory(1000, 250);
+  HeldBuffers memory(1000, 250);
   const void* const shared = buffer();
-  std::vector<AnswerMemory::Hold> holds(4);
+  std::vector<HeldBuffers::Hold> holds(4);
   EXPECT_FALSE(memory.take("a", shared, 200, holds[0]));
   EXPECT_FALSE(memory.take("a", shared, 200, holds[1]));
   EXPECT_FALSE(memory.take("b", shared, 200, holds[2]));

@@ -1,5 +1,5 @@
-// Answers on their way: a cache that lets go of a result frees nothing while somebody still reads it, so what
-// slow readers hold is counted and bounded too.
+// Buffers that a cache or a store shares with requests: answers that slow clients read, stored meshes that are computed on. To
+// evict such a buffer frees nothing while somebody still uses it. So what each client uses is counted and limited here.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace fracture::http {
 
-/// Thread-safe; outlives its holds. A buffer that many connections are sent from is held once.
-class AnswerMemory {
+/// Thread-safe; outlives its holds. A buffer that many requests use is held once.
+class HeldBuffers {
  public:
   enum class Refusal { kFull, kOverShare };
 
-  /// `share`: what one client may hold when it is the only one (FairShare). An answer that is the only one of all may
-  /// be larger than the capacity.
-  AnswerMemory(std::uint64_t capacity, std::uint64_t share) : fair_{capacity, share} {}
+  /// `share`: what one client may hold when it is the only one (FairShare). A buffer that is the only one of all
+  /// may be larger than the capacity.
+  HeldBuffers(std::uint64_t capacity, std::uint64_t share) : fair_{capacity, share} {}
 
   /// Counted from now until it is destroyed.
   class Hold {
@@ -42,8 +42,8 @@ class AnswerMemory {
     }
 
    private:
-    friend AnswerMemory;
-    AnswerMemory* memory_ = nullptr;
+    friend HeldBuffers;
+    HeldBuffers* memory_ = nullptr;
     std::string client_;
     const void* buffer_ = nullptr;
   };
