@@ -1,18 +1,32 @@
 #!/usr/bin/env python3
-"""CHANGELOG.md lists every algorithm version up to that of common/pipeline/algorithm_version.hpp, newest first, with its day and words."""
+"""CHANGELOG.md has an entry for every algorithm version up to that of common/pipeline/algorithm_version.hpp, newest first, in the
+form of Keep a Changelog: a heading with the version and its day, kinds of changes below it, and short lines."""
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+KINDS = ("Added", "Changed", "Deprecated", "Removed", "Fixed", "Security")
+LONGEST = 160
+
 header = (ROOT / "common/pipeline/algorithm_version.hpp").read_text()
 current = int(re.search(r"kAlgorithmVersion = (\d+);", header).group(1))
-rows = re.findall(r"^\| (\d+) \| (\d{4}-\d\d-\d\d) \| (.+) \|$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+entries = re.findall(r"^## Algorithm (\d+) - (\d{4}-\d\d-\d\d)\n((?:(?!## ).*\n)*)", text, re.MULTILINE)
 
 wanted = [str(version) for version in range(current, 0, -1)]
-if [version for version, _, _ in rows] != wanted:
-    sys.exit(f"CHANGELOG.md lists the algorithm versions {[v for v, _, _ in rows]} instead of {wanted}")
-days = [day for _, day, _ in rows]
+if [version for version, _, _ in entries] != wanted:
+    sys.exit(f"CHANGELOG.md has entries for the algorithm versions {[v for v, _, _ in entries]} instead of {wanted}")
+days = [day for _, day, _ in entries]
 if days != sorted(days, reverse=True):
     sys.exit(f"CHANGELOG.md lists days of algorithm versions that are not the newest first: {days}")
-print(f"{len(rows)} versions")
+for version, _, body in entries:
+    kinds = re.findall(r"^### (.*)$", body, re.MULTILINE)
+    if not kinds or len(set(kinds)) != len(kinds) or not set(kinds) <= set(KINDS):
+        sys.exit(f"CHANGELOG.md: the entry for algorithm {version} has the headings {kinds}; each must be one of {KINDS}, given once")
+    if not re.search(r"^- ", body, re.MULTILINE):
+        sys.exit(f"CHANGELOG.md: the entry for algorithm {version} says nothing")
+for number, line in enumerate(text.splitlines(), 1):
+    if len(line) > LONGEST:
+        sys.exit(f"CHANGELOG.md:{number}: the line has {len(line)} characters; {LONGEST} are allowed")
+print(f"{len(entries)} versions")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""example_test.py EXAMPLE: runs the example of README.md on a cube, and holds the page to the file that was compiled."""
+"""example_test.py EXAMPLE: runs the example of common/README.md on a cube, and holds the page to the file that was compiled."""
 import json
 import pathlib
 import struct
@@ -38,9 +38,9 @@ class Example(unittest.TestCase):
         source = (ROOT / "tests/pipeline/example.cpp").read_text()
         shown = source[source.index("  const Execution execution"):source.index("  std::ofstream(")]
         shown = "".join(line[2:] if line.startswith("  ") else line for line in shown.splitlines(True))
-        readme = (ROOT / "README.md").read_text()
+        readme = (ROOT / "common/README.md").read_text()
         block = readme[readme.index("```cpp\n") + 7:]
-        self.assertEqual(block[:block.index("```")], shown, "copy the lines of tests/pipeline/example.cpp into README.md")
+        self.assertEqual(block[:block.index("```")], shown, "copy the lines of tests/pipeline/example.cpp into common/README.md")
 
 
 if __name__ == "__main__":

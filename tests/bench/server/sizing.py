@@ -91,7 +91,7 @@ for _ in range(10):
         starts.append(idle.started)
         rss = idle.memory("VmRSS")
 print(f"from the start until it listens, least of 10: {1000 * min(starts):.0f} ms; idle: server {rss[0]:.0f} MiB, import worker {rss[1]:.0f} MiB\n")
-print(f"| mesh | bytes | triangles | answer, {SITES} sites | peak: server, import worker | uploaded | of a stored mesh | from the cache |")
+print("| mesh | bytes | triangles | answer | peak: server, import worker | uploaded | stored | cached |")
 print("|---|---|---|---|---|---|---|---|")
 for path in sys.argv[2:]:
     with open(path, "rb") as f:

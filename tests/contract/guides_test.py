@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""guides_test.py FRACTURE_SERVER: runs the commands of README.md and proto/guides, because a reader copies them.
+
+Every indented block with curl or bake that needs only a server and a mesh is run in a folder with a barrel.glb, against a server on free
+ports. Blocks that need other programs or machines are named in NOT_RUN.
+"""
+import json
+import os
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "proto" / "guides").glob("*.md"))]
+PATIENCE = 120
+# Parts of blocks that install, build, stop or restart something, or ask a server elsewhere.
+NOT_RUN = ("scripts/", "cmake --", "systemctl", "docker compose", "kubectl", "kill ", "example.org", "fracture-server serve", "serve --port")
+SIDES = (0.9, 2.0, 0.9)  # half of x, the height, half of z, in metres
+
+
+def barrel():
+    """A box of 1.8 x 2 x 1.8 m that stands on the ground, with the names that the guides use, as a GLB."""
+    corners = [(sx * SIDES[0], y, sz * SIDES[2]) for y in (0.0, SIDES[1]) for sx, sz in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    quads = [(0, 1, 2, 3), (7, 6, 5, 4), (4, 5, 1, 0), (5, 6, 2, 1), (6, 7, 3, 2), (7, 4, 0, 3)]
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    positions = b"".join(struct.pack("<3f", *c) for c in corners)
+    indices = b"".join(struct.pack("<3H", *t) for t in triangles)
+    low, high = [list(map(ends, zip(*corners))) for ends in (min, max)]
+    document = json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "barrel_large", "mesh": 0}],
+        "materials": [{"name": "staves"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": low, "max": high},
+                      {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": len(positions)},
+                        {"buffer": 0, "byteOffset": len(positions), "byteLength": len(indices)}],
+        "buffers": [{"byteLength": len(positions) + len(indices)}]}).encode()
+    document += b" " * (-len(document) % 4)
+    binary = positions + indices
+    size = 12 + 8 + len(document) + 8 + len(binary)
+    head = struct.pack("<4s2I", b"glTF", 2, size)
+    return head + struct.pack("<I4s", len(document), b"JSON") + document + struct.pack("<I4s", len(binary), b"BIN\0") + binary
+
+
+def blocks(text):
+    """The indented blocks of a page that are commands: (line, text)."""
+    for found in re.finditer(r"(?:^ {4}.*\n)+", text, re.MULTILINE):
+        block = re.sub(r"^ {4}", "", found.group(), flags=re.MULTILINE)
+        if re.search(r"\bcurl |fracture-server bake", block) and not any(part in block for part in NOT_RUN):
+            yield text.count("\n", 0, found.start()) + 1, block
+
+
+class Guides(unittest.TestCase):
+    server = None
+
+    def setUp(self):
+        command = [self.server, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text"]
+        self.program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        too_late = threading.Timer(PATIENCE, self.program.kill)
+        too_late.start()
+        self.addCleanup(self.program.stderr.close)
+        self.addCleanup(self.program.wait, PATIENCE)
+        self.addCleanup(self.program.terminate)
+        self.addCleanup(too_late.cancel)
+        log = ""
+        for line in self.program.stderr:
+            log += line
+            found = re.search(r":(\d+) \(admin port \d+\)", line)
+            if found:
+                break
+        else:
+            self.fail(log)
+        self.port = found[1]
+
+    def test_commands_work_as_they_stand(self):
+        count = 0
+        with tempfile.TemporaryDirectory(prefix="fracture-test-") as folder:
+            place = pathlib.Path(folder)
+            (place / "barrel.glb").write_bytes(barrel())
+            (place / "assets").mkdir()
+            (place / "assets" / "statue.glb").write_bytes(barrel())
+            (place / "build/release").mkdir(parents=True)
+            (place / "build/release/server").symlink_to(self.server.parent)
+            for page in PAGES:
+                text = page.read_text(encoding="utf-8")
+                for rules in re.findall(r'^ {4}(\{"rules": .*(?:\n {4}.*)*)', text, re.MULTILINE):
+                    (place / "marble.json").write_text(re.sub(r"^ {4}", "", rules, flags=re.MULTILINE), encoding="utf-8")
+                for line, block in blocks(text):
+                    with self.subTest(page=str(page.relative_to(ROOT)), line=line):
+                        commands = block.replace("127.0.0.1:8080", f"127.0.0.1:{self.port}")
+                        done = subprocess.run(["bash", "-euo", "pipefail", "-c", commands], cwd=place, text=True, capture_output=True,
+                                              timeout=PATIENCE, env={**os.environ, "LC_ALL": "C.UTF-8"})
+                        self.assertEqual(done.returncode, 0, commands + done.stdout[-500:] + done.stderr[-500:])
+                        count += 1
+        self.assertGreater(count, 10)
+
+    def test_the_exact_number_is_exact(self):
+        page = (ROOT / "proto/guides/exact-number-of-pieces.md").read_text(encoding="utf-8")
+        block = next(block for _, block in blocks(page) if "python3" in block)
+        with tempfile.TemporaryDirectory(prefix="fracture-test-") as folder:
+            pathlib.Path(folder, "barrel.glb").write_bytes(barrel())
+            commands = block.replace("127.0.0.1:8080", f"127.0.0.1:{self.port}")
+            done = subprocess.run(["bash", "-euo", "pipefail", "-c", commands], cwd=folder, text=True, check=True, capture_output=True,
+                                  timeout=PATIENCE)
+            self.assertEqual(done.stdout.split()[-1], "50")
+
+
+if __name__ == "__main__":
+    Guides.server = pathlib.Path(sys.argv.pop(1)).resolve()
+    unittest.main(verbosity=2)
