@@ -187,11 +187,11 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
 Problem Api::mesh_is_not_held(HeldBuffers::Refusal refusal) const {
   const bool share = refusal == HeldBuffers::Refusal::kOverShare;
   return Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                 std::string(share ? "This client's" : "The") +
-                     " requests that wait or compute use stored meshes of " +
-                     (share ? "its part of the " : "all of the ") +
-                     std::to_string(meshes_.config().quota_bytes) +
-                     " bytes for stored meshes. Ask again when some of them are finished.")
+                 (share ? "This client's requests that wait or run" : "Requests that wait or run") +
+                     std::string(" use as many bytes of stored meshes as ") +
+                     (share ? "one client" : "all together") +
+                     " may (--mesh-store: " + std::to_string(meshes_.config().quota_bytes) +
+                     "). Ask again when some of them are finished.")
       .with("Retry-After", "2");
 }
 
