@@ -13,7 +13,8 @@ HABITS = (
     ("what-first",
      ("What the limits of size unite.", "It is read once. Where it ends is not known.", "Who waits for a loop stays awake.",
       "Whoever comes last is refused."),
-     ("The pieces that the limits merge.", "What does it cost?", "Who may ask, and how often?", "Read what it says.", "What to do: ask again.")),
+     ("The pieces that the limits merge.", "What does it cost?", "Who may ask, and how often?", "Read what it says.",
+      "What to do: ask again.", "Where possible, reuse it.", "What's new is in the list.")),
     ("what-noun",
      ("The sum of what is kept.", "It works with what the caller gave.", "More than what was asked.", "Room for what cannot be read."),
      ("The sum of the kept sizes.", "It depends on what the client sends.", "Say what it does.", "They break only what is near.",
@@ -24,8 +25,9 @@ HABITS = (
      ("Empty if none was given.", "The folder where the file is.", "It goes on where it was.", "The place where no two cells meet.",
       "The reader learns where that is.")),
     ("is-no",
-     ("It is no program that can be started.", "Such cells are no partition.", "It must be no folder."),
-     ("It is not an executable program.", "There is no limit.", "It is no longer open.", "The edge is no farther than the site.",
+     ("It is no program that can be started.", "Such cells are no partition.", "It was no folder."),
+     ("It is not an executable program.", "There is no limit.", "It is no longer open.", "There must be no gap.",
+      "The edge is no farther than the site.", "It is no shorter.",
       "It is no more than a hint.")),
     ("beside",
      ("The file beside it.", "Beside hits a hundredth of that."),
@@ -168,6 +170,11 @@ class Words(PlantedCheckout):
         self.assertEqual(status, 0, said)
         self.assertIn("1 files are not held to the habits", said)
         self.expect_found_here("README.md", "# Title\n", f"{NOT_YET}:2: README.md -> its texts are clean: take it off the list")
+        self.plant("server/README.md", "# What holds\n")
+        self.plant(NOT_YET, "# why\nREADME.md\nserver/README.md\n")
+        self.assertEqual(self.check("--fix", "words")[0], 0)
+        self.assertEqual((self.root / NOT_YET).read_text(), "# why\nserver/README.md\n")
+        self.plant(NOT_YET, "# why\nREADME.md\nserver/README.md\n")
         (self.root / "README.md").unlink()
         self.expect_found("words", f"{NOT_YET}:2: README.md -> there is no such file")
 

@@ -18,8 +18,9 @@ VERB = (rf"(?:{AUXILIARY}|needs?|takes?|gives?|makes?|comes?|goes|becomes?|says?
         r"starts?|gets?|leaves?|reads?|writes?|sends?|uses?|wants?|works?|runs?|shares?|computes?)")
 PROGRAM = (r"(?i:threads?|workers?|servers?|process(?:es)?|programs?|functions?|callers?|clients?|helpers?|requests?|readers?|writers?|"
            r"prox(?:y|ies)|browsers?|tasks?|loops?|jobs?|computations?|connections?)")
-COMPARED = (r"(?:longer|more|less|fewer|better|worse|different|farther|further|nearer|older|younger|larger|smaller|closer|bigger|higher|lower|"
-            r"later|sooner|wider|narrower|deeper|greater|faster|slower|cheaper|dearer|stronger|weaker)")
+# "is no longer": words that compare. Most nouns that end like them are named.
+COMPARED = (r"(?:more|less|worse|different|(?!(?:answer|buffer|caller|center|character|cluster|corner|filter|folder|header|helper|layer|member|"
+            r"number|order|owner|parameter|pointer|reader|server|user|worker|writer)\b)\w+er)")
 # A noun of a few words that is no clause.
 NOUN = (r"(?:an?|the|no|each|every|this|these|its|their|such|one|both|all|most|only) "
         r"(?:(?!(?:that|which|who|whom|whose|when|if|where|what|as|and|or|it|they|there|he|we|you|than|whether)\b)[\w'-]+ ){1,4}")
@@ -30,7 +31,7 @@ CONTAINER = (r"(?:files?|folders?|caches?|tables?|lists?|memory|disk|build|docum
 HABITS = [
     ("of-first", BEGIN + r"Of (?!(?:course|the \d[\d,]*|\d[\d,]*)\b)",
      "name the subject first: 'Maximum number of hulls', not 'Of an aggregate, which has …'"),
-    ("what-first", BEGIN + r"(?:What|Who|Whose|Where|Whoever|Whatever)\b(?! to\b)",
+    ("what-first", BEGIN + r"(?:What|Who|Whose|Where|Whoever|Whatever)\b(?! to\b| possible\b|')",
      "begin with a noun or with 'if': 'The pieces that the limits merge', not 'What the limits merge'"),
     ("what-noun",
      r"\b(?:(?<!regardless )(?<!independent )(?<!irrespective )(?<!top )of|from(?! what (?:it|they))|by|with|into|than|through|without|in|at|"
@@ -40,7 +41,7 @@ HABITS = [
      r"(?:there (?:is|are|was|were)\b|(?:none|no|nothing|neither|nobody|any)\b|(?:one|that|those) (?:is|are|was|were)(?= \w)"
      r"|(?:it|they) (?:is|are|was|were) (?:known|installed|possible|needed|wanted|certain|missing|not)\b)",
      "use 'if' or 'when' for a condition"),
-    ("is-no", r"(?<!there )(?<!There )\b(?:is|are|was|were|be) no "
+    ("is-no", r"(?<!there )(?<!There )\b(?:is|are|was|were) no "
      rf"(?!(?:{COMPARED}|good|use|secret|surprise|wonder|exception|match|guarantee|reason|news)\b)[a-z]",
      "write 'is not a …'"),
     ("beside", r"\b[Bb]eside\b", "write 'next to', 'with', 'compared with' or 'in addition to'"),

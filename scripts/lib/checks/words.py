@@ -67,6 +67,18 @@ def in_comments(passages, name, lines):
                     yield f"{name}:{offence.first}: {offence.habit}: '{offence.found}' -> {offence.better}"
 
 
+def fix(checkout):
+    """Takes the files that have become clean, or are gone, off the list."""
+    listed = not_yet(checkout)
+    unclean = {name for name, passages in read_passages(checkout, [name for name in listed if name in checkout.texts])
+               if any(in_texts(checkout, name, passages))}
+    if unclean != set(listed):
+        kept = [line for line in checkout.lines(NOT_YET) if line.startswith("#") or line.strip() in unclean]
+        (checkout.root / NOT_YET).write_text("".join(f"{line}\n" for line in kept), encoding="utf-8")
+        checkout.lines.cache_clear()
+        checkout.read.cache_clear()
+
+
 def check_habits(checkout, names, every):
     listed = not_yet(checkout)
     changed = checkout.changed_lines if checkout.has_history else {}
@@ -76,7 +88,7 @@ def check_habits(checkout, names, every):
         if name not in listed:
             yield from offences
         elif not offences:
-            yield f"{NOT_YET}:{listed[name]}: {name} -> its texts are clean: take it off the list"
+            yield f"{NOT_YET}:{listed[name]}: {name} -> its texts are clean: take it off the list (scripts/check --fix words)"
         yield from in_comments(passages, name, None if every else changed.get(name, set()))
     for name in sorted(set(listed) - set(names)):
         yield f"{NOT_YET}:{listed[name]}: {name} -> there is no such file: take it off the list"
