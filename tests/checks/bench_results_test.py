@@ -35,6 +35,9 @@ class Stored(unittest.TestCase):
         page = (ROOT / bench_results.PAGE).read_text(encoding="utf-8")
         self.assertEqual(bench_results.with_table(page, self.files), page, "scripts/bench --table writes it")
 
+    def test_the_page_is_short(self):
+        self.assertLessEqual(len((ROOT / bench_results.PAGE).read_text(encoding="utf-8").split()), 900)
+
     def test_the_chart_is_that_of_the_stored_results(self):
         chart = (ROOT / bench_chart.PATH).read_text(encoding="utf-8")
         self.assertEqual(bench_chart.draw(self.files), chart, "scripts/bench --table writes it")

@@ -177,7 +177,7 @@ def shown_text(lines):
     for part in parts:
         said = " ".join(text for _, text in part)
         if len(re.findall(r"\b[A-Za-z][a-z]+\b", said)) >= LEAST_WORDS and \
-                not re.search(r"[;{]\s*$|\bvec[234]\b|==|</|\bfunction\b|\w=[\w-]+[;,] ?\w+=", said):
+                not re.search(r"[;{]\s*$|\|.*\|.*\||\bvec[234]\b|==|</|\bfunction\b|\w=[\w-]+[;,] ?\w+=", said):
             yield Passage(False, part)
 
 
