@@ -94,7 +94,7 @@ def is_shown(results):
     return any(result.kind == "peer" or result.goal for result in results)
 
 
-HEAD = "|benchmark|threads|ours|release|peers|goal|measured|\n|---|---|---|---|---|---|---|"
+HEAD = "|benchmark|threads|ours|release|peers|goal|version|date|\n|---|---|---|---|---|---|---|---|"
 
 
 def line(results):
@@ -105,7 +105,7 @@ def line(results):
     state = "" if not goals else "reached" if all(result.reached for result in goals) else "missed"
     target = [f"{result.value} {result.unit}" for result in results if result.kind == "target"]
     cells = [f"{first.benchmark} {first.case}", first.threads, f"{first.ours} {first.unit}", of_kind["release"], of_kind["peer"],
-             ": ".join([*target, state]) if state else "", f"{first.date[5:]}, v{first.algorithm}"]
+             ": ".join([*target, state]) if state else "", first.algorithm, first.date[5:]]
     return f"|{'|'.join(cells)}|"
 
 
