@@ -1,7 +1,7 @@
-"""The rows of scripts/bench: what is measured, by which programs, and what was to be reached.
+"""The rows of scripts/bench: the cases, the programs that measure them, and the goals.
 
-A contender is `ours`, `last` (the release to compare with) or a peer. Asked once, it gives a Sample: each row's programs check
-their own answers and fail where one is wrong.
+A contender is `ours`, `last` (the release to compare with) or a peer. Asked once, it gives a Sample. The programs check their
+own answers and fail if one is wrong.
 """
 import dataclasses
 import json
@@ -32,15 +32,23 @@ class Sample:
 
 @dataclasses.dataclass
 class Row:
-    name: str
+    benchmark: str
+    case: str
     ask: dict  # contender -> function of a Bench and a Build, which gives a Sample; "ours" also asks "last"
+    threads: int = 1  # threads or cores in use; 0: the program decides
     unit: str = "ms"
-    goal_peer: float = 0  # times as fast as the first peer (issue of 22 November 2026); 0: none
-    goal_last: float = 0  # times as fast as 205c8dc, where that is what is compared with
+    goal_peer: float = 0  # times as fast as the first peer (goals of 22 November 2026); 0: none
+    goal_last: float = 0  # times as fast as 205c8dc, if that is the release to compare with; 0: none
+    target: float = 0  # value to be reached, in the row's unit; 0: none
     quick: bool = False
     rounds: int = 0  # at most; 0: as many as asked for
     larger_is_better: bool = False
-    memory: bool = False  # peak memory is what is compared, in MiB
+    memory: bool = False  # compares peak memory, in MiB
+
+    @property
+    def name(self):
+        threads = f", {self.threads} threads" if self.threads > 1 else ""
+        return f"{self.benchmark} {self.case}{threads}"
 
 
 @dataclasses.dataclass
@@ -205,7 +213,7 @@ def bake_many(bench, build, files=200):
 # -- all of them
 
 def all_rows():
-    rows = []
+    rows, cores = [], os.cpu_count()
     # mesh, sites: milliseconds of the peer and of the goal with hulls; of 205c8dc with hulls
     for mesh, sites, peer, goal, before in (
             ("sphere2k", 10, 20.8, 0.6, 1.24), ("sphere2k", 50, 56, 1.4, 2.89), ("sphere2k", 200, 148, 3.6, 7.6),
@@ -214,40 +222,41 @@ def all_rows():
             ("spot", 50, 149, 1.9, 4.0), ("spot", 1000, 1494, 15, 32), ("hammer", 50, 1034, 7, 15.8),
             ("hammer", 1000, 10627, 26, 58.1)):
         quick = (mesh, sites) in (("sphere2k", 50), ("sphere2k", 1000), ("sphere20k", 200))
-        rows.append(Row(f"{mesh} × {sites}, hulls", {"ours": fracture(mesh, sites, True), "manifold-3d": manifold(mesh, sites)},
+        rows.append(Row("fracture", f"{mesh} × {sites}, hulls",
+                        {"ours": fracture(mesh, sites, True), "manifold-3d": manifold(mesh, sites)},
                         goal_peer=peer / goal, goal_last=before / goal, quick=quick, rounds=3 if peer > 3000 else 0))
-        rows.append(Row(f"{mesh} × {sites}", {"ours": fracture(mesh, sites, False)}, quick=quick))
-    rows.append(Row("sphere20k × 1000, hulls, 2 threads", {"ours": fracture("sphere20k", 1000, True, threads=2)}))
+        rows.append(Row("fracture", f"{mesh} × {sites}", {"ours": fracture(mesh, sites, False)}, quick=quick))
+    rows.append(Row("fracture", "sphere20k × 1000, hulls", {"ours": fracture("sphere20k", 1000, True, threads=2)}, threads=2))
     for points, peer, goal, before in (("1k", 2.9, 0.9, 0.97), ("10k", 34.7, 9.5, 12.9), ("100k", 377, 125, 184), ("1M", 3957, 1400, 2105)):
         workload = f"random_{points}"
-        rows.append(Row(f"Delaunay {points}", {"ours": delaunay(workload), "CGAL": delaunay(workload, "cgal"),
-                                               "Voro++": delaunay(workload, "voropp")},
+        rows.append(Row("Delaunay", points, {"ours": delaunay(workload), "CGAL": delaunay(workload, "cgal"),
+                                             "Voro++": delaunay(workload, "voropp")},
                         goal_peer=peer / goal, goal_last=before / goal, quick=points in ("1k", "10k"), rounds=3 if points == "1M" else 0))
-    rows.append(Row("Delaunay 1M, peak memory", {"ours": delaunay("random_1M"), "CGAL": delaunay("random_1M", "cgal")}, unit="MiB",
+    rows.append(Row("Delaunay", "1M, peak memory", {"ours": delaunay("random_1M"), "CGAL": delaunay("random_1M", "cgal")}, unit="MiB",
                     memory=True, goal_peer=589 / 420, goal_last=765 / 420, rounds=1))
     for name, workload, peer, goal, before in (("lattice 22³", "lattice22_21st", 180, 20, 41.7),
                                                ("integer lattice", "lattice22_integer", 53.6, 12, 22.3),
                                                ("on a sphere, 10k", "sphere_10k", 135, 30, 45.5)):
-        rows.append(Row(f"Delaunay {name}", {"ours": delaunay(workload), "CGAL": delaunay(workload, "cgal")},
+        rows.append(Row("Delaunay", name, {"ours": delaunay(workload), "CGAL": delaunay(workload, "cgal")},
                         goal_peer=peer / goal, goal_last=before / goal))
-    rows.append(Row("canonical order, 100k", {"ours": stage("canonical_100k")}, goal_last=211 / 40, quick=True))
+    rows.append(Row("canonical order", "100k sites", {"ours": stage("canonical_100k")}, goal_last=211 / 40, quick=True))
     for cells, goal, before in ((300, 2.5, 3.3), (3000, 3, 10), (30000, 6, 140), (100000, 12, 820)):
-        rows.append(Row(f"hit in {cells} cells, delta", {"ours": hit(cells)}, goal_last=before / goal, quick=cells == 3000,
+        rows.append(Row("hit", f"in {cells} cells", {"ours": hit(cells)}, goal_last=before / goal, quick=cells == 3000,
                         rounds=2 if cells > 9999 else 0))
-    for size, threads, goal, before in (("1M", 1, 60, 76), ("4M", 1, 260, 630), ("1M", 2, 40, 0), ("4M", 2, 170, 0)):
-        rows.append(Row(f"prepare {size} triangles" + (", 2 threads" if threads > 1 else ""), {"ours": stage(f"prepare_{size}", threads)},
-                        goal_last=before / goal, rounds=3))
-    rows.append(Row("100k sites in sphere20k, hulls, GLB", {"ours": stage("giant_100k")}, goal_last=4.5 / 1.8, rounds=2))
-    rows.append(Row("the same, peak memory", {"ours": stage("giant_100k")}, unit="MiB", memory=True, goal_last=2.2, rounds=1))
+    for size, threads, goal in (("1M", 1, 60), ("4M", 1, 260), ("1M", 2, 40), ("4M", 2, 170)):
+        rows.append(Row("prepare", f"{size} triangles", {"ours": stage(f"prepare_{size}", threads)}, threads=threads, target=goal, rounds=3))
+    giant = {"ours": stage("giant_100k")}
+    rows.append(Row("large answer", "100k sites in sphere20k, hulls, GLB", giant, target=1800, rounds=2))
+    rows.append(Row("large answer", "100k sites in sphere20k, peak memory", giant, unit="MiB", memory=True, target=1024, rounds=1))
     flat = '"sites": 50'
-    for name, members, cores, p, goal, before in (
-            ("request, p50, one core", flat, "0", 50, 2.4, 4.0), ("request, p99, one core", flat, "0", 99, 3.5, 5.5),
-            ("request, p50", flat, "", 50, 1.9, 3.7), ("request, p99", flat, "", 99, 3, 5.1),
-            ("request, stone, p50", flat + ', "material": "stone"', "", 50, 5, 27),
-            ("request, wood, p50", flat + ', "material": "wood"', "", 50, 5, 0),
-            ("request, glass with a hit, p50",
-             '"material": "glass", "impacts": [[0, 0, 0.8]]', "", 50, 1.2, 1.6)):
-        rows.append(Row(name, {"ours": request(members, p, cores)}, goal_last=before / goal, quick=name == "request, p50"))
-    rows.append(Row("bake of a small mesh", {"ours": bake_one}, goal_last=47 / 12, quick=True))
-    rows.append(Row("bake, small files a second", {"ours": bake_many}, unit="/s", larger_is_better=True, goal_last=500 / 64))
+    for name, members, one_core, p, goal, before in (
+            ("p50", flat, True, 50, 2.4, 4.0), ("p99", flat, True, 99, 3.5, 5.5),
+            ("p50", flat, False, 50, 1.9, 3.7), ("p99", flat, False, 99, 3, 5.1),
+            ("stone, p50", flat + ', "material": "stone"', False, 50, 5, 27),
+            ("wood, p50", flat + ', "material": "wood"', False, 50, 5, 0),
+            ("glass with a hit, p50", '"material": "glass", "impacts": [[0, 0, 0.8]]', False, 50, 1.2, 1.6)):
+        rows.append(Row("request", name, {"ours": request(members, p, "0" if one_core else "")}, threads=1 if one_core else cores,
+                        goal_last=before / goal, quick=name == "p50" and not one_core))
+    rows.append(Row("bake", "a small mesh", {"ours": bake_one}, threads=0, goal_last=47 / 12, quick=True))
+    rows.append(Row("bake", "small files", {"ours": bake_many}, threads=cores, unit="/s", larger_is_better=True, goal_last=500 / 64))
     return rows

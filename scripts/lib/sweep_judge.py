@@ -49,7 +49,7 @@ class Glb:
         """A flat array of numbers."""
         a = self.json["accessors"][index]
         if "sparse" in a:
-            raise ValueError("a sparse accessor where none is expected")
+            raise ValueError("a sparse accessor, which is not expected")
         view = self.json["bufferViews"][a["bufferView"]]
         code = {5121: "B", 5123: "H", 5125: "I", 5126: "f"}[a["componentType"]]
         width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
@@ -141,7 +141,7 @@ def judge_glb(data):
     if inverted:
         broken.append(f"{inverted} fragments have no positive volume")
     if inexact:
-        broken.append(f"{inexact} translations are no floats")
+        broken.append(f"{inexact} translations are not exact as floats")
     if "barycenter" in report or "delta" in figures or "fragment" in figures["parameters"]:
         return broken
     solid = report.get("solid", {})

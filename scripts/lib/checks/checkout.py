@@ -3,6 +3,7 @@ import functools
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -69,21 +70,42 @@ class Checkout:
         return found
 
     @functools.cached_property
-    def changed(self):
-        """What differs from where the branch left main, what changed last first; on main itself, what its last commit changed."""
+    def base(self):
+        """The commit where the branch left main, or FRACTURE_CHECK_BASE; on main itself the one before the last; "" without any."""
         base = os.environ.get("FRACTURE_CHECK_BASE", "")
-        if not base:
-            head = self.git("rev-parse", "HEAD", check=False).strip()
-            for main in ("origin/main", "main"):
-                base = self.git("merge-base", "HEAD", main, check=False).strip()
-                if base:
-                    break
-            if not base or base == head:
-                base = self.git("rev-parse", "--verify", "--quiet", "HEAD~1", check=False).strip() or head
+        if base:
+            return base
+        head = self.git("rev-parse", "HEAD", check=False).strip()
+        for main in ("origin/main", "main"):
+            base = self.git("merge-base", "HEAD", main, check=False).strip()
+            if base:
+                break
+        if not base or base == head:
+            base = self.git("rev-parse", "--verify", "--quiet", "HEAD~1", check=False).strip() or head
+        return base
+
+    @functools.cached_property
+    def changed(self):
+        """Files that differ from the base, the one that changed last first."""
         changed = self.git("ls-files", "--others", "--exclude-standard").splitlines()
         changed += self.git("diff", "--name-only", "HEAD").splitlines()
-        changed += filter(None, self.git("log", "--name-only", "--format=", f"{base}..HEAD").splitlines())
+        changed += filter(None, self.git("log", "--name-only", "--format=", f"{self.base}..HEAD").splitlines())
         return list(dict.fromkeys(changed))
+
+    @functools.cached_property
+    def changed_lines(self):
+        """{file: numbers of the lines that differ from the base}. Every line of a file that git does not know yet."""
+        lines, name = {}, ""
+        for line in self.git("diff", "--unified=0", "--find-renames", "--no-color", "--no-ext-diff", self.base, check=False).splitlines():
+            if line.startswith("+++ "):
+                name = line[4:].removeprefix("b/")
+            elif hunk := re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line):
+                first, count = int(hunk[1]), int(hunk[2] or 1)
+                lines.setdefault(name, set()).update(range(first, first + count))
+        for name in self.git("ls-files", "--others", "--exclude-standard").splitlines():
+            if (self.root / name).is_file():
+                lines[name] = set(range(1, len(self.lines(name)) + 1))
+        return lines
 
     @property
     def compile_commands(self):

@@ -1,8 +1,17 @@
-"""One thing has one name. words.txt: `pattern -> what to write  # why`, patterns are Python's regular expressions."""
+"""Words and sentences: one thing has one name (words.txt), and nobody has to read a sentence twice (habits.py).
+
+words.txt: `pattern -> what to write  # why`, patterns are Python's regular expressions. Habits are looked for in everything
+that users read: documents, messages, help and pages. In comments only lines that the branch changes count; --all: every line.
+not_yet.txt names the files whose texts are not held to this yet; a file that has become clean must be taken off it.
+"""
 import pathlib
 import re
 
+from . import habits, prose
+
 LIST = pathlib.Path(__file__).with_name("words.txt")
+NOT_YET = "scripts/lib/checks/not_yet.txt"
+EXAMPLES = ("scripts/lib/checks/", "tests/checks/")  # they quote what they forbid
 
 
 def rules(text):
@@ -13,15 +22,80 @@ def rules(text):
             yield re.compile(pattern), better
 
 
-def check(checkout, _all):
+def check_names(checkout, names):
     listed = list(rules(LIST.read_text(encoding="utf-8")))
-    offences = []
-    for name in checkout.texts:
-        if name.startswith(("scripts/lib/checks/", "tests/checks/")):
-            continue
+    for name in names:
         for number, line in enumerate(checkout.lines(name), 1):
             for pattern, better in listed:
                 found = pattern.search(line)
                 if found:
-                    offences.append(f"{name}:{number}: '{found.group()}' -> {better}")
-    return offences
+                    yield f"{name}:{number}: '{found.group()}' -> {better}"
+
+
+def not_yet(checkout):
+    """{file: the line of the list that names it}"""
+    if not (checkout.root / NOT_YET).is_file():
+        return {}
+    lines = enumerate(checkout.lines(NOT_YET), 1)
+    return {line.strip(): number for number, line in lines if line.strip() and not line.startswith("#")}
+
+
+def read_passages(checkout, names):
+    """(file, its passages)"""
+    script = {**dict.fromkeys(checkout.scripts("python"), "python"), **dict.fromkeys(checkout.scripts("bash", "/sh"), "shell")}
+    for name in names:
+        yield name, prose.passages(name, checkout.read(name), script.get(name, ""))
+
+
+def in_texts(checkout, name, passages):
+    """Offences in what users read."""
+    for passage in passages:
+        if not passage.comment:
+            for offence in habits.find(passage):
+                yield f"{name}:{offence.first}: {offence.habit}: '{offence.found}' -> {offence.better}"
+    if name.endswith(".md"):
+        for number, length in habits.long_rows(checkout.read(name)):
+            yield f"{name}:{number}: row: {length} characters -> at most {habits.LONGEST_ROW}: shorten it, or make sections of the table"
+
+
+def in_comments(passages, name, lines):
+    """Offences in comments; `lines`: those that count, None: all."""
+    for passage in passages:
+        if passage.comment:
+            for offence in habits.find(passage):
+                if lines is None or not lines.isdisjoint(range(offence.first, offence.last + 1)):
+                    yield f"{name}:{offence.first}: {offence.habit}: '{offence.found}' -> {offence.better}"
+
+
+def fix(checkout):
+    """Takes the files that have become clean, or are gone, off the list."""
+    listed = not_yet(checkout)
+    unclean = {name for name, passages in read_passages(checkout, [name for name in listed if name in checkout.texts])
+               if any(in_texts(checkout, name, passages))}
+    if unclean != set(listed):
+        kept = [line for line in checkout.lines(NOT_YET) if line.startswith("#") or line.strip() in unclean]
+        (checkout.root / NOT_YET).write_text("".join(f"{line}\n" for line in kept), encoding="utf-8")
+        checkout.lines.cache_clear()
+        checkout.read.cache_clear()
+
+
+def check_habits(checkout, names, every):
+    listed = not_yet(checkout)
+    changed = checkout.changed_lines if checkout.has_history else {}
+    read = [name for name in names if every or name in changed or name.endswith(".md") or not name.startswith("tests/")]
+    for name, passages in read_passages(checkout, read):
+        offences = list(in_texts(checkout, name, passages))
+        if name not in listed:
+            yield from offences
+        elif not offences:
+            yield f"{NOT_YET}:{listed[name]}: {name} -> its texts are clean: take it off the list (scripts/check --fix words)"
+        yield from in_comments(passages, name, None if every else changed.get(name, set()))
+    for name in sorted(set(listed) - set(names)):
+        yield f"{NOT_YET}:{listed[name]}: {name} -> there is no such file: take it off the list"
+    if listed:
+        print(f"check words: {len(listed)} files are not held to the habits of writing yet ({NOT_YET})", flush=True)
+
+
+def check(checkout, every):
+    names = [name for name in checkout.texts if not name.startswith(EXAMPLES)]
+    return [*check_names(checkout, names), *check_habits(checkout, names, every)]

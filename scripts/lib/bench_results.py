@@ -1,0 +1,127 @@
+"""Results of scripts/bench: one CSV for each day in tests/bench/results, and the table that tests/bench/README.md makes of them.
+
+A line is one comparison: our value, and that of a peer, of an earlier release, or a target in the same unit. A case that is compared
+with two peers has two lines; one that is compared with nothing has an empty `kind`. `ratio` says how many times as fast (or as
+small) as the other we are, `goal` which ratio is to be reached. An empty cell is not known.
+"""
+import csv
+import dataclasses
+import io
+
+FOLDER = "tests/bench/results"
+PAGE = "tests/bench/README.md"
+BEGIN, END = "<!-- results: written by scripts/bench --table -->", "<!-- end of results -->"
+KINDS = ("peer", "release", "target", "")
+
+
+@dataclasses.dataclass
+class Result:
+    date: str  # of the measurement, as in 2026-11-29
+    algorithm: str  # version of ours
+    commit: str  # of ours
+    machine: str  # processor and number of cores
+    benchmark: str
+    case: str
+    threads: str
+    unit: str  # ms, MiB or /s
+    ours: str  # the best of all rounds
+    median: str
+    kind: str
+    against: str  # name of the peer, or commit of the release
+    value: str  # the best of theirs
+    ratio: str
+    goal: str
+
+    @property
+    def row(self):
+        return self.benchmark, self.case, self.threads
+
+    @property
+    def reached(self):
+        return bool(self.goal and self.ratio) and float(self.ratio) >= float(self.goal)
+
+
+COLUMNS = [field.name for field in dataclasses.fields(Result)]
+
+
+def number(value):
+    """Three digits, as people read them."""
+    return f"{value:.3g}" if value < 100 else f"{value:.0f}"
+
+
+def read(text):
+    rows = list(csv.reader(io.StringIO(text)))
+    if not rows or rows[0] != COLUMNS:
+        raise ValueError(f"the first line must name the columns {','.join(COLUMNS)}")
+    for number_of_line, row in enumerate(rows[1:], 2):
+        if len(row) != len(COLUMNS):
+            raise ValueError(f"line {number_of_line}: {len(row)} cells, {len(COLUMNS)} are needed")
+    return [Result(*row) for row in rows[1:]]
+
+
+def write(results):
+    out = io.StringIO()
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(COLUMNS)
+    table.writerows(dataclasses.astuple(result) for result in results)
+    return out.getvalue()
+
+
+def read_all(root):
+    """The results of each file, by its name, the oldest first."""
+    return {path.name: read(path.read_text(encoding="utf-8")) for path in sorted((root / FOLDER).glob("*.csv"))}
+
+
+def merge(old, new):
+    """The old results with the new ones, which replace all results of the rows that they measure again."""
+    again = {result.row for result in new}
+    return [result for result in old if result.row not in again] + new
+
+
+def latest(files):
+    """{row: its results in the newest file that has it}, in the order of the files that named them first."""
+    found = {}
+    for results in files.values():
+        of_file = {}
+        for result in results:
+            of_file.setdefault(result.row, []).append(result)
+        found.update(of_file)
+    return found
+
+
+def is_shown(results):
+    """The table shows rows that are compared with a peer or have a goal; the others are in the files."""
+    return any(result.kind == "peer" or result.goal for result in results)
+
+
+HEAD = "|benchmark|threads|ours|release|peers|goal|version|date|\n|---|---|---|---|---|---|---|---|"
+
+
+def line(results):
+    """The row of a table: all results of one row."""
+    first = results[0]
+    of_kind = {kind: ", ".join(compared(result) for result in results if result.kind == kind) for kind in KINDS}
+    goals = [result for result in results if result.goal]
+    state = "" if not goals else "reached" if all(result.reached for result in goals) else "missed"
+    target = [f"{result.value} {result.unit}" for result in results if result.kind == "target"]
+    cells = [f"{first.benchmark} {first.case}", first.threads, f"{first.ours} {first.unit}", of_kind["release"], of_kind["peer"],
+             ": ".join([*target, state]) if state else "", first.algorithm, first.date[5:]]
+    return f"|{'|'.join(cells)}|"
+
+
+def compared(result):
+    goal = f" (goal {result.goal})" if result.goal else ""
+    return f"{result.ratio} × {result.against}{goal}"
+
+
+def table(files):
+    return "\n".join([HEAD, *(line(results) for results in latest(files).values() if is_shown(results))])
+
+
+def with_table(page, files):
+    """The page with the table of these results in it."""
+    before, begin, rest = page.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"{PAGE} has no lines '{BEGIN}' and '{END}'")
+    return f"{before}{begin}\n\n{table(files)}\n\n{end}{after}"

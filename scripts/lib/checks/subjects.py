@@ -1,0 +1,37 @@
+"""The subject of a commit says where and what: `area: verb object`, at most 72 characters.
+
+"delaunay: reuse the last located tetrahedron". Looked at are the commits since the branch left main. Merges have none of ours.
+"""
+import re
+
+LONGEST = 72
+AREA = r"[a-z][\w./+-]*"
+# Words that no verb is: what follows the colon would be a title or a riddle.
+NO_VERB = ("a an the this that these those its their his her our my your one each every all any some no none nothing nobody not only also "
+           "what who whose which where when while why how if of for from to in on at by with without as than and or but so it they there "
+           "is are was were be has have had").split()
+FORM = re.compile(rf"{AREA}(?:, {AREA})*: (?P<verb>[^\s]+) \S")
+
+
+def faults(subject):
+    """What is wrong with it."""
+    if len(subject) > LONGEST:
+        yield f"has {len(subject)} characters, at most {LONGEST} are allowed"
+    form = FORM.match(subject)
+    if not form:
+        yield "is not `area: verb object`, with the area in lower case"
+    elif not re.fullmatch(r"[a-z][a-z-]*", form["verb"]):
+        yield f"does not go on with a verb in lower case after the colon, but with '{form['verb']}'"
+    elif form["verb"] in NO_VERB:
+        yield f"goes on with '{form['verb']}', which is not a verb"
+    if subject.endswith("."):
+        yield "ends with a period"
+
+
+def check(checkout, _all):
+    if not checkout.has_history:
+        print("check subjects: there is no history to look at", flush=True)
+        return []
+    commits = checkout.git("log", "--no-merges", "--format=%h %s", f"{checkout.base}..HEAD", check=False).splitlines()
+    return [f"{commit.split(' ', 1)[0]}: '{commit.split(' ', 1)[1]}' {fault}" for commit in reversed(commits)
+            for fault in faults(commit.split(" ", 1)[1])]
