@@ -14,6 +14,7 @@
 #include "common/clip/least_area.hpp"
 #include "common/clip/monotone_partition.hpp"
 #include "common/clip/pinched_ring.hpp"
+#include "common/clip/touching_loops.hpp"
 
 namespace fracture {
 namespace {
@@ -236,11 +237,37 @@ void triangulate_loops(std::span<const LatticePoint> points, std::span<const std
   }
 }
 
+DisjointSets joined_points(std::size_t points, const Triangles& triangles) {
+  DisjointSets joined(points);
+  for (const auto& t : triangles) {
+    joined.unite(t[0], t[1]);
+    joined.unite(t[1], t[2]);
+  }
+  return joined;
+}
+
+/// One region for each set of triangles that hang together.
+void number_regions(std::size_t points, Triangulation& out) {
+  DisjointSets joined = joined_points(points, out.triangles);
+  std::vector<std::uint32_t> number(points, kNoIndex);
+  out.regions = 0;
+  for (std::size_t t = 0; t < out.triangles.size(); ++t) {
+    std::uint32_t& region = number[joined.find(out.triangles[t][0])];
+    if (region == kNoIndex) region = out.regions++;
+    out.region[t] = region;
+  }
+}
+
+enum class Touching {
+  kKept,
+  kLinked  ///< and moved apart: see touching_loops.hpp
+};
+
 /// The same of loops that pass places more than once: without repeated corners, and rings divided where they
 /// come back to a place.
 Triangulation triangulate_pinched(std::span<const LatticePoint> points,
-                                  std::span<const std::uint32_t> loop_begin, RingTriangulator::Small small,
-                                  const Execution& execution) {
+                                  std::span<const std::uint32_t> loop_begin, Touching touching,
+                                  RingTriangulator::Small small, const Execution& execution) {
   Pacer pacer(execution);
   Triangles flat;
   std::vector<std::uint32_t> kept, begin{0}, loop;
@@ -253,7 +280,12 @@ Triangulation triangulate_pinched(std::span<const LatticePoint> points,
     begin.push_back(static_cast<std::uint32_t>(kept.size()));
   }
   std::vector<LatticePoint> places;
-  for (const std::uint32_t k : kept) places.push_back(points[k]);
+  if (touching == Touching::kLinked) {
+    link_touching_loops(points, kept, begin, flat, execution);
+    places = moved_inwards(points, kept, begin, execution);
+  } else {
+    for (const std::uint32_t k : kept) places.push_back(points[k]);
+  }
   Triangulation out;
   RingTriangulator rings(points.size(), execution);
   triangulate_loops(
@@ -271,16 +303,13 @@ Triangulation triangulate_pinched(std::span<const LatticePoint> points,
     out.triangles.push_back(t);
     out.region.push_back(region);
   }
+  if (touching == Touching::kLinked) number_regions(points.size(), out);
   return out;
 }
 
 /// Regions that do not hang together, because a ring between their parts enclosed nothing, become several.
 void divide_regions(std::size_t points, Triangulation& out) {
-  DisjointSets joined(points);
-  for (const auto& t : out.triangles) {
-    joined.unite(t[0], t[1]);
-    joined.unite(t[1], t[2]);
-  }
+  DisjointSets joined = joined_points(points, out.triangles);
   std::vector<std::uint32_t> part_of(out.regions, kNoIndex), number(points, kNoIndex);
   bool divided = false;
   for (std::size_t t = 0; t < out.triangles.size(); ++t) {
@@ -312,16 +341,19 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
   bool pinched = false;
   // Where loops cross everywhere, nothing makes a difference.
   if (__int128 turned = turned_over(points, out.triangles); turned > 0 && !rings.given_up()) {
-    const auto try_again = [&](RingTriangulator::Small small, __int128 most) {
-      Triangulation other = triangulate_pinched(points, loop_begin, small, execution);
+    using Small = RingTriangulator::Small;
+    const auto try_again = [&](Touching touching, Small small, __int128 most) {
+      if (turned == 0) return;
+      Triangulation other = triangulate_pinched(points, loop_begin, touching, small, execution);
       const __int128 now = turned_over(points, other.triangles);
       if (now > most) return;
       pinched = true;
       turned = now;
       out = std::move(other);
     };
-    try_again(RingTriangulator::Small::kEars, turned - 1);
-    if (turned > 0) try_again(RingTriangulator::Small::kLeastArea, 0);  // loops that cross stay as they are
+    try_again(Touching::kKept, Small::kEars, turned - 1);
+    try_again(Touching::kKept, Small::kLeastArea, 0);  // loops that cross stay as they are
+    try_again(Touching::kLinked, Small::kLeastArea, 0);
   }
   if (pinched || out.regions + 1 < loop_begin.size()) divide_regions(points.size(), out);
   // Flips stay within a region: regions share no inner edge.

@@ -8,7 +8,7 @@
 // Preparata 1977; de Berg et al., Computational Geometry, ch. 3), which also joins holes to their outer ring,
 // then a stack for each monotone piece (Garey et al. 1978): O(n log n). Where that turns triangles over, once
 // more: rings that come back to a place divided (pinched_ring.hpp), small ones with the least area
-// (least_area.hpp).
+// (least_area.hpp), and loops that touch linked and moved apart (touching_loops.hpp).
 #pragma once
 
 #include <array>
