@@ -113,7 +113,7 @@ class Linker {
   }
 
   /// Fills around_ with the rays, counter-clockwise, so that the inside lies between one that leaves and the next one,
-  /// which arrives. Rays in one direction may stand in either order. False if there is no such order.
+  /// which arrives. Rays in one direction may be in either order. False if there is no such order.
   bool alternate() {
     const std::size_t n = rays_.size();
     const auto end_of = [&](std::size_t first) {

@@ -1,5 +1,5 @@
-// Loops that touch in corners, linked anew. Where the tip of a hole stands at a corner of the ring around it, the sweep
-// cannot tell on which side of that corner's edges the hole lies, and may draw a diagonal through the outside.
+// Loops that touch in corners, linked anew. If the tip of a hole is at a corner of the ring around it, the sweep cannot tell
+// on which side of that corner the hole lies, and may draw a diagonal through the outside.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@
 
 namespace fracture {
 
-/// If several corners of the loops stand at one place, each edge that arrives there goes on with the edge that bounds
+/// If several corners of the loops are at one place, each edge that arrives there goes on with the edge that bounds
 /// the same wedge of the inside:
 ///
-///     # ^ o v #          # ^ o v #       # is the inside, on the left of each edge. o is a hole, whose tip stands at a
+///     # ^ o v #          # ^ o v #       # is the inside, on the left of each edge. o is a hole, whose tip is at a
 ///     #  \ /  #          #  | |  #       corner of the ring around it. The edge that arrives with the ring goes on with
 ///     #   x   #    ->    #  | |  #       the hole, and the edge that arrives with the hole goes on with the ring: they
 ///     #  / \  #          #  | |  #       become one ring without a hole. In the same way a ring that comes back to a
