@@ -15,7 +15,7 @@
 namespace fracture {
 namespace {
 
-struct Loops {
+struct FusedLoops {
   std::vector<LatticePoint> points;
   std::vector<std::uint32_t> begin{0};
   void add(const std::vector<LatticePoint>& loop) {
@@ -30,7 +30,7 @@ struct Loops {
 
 /// As the stretched bricks of a sphere and a lattice of grouped cells have it: closed, and nothing turned over by
 /// more than the rounding of its corners explains.
-void expect_sound(const Loops& loops) {
+void expect_sound(const FusedLoops& loops) {
   Triangulation t;
   triangulate(loops.points, loops.begin, t);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
@@ -75,7 +75,7 @@ class CellOutline {
     for (int k = 0; k < columns * rows; ++k) taken_.push_back(random.below(5) < part);
   }
 
-  Loops loops(const std::array<double, 6>& affine) const {
+  FusedLoops loops(const std::array<double, 6>& affine) const {
     const auto place = [&](int corner) {
       const int node = corner / 2, x = node % (columns_ + 1), y = node / (columns_ + 1);
       const auto at = [&](std::size_t a) {
@@ -84,7 +84,7 @@ class CellOutline {
       return LatticePoint{at(0), at(3)};
     };
     std::map<int, int> next = sides();
-    Loops out;
+    FusedLoops out;
     while (!next.empty()) {
       std::vector<LatticePoint> loop;
       for (auto at = next.begin(); at != next.end();) {
@@ -142,7 +142,7 @@ class CellOutline {
 // The third ring of the surface of a sphere of eight rings, in bricks stretched 0.633 times: the tip of the hole is a
 // corner of the ring around it, between two of its sides.
 TEST(TouchingLoops, AHoleWhoseTipIsACornerOfTheRingIsNotTurnedOver) {
-  Loops loops;
+  FusedLoops loops;
   loops.add({{0, -2965821},
              {0, -2024012},
              {-349418, -1954508},
@@ -157,7 +157,7 @@ TEST(TouchingLoops, AHoleWhoseTipIsACornerOfTheRingIsNotTurnedOver) {
 // Cells of a cubic lattice in groups, on a sphere of four rings: one hole touches, one stands twice at a corner, one is
 // free.
 TEST(TouchingLoops, AHoleThatTouchesBesideOthersIsNotTurnedOver) {
-  Loops loops;
+  FusedLoops loops;
   loops.add({{-2965821, 2568476},
              {-2965821, 2017985},
              {-2097152, 2017985},
@@ -193,7 +193,7 @@ TEST(TouchingLoops, CellsFusedAtRandomAreNotTurnedOver) {
       }
       if (affine[0] * affine[4] - affine[1] * affine[3] < 1e8) continue;
     }
-    const Loops loops = outline.loops(affine);
+    const FusedLoops loops = outline.loops(affine);
     if (loops.count() > 0) expect_sound(loops);
     if (HasFailure()) return;
   }
