@@ -85,6 +85,15 @@ class Checkout:
         return base
 
     @functools.cached_property
+    def prose_base(self):
+        """The base of checks of comments and subjects: not older than these checks, which do not judge what was there before."""
+        added = self.git("log", "--first-parent", "-m", "--diff-filter=A", "-1", "--format=%H", "--", "scripts/lib/checks/habits.py",
+                         check=False).strip()
+        if added and self.git("merge-base", self.base, added, check=False).strip() == self.git("rev-parse", self.base, check=False).strip():
+            return added
+        return self.base
+
+    @functools.cached_property
     def changed(self):
         """Files that differ from the base, the one that changed last first."""
         changed = self.git("ls-files", "--others", "--exclude-standard").splitlines()
@@ -94,9 +103,9 @@ class Checkout:
 
     @functools.cached_property
     def changed_lines(self):
-        """{file: numbers of the lines that differ from the base}. Every line of a file that git does not know yet."""
+        """{file: numbers of the lines that differ from prose_base}. Every line of a file that git does not know yet."""
         lines, name = {}, ""
-        for line in self.git("diff", "--unified=0", "--find-renames", "--no-color", "--no-ext-diff", self.base, check=False).splitlines():
+        for line in self.git("diff", "--unified=0", "--find-renames", "--no-color", "--no-ext-diff", self.prose_base, check=False).splitlines():
             if line.startswith("+++ "):
                 name = line[4:].removeprefix("b/")
             elif hunk := re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line):

@@ -32,6 +32,6 @@ def check(checkout, _all):
     if not checkout.has_history:
         print("check subjects: there is no history to look at", flush=True)
         return []
-    commits = checkout.git("log", "--no-merges", "--format=%h %s", f"{checkout.base}..HEAD", check=False).splitlines()
+    commits = checkout.git("log", "--no-merges", "--format=%h %s", f"{checkout.prose_base}..HEAD", check=False).splitlines()
     return [f"{commit.split(' ', 1)[0]}: '{commit.split(' ', 1)[1]}' {fault}" for commit in reversed(commits)
             for fault in faults(commit.split(" ", 1)[1])]
