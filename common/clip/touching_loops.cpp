@@ -112,8 +112,8 @@ class Linker {
       if (around_[k].leaves) leave_[around_[(k + 1) % around_.size()].corner] = around_[k].corner;
   }
 
-  /// Fills around_ with the rays, counter-clockwise, so that the inside lies between one that leaves and the next one,
-  /// which arrives. Rays in one direction may be in either order. False if there is no such order.
+  /// Fills around_ with the rays, counter-clockwise. Each leaving ray is followed by an arriving one, with the inside
+  /// between them. Rays of one direction may come in any order. Returns false if no such order exists.
   bool alternate() {
     const std::size_t n = rays_.size();
     const auto end_of = [&](std::size_t first) {

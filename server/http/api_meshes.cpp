@@ -138,7 +138,7 @@ Answered Api::get_mesh(const Request& request) {
 Answered Api::delete_mesh(const Request& request) {
   const auto digest = digest_in(request.admission.segment);
   const std::string owner = owner_of(request);
-  // Its own first; what is left then only an administrator can see. Where all share everything it is gone for all.
+  // Deletes the mesh of this owner first. An administrator deletes those of others next. Without tokens all clients are one.
   if (!digest || (!meshes_.erase(*digest, owner) && !meshes_.erase(*digest, owner, whose(request))))
     return tl::unexpected<Problem>(no_mesh());
   Response response;

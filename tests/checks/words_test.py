@@ -176,7 +176,7 @@ class Words(PlantedCheckout):
         self.assertEqual((self.root / NOT_YET).read_text(), "# why\nserver/README.md\n")
         self.plant(NOT_YET, "# why\nREADME.md\nserver/README.md\n")
         (self.root / "README.md").unlink()
-        self.expect_found("words", f"{NOT_YET}:2: README.md -> there is no such file")
+        self.expect_found("words", f"{NOT_YET}:2: README.md -> the file does not exist")
 
 
 if __name__ == "__main__":

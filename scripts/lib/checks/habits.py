@@ -10,7 +10,7 @@ from .prose import cells
 MOST_WORDS = 40  # of a sentence
 LONGEST_ROW = 200  # characters of a table's row in the source
 
-# Where a sentence begins: at the start of the passage, or after a full stop.
+# A sentence begins at the start of the passage, or after a full stop.
 BEGIN = r"(?:^|(?<=[.!?:] )|(?<=[.!?][)\"'] ))"
 BE = r"(?:is|are|was|were|be|been|being)"
 AUXILIARY = r"(?:is|are|was|were|has|have|had|does|do|did|can|cannot|could|would|will|may|might|must)"
@@ -18,13 +18,13 @@ VERB = (rf"(?:{AUXILIARY}|needs?|takes?|gives?|makes?|comes?|goes|becomes?|says?
         r"starts?|gets?|leaves?|reads?|writes?|sends?|uses?|wants?|works?|runs?|shares?|computes?)")
 PROGRAM = (r"(?i:threads?|workers?|servers?|process(?:es)?|programs?|functions?|callers?|clients?|helpers?|requests?|readers?|writers?|"
            r"prox(?:y|ies)|browsers?|tasks?|loops?|jobs?|computations?|connections?)")
-# "is no longer": words that compare. Most nouns that end like them are named.
+# Comparatives, because "is no longer" is fine. Common nouns with the same ending are excluded by name.
 COMPARED = (r"(?:more|less|worse|different|(?!(?:answer|buffer|caller|center|character|cluster|corner|filter|folder|header|helper|layer|member|"
             r"number|order|owner|parameter|pointer|reader|server|user|worker|writer)\b)\w+er)")
-# A noun of a few words that is no clause.
+# A noun phrase of a few words, without a verb.
 NOUN = (r"(?:an?|the|no|each|every|this|these|its|their|such|one|both|all|most|only) "
         r"(?:(?!(?:that|which|who|whom|whose|when|if|where|what|as|and|or|it|they|there|he|we|you|than|whether)\b)[\w'-]+ ){1,4}")
-# What has places: there "lies in" is no geometry.
+# Things that are not geometry. "A point lies in a plane" is fine, "the key lies in a file" is not.
 CONTAINER = (r"(?:files?|folders?|caches?|tables?|lists?|memory|disk|build|documents?|page|repository|checkout|archive|store|path|root|server|"
              r"program)")
 

@@ -102,8 +102,8 @@ def of_markdown(text):
 # -- comments
 
 def blocks(lines):
-    """Lines of comments -> blocks: those of adjacent lines, divided where a paragraph, an item or a drawing is. Of a table with two
-    columns each second cell is an item."""
+    """Joins adjacent lines of comments to blocks. Paragraphs, items and drawings begin new blocks, and so does each second cell of a
+    table with two columns."""
     block, last = [], 0
     for number, text, whole in lines:
         bare = text.strip()
@@ -167,7 +167,7 @@ def unescaped(string):
 
 
 def shown_text(lines):
-    """The passages of a string that people read: words, most of them in lower case. What stands in columns is divided."""
+    """The passages of a string that people read: words, most of them in lower case. Columns are separate passages."""
     parts = [[]]
     for number, text in lines:
         for k, part in enumerate(re.split(r"\s{3,}", re.sub(r"`[^`]+`|'[^' ]+'|<[^>]*>", "CODE", text))):

@@ -1,12 +1,12 @@
 """The subject of a commit says where and what: `area: verb object`, at most 72 characters.
 
-"delaunay: reuse the last located tetrahedron". Looked at are the commits since the branch left main. Merges have none of ours.
+"delaunay: reuse the last located tetrahedron". The check reads the commits since the branch left main, without merges.
 """
 import re
 
 LONGEST = 72
 AREA = r"[a-z][\w./+-]*"
-# Words that no verb is: what follows the colon would be a title or a riddle.
+# Words that cannot be a verb. A subject with one of them after the colon is a title, not an action.
 NO_VERB = ("a an the this that these those its their his her our my your one each every all any some no none nothing nobody not only also "
            "what who whose which where when while why how if of for from to in on at by with without as than and or but so it they there "
            "is are was were be has have had").split()
@@ -30,7 +30,7 @@ def faults(subject):
 
 def check(checkout, _all):
     if not checkout.has_history:
-        print("check subjects: there is no history to look at", flush=True)
+        print("check subjects: skipped, because this is not a git checkout with history", flush=True)
         return []
     commits = checkout.git("log", "--no-merges", "--format=%h %s", f"{checkout.prose_base}..HEAD", check=False).splitlines()
     return [f"{commit.split(' ', 1)[0]}: '{commit.split(' ', 1)[1]}' {fault}" for commit in reversed(commits)

@@ -1,4 +1,4 @@
-"""Words and sentences: one thing has one name (words.txt), and nobody has to read a sentence twice (habits.py).
+"""Words and sentences: one thing has one name (words.txt), and sentences avoid the habits that make a reader stop (habits.py).
 
 words.txt: `pattern -> what to write  # why`, patterns are Python's regular expressions. Habits are looked for in everything
 that users read: documents, messages, help and pages. In comments only lines that the branch changes count; --all: every line.
@@ -91,7 +91,7 @@ def check_habits(checkout, names, every):
             yield f"{NOT_YET}:{listed[name]}: {name} -> its texts are clean: take it off the list (scripts/check --fix words)"
         yield from in_comments(passages, name, None if every else changed.get(name, set()))
     for name in sorted(set(listed) - set(names)):
-        yield f"{NOT_YET}:{listed[name]}: {name} -> there is no such file: take it off the list"
+        yield f"{NOT_YET}:{listed[name]}: {name} -> the file does not exist: remove it from the list"
     if listed:
         print(f"check words: {len(listed)} files are not held to the habits of writing yet ({NOT_YET})", flush=True)
 
