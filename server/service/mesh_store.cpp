@@ -107,12 +107,15 @@ MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owne
   expire(now);
   const auto known = index_.find({mesh->digest, owner.name});
   const bool replaces = known != index_.end();
+  const std::uint64_t needed = own + (equal ? 0 : shared);
+  const std::uint64_t would_hold =
+      figures_.bytes + sum_->bytes + needed - (replaces ? known->second->mesh->own_bytes() : 0);
+  if (would_hold > config_.quota_bytes && !can_free(would_hold - config_.quota_bytes)) return Put::kNoRoom;
   if (replaces) remove(known->second);
   while (bytes_of_locked(owner.name) + bytes > owner.share) {
     remove_least_recent_of(owner.name);
     ++figures_.evicted;
   }
-  const std::uint64_t needed = own + (equal ? 0 : shared);
   while (figures_.bytes + sum_->bytes + needed > config_.quota_bytes) {
     if (!remove_one_of_most()) return Put::kNoRoom;
     ++figures_.evicted;
@@ -174,6 +177,13 @@ std::uint64_t MeshStore::bytes_of(const std::string& owner) const {
 std::uint64_t MeshStore::bytes_of_locked(const std::string& owner) const {
   const auto owned = owned_.find(owner);
   return owned == owned_.end() ? 0 : owned->second.bytes;
+}
+
+bool MeshStore::can_free(std::uint64_t bytes) const {
+  std::uint64_t sum = 0;
+  return std::any_of(entries_.rbegin(), entries_.rend(), [&](const Entry& entry) {
+    return entry.mesh.use_count() == 1 && (sum += entry.bytes) >= bytes;
+  });
 }
 
 bool MeshStore::remove_one_of_most() {

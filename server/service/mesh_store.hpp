@@ -136,6 +136,8 @@ class MeshStore {
   Iterator at(const std::string& digest, const std::string& owner, Whose whose);
   void remove(Iterator at);
   void remove_least_recent_of(const std::string& owner);
+  /// Meshes that nobody else holds have so many bytes: if not, a mesh is refused before others leave for it in vain.
+  bool can_free(std::uint64_t bytes) const;
   /// The least recently used mesh that nobody else holds, of the owner with most that has one: false, and nothing is done,
   /// if there is none.
   bool remove_one_of_most();

@@ -106,6 +106,8 @@ TEST(MeshStore, AMeshThatIsHeldIsNotEvicted) {
   EXPECT_EQ(store.put(stored_mesh("c", 40)), Put::kCreated);
   EXPECT_TRUE(store.find("a"));
   EXPECT_FALSE(store.find("b"));
+  EXPECT_EQ(store.put(stored_mesh("d", 100)), Put::kNoRoom);
+  EXPECT_TRUE(store.find("c")) << "nothing leaves for a mesh that has no room even then";
   const auto both = store.find("c");
   EXPECT_EQ(store.put(stored_mesh("d", 40)), Put::kNoRoom);
   EXPECT_EQ(store.figures().evicted, 1u);
