@@ -23,6 +23,7 @@ struct Errands : testing::Test {
   std::latch gate{1};
   std::atomic<int> ran{0}, given_up{0};
   std::atomic<ErrorCode> why{ErrorCode::kInternal};
+  std::string words;  ///< of the last that was given up
 
   void occupy() {
     pool.submit(Priority::kBatch, 0, [this](int) { gate.wait(); });
@@ -33,6 +34,7 @@ struct Errands : testing::Test {
         kWork, terms, [this](const Execution&) { ++ran; },
         [this](const Error& error) {
           why = error.code;
+          words = error.detail;
           ++given_up;
         });
   }
@@ -55,6 +57,9 @@ TEST_F(Errands, OneWhoseDeadlinePassesInTheQueueIsGivenUpThereAndHoldsNothing) {
   ASSERT_FALSE(run(terms));
   EXPECT_TRUE(eventually(kPatience, "the end of its wait", [&] { return given_up == 1; }));
   EXPECT_EQ(why.load(), ErrorCode::kDeadlineExceeded);
+  EXPECT_EQ(words.find("sites"), std::string::npos)
+      << "not everything that is asked for has sites: " << words;
+  EXPECT_NE(words.find("Request-Timeout"), std::string::npos) << words;
   EXPECT_EQ(pool.queued(), 0u);
   EXPECT_EQ(dispatcher.working().used(), 0u);
   EXPECT_EQ(dispatcher.figures().expired, 1u);
