@@ -25,7 +25,7 @@ struct Interrupted {
   explicit Interrupted(ErrorCode why) : code(why) {}
   explicit Interrupted(Error why) : code(why.code), error(std::make_shared<const Error>(std::move(why))) {}
 
-  ErrorCode code;  ///< kCancelled, kDeadlineExceeded; of an Allowance: kTooComplex, kOutOfMemory
+  ErrorCode code;  ///< kCancelled, kDeadlineExceeded; of an Allowance: kTooComplex, kOutOfMemory, kOverShare
   std::shared_ptr<const Error> error{};  ///< where the code alone does not say it
 };
 

@@ -7,6 +7,29 @@
 #include "common/base/execution.hpp"
 
 namespace fracture {
+namespace {
+
+struct Refusal {
+  ErrorCode code;
+  std::string why;  ///< how the sentence ends that says how many bytes are needed
+};
+
+Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
+  switch (answer) {
+    case Allowance::Answer::kNever:
+      return {ErrorCode::kTooComplex, "; a computation may hold " + limit +
+                                          ". Ask for fewer sites or send a mesh of fewer triangles."};
+    case Allowance::Answer::kOverShare:
+      return {ErrorCode::kOverShare,
+              ". A computation may hold " + limit +
+                  ", less what other computations of the same client hold, which is too much now. Wait until "
+                  "one of them has ended, then ask again."};
+    default:
+      return {ErrorCode::kOutOfMemory, ", of which other computations hold too many now."};
+  }
+}
+
+}  // namespace
 
 const char* name_of(Product product) {
   switch (product) {
@@ -68,23 +91,23 @@ void Allowance::shrink() {
 
 void Allowance::grow(Product product, std::uint64_t bytes) {
   // Half as much again, so that the budget is asked a few times only; what is needed where that is refused.
+  Answer answer = Answer::kNotNow;
   for (const std::uint64_t wanted : {std::min(bytes + bytes / 2, std::max(limit_, bytes)), bytes}) {
-    if (grant_(wanted) != Answer::kGranted) continue;
+    answer = grant_(wanted);
+    if (answer != Answer::kGranted) continue;
     std::uint64_t granted = granted_.load();
     while (granted < wanted && !granted_.compare_exchange_weak(granted, wanted)) {
     }
     return;
   }
-  const bool never = grant_(bytes) == Answer::kNever;
+  const Refusal refusal = refusal_of(answer, std::to_string(limit_));
   const std::uint64_t made = made_[static_cast<std::size_t>(product)].load();
   std::string what = name_of(product);
   std::replace(what.begin(), what.end(), '_', ' ');
-  Error error{never ? ErrorCode::kTooComplex : ErrorCode::kOutOfMemory,
-              "So far this makes " + std::to_string(made) + " " + what + ", and the whole needs more than " +
-                  std::to_string(bytes) + " bytes" +
-                  (never ? "; a computation may hold " + std::to_string(limit_) +
-                               ". Ask for fewer sites or send a mesh of fewer triangles."
-                         : ", of which other computations hold too many now.")};
+  Error error{refusal.code, "So far this makes " + std::to_string(made) + " " + what +
+                                ", and the whole needs more than " + std::to_string(bytes) + " bytes" +
+                                refusal.why};
+  if (refusal.code == ErrorCode::kOverShare) error.retry_after = std::chrono::seconds(10);
   error.extra = Figures(
       nlohmann::json{{"grew", name_of(product)}, {"count", made}, {"bytes", bytes}, {"limit", limit_}});
   throw Interrupted(std::move(error));

@@ -32,8 +32,9 @@ class Allowance {
  public:
   enum class Answer {
     kGranted,
-    kNotNow,  ///< others hold what is missing
-    kNever,   ///< more than a computation that is alone may hold
+    kNotNow,     ///< others hold what is missing
+    kOverShare,  ///< other computations of the same client hold it
+    kNever,      ///< more than a computation that is alone may hold
   };
   /// May the computation hold so many bytes in all? Asked rarely: each grant is at least half as large again.
   using Grant = std::function<Answer(std::uint64_t bytes)>;
@@ -51,7 +52,7 @@ class Allowance {
   Allowance& operator=(const Allowance&) = delete;
 
   /// Counts further products. Throws Interrupted: kTooComplex, naming what grew, where the computation could
-  /// never hold them; kOutOfMemory where others hold the memory now.
+  /// never hold them; kOutOfMemory where others hold the memory now, kOverShare where the same client does.
   void add(Product product, std::uint64_t count);
   /// How many were counted, those of a Temporary included.
   std::uint64_t made(Product product) const {

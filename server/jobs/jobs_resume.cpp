@@ -138,8 +138,10 @@ void Jobs::stop_resuming() {
 
 bool Jobs::begins_again(const Shared& job, const Error& error) {
   const auto needed = error.extra->find("bytes");
-  const bool lacked_memory = error.code == ErrorCode::kOutOfMemory && needed != error.extra->end();
-  const bool crowded_out = lacked_memory || error.code == ErrorCode::kOverloaded;
+  const bool over_share = error.code == ErrorCode::kOverShare;
+  const bool lacked_memory =
+      (error.code == ErrorCode::kOutOfMemory || over_share) && needed != error.extra->end();
+  const bool crowded_out = lacked_memory || over_share || error.code == ErrorCode::kOverloaded;
   if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
   if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   // That much was not enough; half as much more is little, so that it needs few attempts.

@@ -33,6 +33,16 @@ auto guarded(Work work) -> decltype(work()) {
   }
 }
 
+/// The error as all clients of a computation get it. If one of them holds its share, that is a lack of room to the others.
+inline Error told_to_all(Error error, const Urgency& urgency) {
+  if (error.code != ErrorCode::kOverShare || !urgency.is_of_several()) return error;
+  error.code = ErrorCode::kOverloaded;
+  error.detail =
+      "Another client waits for the same computation, its memory counts as that client's, and other computations "
+      "of that client hold too much now.";
+  return error;
+}
+
 /// What computing has taken so far.
 struct Spent {
   double busy_seconds = 0;       ///< from begin to end, but what it stood still for others
@@ -162,7 +172,8 @@ struct Dispatcher::Computation {
   /// Whoever was to compute the part for all was one too many of its class, or found no memory: this one computes it
   /// itself, once.
   bool goes_on_without(const Error& error) {
-    return error.code == ErrorCode::kOverloaded && !std::exchange(tried_again, true);
+    const bool crowded_out = error.code == ErrorCode::kOverloaded || error.code == ErrorCode::kOverShare;
+    return crowded_out && !std::exchange(tried_again, true);
   }
   bool abandoned() const { return flight->stop().stop_requested(); }
   Execution execution(int threads, std::stop_token stop) {

@@ -23,7 +23,8 @@ class ComputationAllowance {
   Allowance::Answer grow(std::uint64_t bytes) {
     if (bytes > budget_.capacity()) return Allowance::Answer::kNever;
     const std::lock_guard lock(mutex_);
-    return reservation_.grow_to(bytes) ? Allowance::Answer::kGranted : Allowance::Answer::kNotNow;
+    if (reservation_.grow_to(bytes)) return Allowance::Answer::kGranted;
+    return reservation_.over_share() ? Allowance::Answer::kOverShare : Allowance::Answer::kNotNow;
   }
   void shrink(std::uint64_t bytes) {
     const std::lock_guard lock(mutex_);

@@ -196,7 +196,9 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   c->busy_seconds += spent.busy_seconds;
   if (made) made->processor_seconds = spent.processor_seconds;
   mine.end_part(pool_, *part);
-  flights.land(seat.flight, made);
+  Outcome<Value> told = made;
+  if (!told) told = tl::unexpected<Error>(told_to_all(std::move(told.error()), *part));
+  flights.land(seat.flight, told);
   if (!made) c->tried_again = true;  // it was computed here: computing it once more would end the same way
   (this->*next)(c, made, threads);
 }
@@ -316,6 +318,8 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
 void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   c->give_back();
   WorkerPool::charge_by_now();
+  if (!outcome)
+    outcome = tl::unexpected<Error>(told_to_all(std::move(outcome.error()), c->flight->common.urgency));
   results_.land(c->flight, outcome);
   if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
     failures_->keep(c->request, outcome.error(), *outcome.error().extra);

@@ -44,10 +44,11 @@ struct Dispatcher::Preparation {
     dispatcher.pool_.measured(work.seconds, spent.busy_seconds);
     return made;
   }
-  void land(const Outcome<PreparedMesh>& made) {
+  void land(Outcome<PreparedMesh> made) {
     give_back();
     WorkerPool::charge_by_now();
     flight->common.end();
+    if (!made) made = tl::unexpected<Error>(told_to_all(std::move(made.error()), flight->common));
     dispatcher.meshes_.land(flight, made);
   }
 };
@@ -113,10 +114,8 @@ void Dispatcher::begin_mesh(const std::shared_ptr<Preparation>& p, int threads) 
   p->land(guarded([&]() -> Outcome<PreparedMesh> {
     MemoryBudget::Reservation memory = working_.begin(p->terms.payer.flow.name);
     while (!memory.grow_to(bytes))
-      if (std::optional<Error> lacks = lacks_memory(bytes, p->terms)) {
-        lacks->code = ErrorCode::kOverloaded;  // for all who wait, whoever holds what is missing
+      if (std::optional<Error> lacks = lacks_memory(bytes, p->terms))
         return tl::unexpected<Error>(std::move(*lacks));
-      }
     p->working.emplace(working_.whole(), std::move(memory));
     return p->make(threads);
   }));

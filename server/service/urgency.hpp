@@ -92,6 +92,11 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return priority_;
   }
+  /// More than one client waits, or has waited.
+  bool is_of_several() const {
+    const std::lock_guard lock(mutex_);
+    return others_;
+  }
   /// Whose turn it takes: the earliest of the most urgent who wait.
   Flow turn() const {
     const std::lock_guard lock(mutex_);

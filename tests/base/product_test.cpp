@@ -63,6 +63,20 @@ TEST(Allowance, TellsMemoryThatOthersHoldFromWhatIsTooMuch) {
   }
 }
 
+TEST(Allowance, TellsMemoryThatTheSameClientHoldsFromMemoryOfOthers) {
+  Allowance allowance(100, 1u << 20, [](std::uint64_t) { return Answer::kOverShare; });
+  try {
+    allowance.add(Product::kTetrahedra, 1000);
+    FAIL() << "never refused";
+  } catch (const Interrupted& interrupted) {
+    ASSERT_TRUE(interrupted.error);
+    EXPECT_EQ(interrupted.code, ErrorCode::kOverShare);
+    EXPECT_GT(interrupted.error->retry_after.count(), 0);
+    EXPECT_EQ(interrupted.error->detail.find("other computations hold too many"), std::string::npos);
+    EXPECT_NE(interrupted.error->detail.find(std::to_string(1u << 20)), std::string::npos) << "the limit";
+  }
+}
+
 TEST(Allowance, ForgetsWhatWasTemporary) {
   Allowance allowance(1'000'000, 1'000'000, [](std::uint64_t) { return Answer::kNever; });
   allowance.add(Product::kSegments, 10);

@@ -226,8 +226,10 @@ TEST(Jobs, AJobThatIsCrowdedOutOfMemoryBeginsAgain) {
   std::atomic<int> attempts{0};
   server.control->cut_error = [&]() -> std::optional<Error> {
     if (++attempts > 2) return std::nullopt;
-    return Error{
-        ErrorCode::kOutOfMemory, "Others hold too much.", {}, Figures(nlohmann::json{{"bytes", 1000}})};
+    return Error{attempts == 1 ? ErrorCode::kOutOfMemory : ErrorCode::kOverShare,
+                 "Others, or others of this client, hold too much.",
+                 {},
+                 Figures(nlohmann::json{{"bytes", 1000}})};
   };
   const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
   wait_for_state(server, job, "done");

@@ -86,5 +86,69 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
   EXPECT_EQ(small.figures().working_bytes, 0u);
 }
 
+/// Two computations of one client; the second one finds that it needs more than the first one leaves to its client.
+struct OwnHoldings : DispatcherTest {
+  static constexpr std::uint64_t kMemory = 64u << 20;
+  Dispatcher small{service, pool, {kMemory}};
+  Gate holds, grows;
+  std::atomic<int> cuts{0};
+  std::map<std::string, std::vector<Expected<FractureAnswer>>> answers;  // by client
+
+  OwnHoldings() {
+    control->during_cut = [this](const Execution& execution) {
+      const bool first = cuts++ == 0;
+      if (!first) grows.pass(execution);
+      execution.made(Product::kCapTriangles, kMemory * 6 / 10 / bytes_of(Product::kCapTriangles));
+      if (first) holds.pass(execution);
+    };
+  }
+  void ask_as(const std::string& client, std::uint64_t seed) {
+    Terms terms;
+    terms.payer.flow = {client, 1};
+    EXPECT_FALSE(small.fracture(fracture_request("mesh", seed), terms,
+                                [this, client](Expected<FractureAnswer> answer) {
+                                  const std::lock_guard lock(mutex);
+                                  answers[client].push_back(std::move(answer));
+                                }));
+  }
+  void begin_both() {
+    ask_as("ana", 1);
+    holds.wait_for(1);
+    ask_as("ana", 2);
+    grows.wait_for(1);
+  }
+  Error error_of(const std::string& client) {
+    test::require_eventually(test::kPatience, "the answer of " + client, [&] {
+      const std::lock_guard lock(mutex);
+      return !answers[client].empty();
+    });
+    const std::lock_guard lock(mutex);
+    const Expected<FractureAnswer>& first = answers[client].front();
+    return first ? Error{ErrorCode::kInternal, "it has an answer"} : first.error();
+  }
+};
+
+TEST_F(OwnHoldings, AreAnsweredAsTheClientsShare) {
+  begin_both();
+  grows.open = true;
+  const Error error = error_of("ana");
+  EXPECT_EQ(error.code, ErrorCode::kOverShare) << error.detail;
+  EXPECT_GT(error.retry_after.count(), 0);
+  EXPECT_TRUE(error.extra->contains("bytes")) << "for a job that begins again";
+  holds.open = true;
+  small.wait_idle();
+}
+
+TEST_F(OwnHoldings, AreNoShareOfAnotherClientWhoWaitsForTheSame) {
+  begin_both();
+  ask_as("bob", 2);
+  grows.open = true;
+  const Error error = error_of("bob");
+  EXPECT_EQ(error.code, ErrorCode::kOverloaded) << error.detail;
+  EXPECT_GT(error.retry_after.count(), 0);
+  holds.open = true;
+  small.wait_idle();
+}
+
 }  // namespace
 }  // namespace fracture::test
