@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <iterator>
 
 #include "common/base/random.hpp"
 #include "common/gltf/png.hpp"
@@ -99,27 +101,30 @@ DetailMaps make_maps(CutDetail detail) {
   return {write_png(normal, kDetailSide, kDetailSide), write_png(roughness, kDetailSide, kDetailSide)};
 }
 
+std::atomic<bool> made[std::size(kCutDetailNames)];
+
+template <CutDetail kDetail>
+const DetailMaps& made_once() {
+  static const DetailMaps maps = make_maps(kDetail);
+  made[static_cast<std::size_t>(kDetail)] = true;
+  return maps;
+}
+
 }  // namespace
 
 const DetailMaps& detail_maps(CutDetail detail) {
   switch (detail) {
-    case CutDetail::kConcrete: {
-      static const DetailMaps maps = make_maps(CutDetail::kConcrete);
-      return maps;
-    }
-    case CutDetail::kWood: {
-      static const DetailMaps maps = make_maps(CutDetail::kWood);
-      return maps;
-    }
-    case CutDetail::kBrick: {
-      static const DetailMaps maps = make_maps(CutDetail::kBrick);
-      return maps;
-    }
-    default: {
-      static const DetailMaps maps = make_maps(CutDetail::kStone);
-      return maps;
-    }
+    case CutDetail::kConcrete:
+      return made_once<CutDetail::kConcrete>();
+    case CutDetail::kWood:
+      return made_once<CutDetail::kWood>();
+    case CutDetail::kBrick:
+      return made_once<CutDetail::kBrick>();
+    default:
+      return made_once<CutDetail::kStone>();
   }
 }
+
+bool has_detail_maps(CutDetail detail) { return made[static_cast<std::size_t>(detail)]; }
 
 }  // namespace fracture

@@ -23,5 +23,7 @@ inline constexpr std::uint32_t kDetailSide = 256;
 /// Made at the first call, by gradient noise (Perlin 2002) on a lattice that repeats, in octaves that halve: the same
 /// bytes everywhere. Not of kNone.
 const DetailMaps& detail_maps(CutDetail detail);
+/// They were made before.
+bool has_detail_maps(CutDetail detail);
 
 }  // namespace fracture

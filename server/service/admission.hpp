@@ -36,6 +36,9 @@ ExpectedWork expected_coding(std::uint64_t plain_bytes);
 /// solid, where they were counted before.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
                            std::uint64_t triangles = 0, const Selection& selection = {});
+/// Further seconds. Walls (`shell`) are made when a mesh of so many bytes is prepared, 0 when that is done; the maps of
+/// `interior_detail` are made for the first answer of a process that has them.
+double expected_further_seconds(const RequestParameters& asked, std::uint64_t mesh_bytes);
 /// Of the new hits alone, where the answer before them is kept and they are local (hits/delta.hpp).
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
                                const Solid* solid);

@@ -66,8 +66,8 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     const FractureParameters& fracture = request.parameters.fracture;
     const Selection& selection = request.parameters.selection;
     const Solid* solid = mesh ? &mesh->solid : nullptr;
-    ExpectedWork work =
-        expected_work(fracture, mesh ? 0 : bytes_of(request), solid, request.triangles, selection);
+    const std::uint64_t unread = mesh ? 0 : bytes_of(request);
+    ExpectedWork work = expected_work(fracture, unread, solid, request.triangles, selection);
     if (selection.new_hits) {
       const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
       const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
@@ -76,7 +76,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       else if (before->local && fracture.rest == LocalRest::kFractured)
         work = expected_hit_work(fracture, selection, solid);
     }
-    cost = work.seconds;
+    cost = work.seconds + expected_further_seconds(request.parameters, unread);
     bytes = std::max(work.bytes, terms.least_bytes);
     std::optional<Error> overload;
     if (!results_.find(keys.result)) {
@@ -227,7 +227,8 @@ void Dispatcher::begin(const Shared& c, int threads) {
   const Clock::time_point now = Clock::now();
   // What waited so long that it would be given up half-way is not begun. What did not wait is tried.
   const bool waited = now - c->submitted > std::chrono::milliseconds(10);
-  const auto run = std::chrono::duration_cast<Clock::duration>(pool_.predicted_run(waited ? c->cost : 0));
+  const auto run = std::chrono::duration_cast<Clock::duration>(
+      pool_.predicted_run(urgency.turn().name, waited ? c->cost : 0));
   if ((now + run).time_since_epoch().count() > c->flight->common.latest_deadline) {
     ++expired_;
     return end(c, tl::unexpected<Error>(to_error(Interrupted{ErrorCode::kDeadlineExceeded})));
@@ -311,7 +312,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   if (!made) return end(c, tl::unexpected<Error>(std::move(made.error())));
   ++computed_;
   c->answer.work_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - c->begun).count();
-  pool_.measured(c->cost, c->busy_seconds + spent.busy_seconds);
+  pool_.measured(c->flight->common.urgency.turn().name, c->cost, c->busy_seconds + spent.busy_seconds);
   end(c, std::move(c->answer));
 }
 

@@ -25,7 +25,7 @@ std::chrono::seconds whole_seconds(double seconds) {
 std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const {
   const Flow& flow = terms.payer.flow;
   const double wait = pool_.predicted_wait(terms.priority, flow, cost).count();
-  const double total = kCaution * wait + pool_.predicted_run(cost).count();
+  const double total = kCaution * wait + pool_.predicted_run(flow.name, cost).count();
   if (pool_.full(terms.priority, flow))
     return overloaded("The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
                           std::to_string(pool_.running()) + " run.",

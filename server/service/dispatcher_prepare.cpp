@@ -41,7 +41,7 @@ struct Dispatcher::Preparation {
     });
     if (!made) return made;
     made->processor_seconds = spent.processor_seconds;
-    dispatcher.pool_.measured(work.seconds, spent.busy_seconds);
+    dispatcher.pool_.measured(terms.payer.flow.name, work.seconds, spent.busy_seconds);
     return made;
   }
   void land(Outcome<PreparedMesh> made) {
@@ -59,7 +59,9 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
     reply(std::move(mesh));
     return std::nullopt;
   }
-  const ExpectedWork work = expected_work(input_bytes(request.mesh, request.files));
+  const std::uint64_t unread = input_bytes(request.mesh, request.files);
+  ExpectedWork work = expected_work(unread);
+  work.seconds += expected_further_seconds(request.parameters, unread);
   tenants::Account::Seat share;
   if (auto over = seat(terms, share)) {
     ++refused_;

@@ -108,7 +108,8 @@ void Dispatcher::begin_errand(const std::shared_ptr<Errand>& errand, int threads
   });
   if (!ready) return failed(ready.error());
   if (!*ready) return;  // its turn comes again
-  if (errand->begin(threads)) pool_.measured(errand->work.seconds, errand->spent.busy_seconds);
+  if (errand->begin(threads))
+    pool_.measured(errand->terms.payer.flow.name, errand->work.seconds, errand->spent.busy_seconds);
 }
 
 }  // namespace fracture

@@ -167,8 +167,9 @@ class FairQueue {
     }
     return false;
   }
-  /// A queued task takes the turn of this flow from now on, if that comes sooner: true. `per_cost`: seconds for one of cost.
-  bool hasten(std::uint64_t id, const Flow& flow, double per_cost) {
+  /// A queued task takes the turn of this flow from now on, if that comes sooner: true. `per_cost`: seconds of a client for one of cost.
+  template <class PerCost>
+  bool hasten(std::uint64_t id, const Flow& flow, const PerCost& per_cost) {
     for (auto& [name, client] : clients_) {
       if (name == flow.name) continue;
       for (const Priority priority : kPriorities) {
@@ -176,8 +177,9 @@ class FairQueue {
         const auto at =
             std::find_if(queue.begin(), queue.end(), [&](const Item& item) { return item.id == id; });
         if (at == queue.end()) continue;
-        const double now = turn_of(client, priority, id, per_cost);
-        if (turn_of(arrives(flow), priority, id, per_cost) >= now) return false;
+        const double now = turn_of(client, priority, id, per_cost(client));
+        Client& sooner = arrives(flow);
+        if (turn_of(sooner, priority, id, per_cost(sooner)) >= now) return false;
         Item item = std::move(*at);
         queue.erase(at);
         item.flow = flow;
@@ -263,17 +265,13 @@ class FairQueue {
     return served;
   }
 
-  /// Seconds of what would be computed before a new task of this flow, class and cost ends, but for itself. `running`:
-  /// what is left of the tasks of a client and class that run.
-  template <class Running>
-  double ahead_of(Priority priority, const Flow& flow, double cost, double per_cost,
-                  const Running& running) const {
-    const auto left = [&](const Client& client, Priority of) {
-      return running(client, of) + per_cost * client.line(of).cost();
-    };
+  /// Seconds of what would be computed before a new task of this flow and class ends that takes so many `seconds`, but for
+  /// itself. `left`: seconds that the tasks of a client and class should still take, whether they wait or run.
+  template <class Left>
+  double ahead_of(Priority priority, const Flow& flow, double seconds, const Left& left) const {
     Client mine;
     mine.tag = now_ - kCredit;
-    double ahead = 0, own = cost_of(priority) * per_cost * cost / flow.weight;
+    double ahead = 0, own = cost_of(priority) * seconds / flow.weight;
     const auto at = clients_.find(flow.name);
     if (at != clients_.end()) {
       mine.tag = at->second.rests() ? std::max(at->second.tag, mine.tag) : at->second.tag;
@@ -289,21 +287,21 @@ class FairQueue {
       double used = 0;
       for (const Priority of : kPriorities) {
         const double until = std::max(0.0, ends - client.key(of) - used) * client.weight / cost_of(of);
-        const double seconds = std::min(left(client, of), until);
-        ahead += seconds;
-        used += cost_of(of) * seconds / client.weight;
+        const double computed = std::min(left(client, of), until);
+        ahead += computed;
+        used += cost_of(of) * computed / client.weight;
       }
     }
     return ahead;
   }
 
   /// Seconds of all that is to be computed of this class and of more urgent ones.
-  template <class Running>
-  double left(Priority priority, double per_cost, const Running& running) const {
+  template <class Left>
+  double left(Priority priority, const Left& left_of) const {
     double seconds = 0;
     for (const auto& [name, client] : clients_)
       for (const Priority of : kPriorities)
-        if (of <= priority) seconds += running(client, of) + per_cost * client.line(of).cost();
+        if (of <= priority) seconds += left_of(client, of);
     return seconds;
   }
 

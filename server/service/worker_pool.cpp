@@ -94,7 +94,8 @@ bool WorkerPool::reclassify(TaskId task, Priority priority, const Flow& flow) {
 
 bool WorkerPool::hasten(TaskId task, const Flow& flow) {
   const std::lock_guard lock(mutex_);
-  const bool moved = queue_.hasten(task, flow, took_ / cost_);
+  const bool moved =
+      queue_.hasten(task, flow, [this](const Client& client) { return pace_.of(client.name); });
   if (moved) schedule();
   return moved;
 }

@@ -1,8 +1,8 @@
 // The threads that compute, and who has them. Three classes: realtime work (a collision) goes before batch work (a
 // client waits for the answer), and that before background work (jobs that nobody waits for). Among clients (names,
 // addresses) who has used less processor time goes first, whatever the class (fair_queue.hpp says how the two meet).
-// Every task says what it should cost; costs that go before a new one over the throughput that was measured is how
-// long it would wait, so that a client is refused at once instead of waiting for an answer that comes too late.
+// Every task says what it should cost. How long a new one would wait follows from the costs that go before it, at the pace
+// of their clients (pace.hpp). So a client is refused at once instead of waiting for an answer that comes too late.
 //
 // This holds while tasks run, and not only when they begin. What a task uses is charged at its polls
 // (base/execution.hpp), some hundred times a second. As many tasks compute as was asked for; whoever should compute
@@ -43,6 +43,7 @@
 #include "common/base/turn.hpp"
 #include "server/service/control_group.hpp"
 #include "server/service/fair_queue.hpp"
+#include "server/service/pace.hpp"
 
 namespace fracture {
 
@@ -119,18 +120,18 @@ class WorkerPool {
   /// long, and nobody else is turned away for them.
   bool full(Priority priority, const Flow& flow = {}) const;
 
-  /// How long a new job of this class, flow and cost would be queued or stand still: what is computed before its end, over
-  /// the throughput measured so far.
+  /// How long a new job of this class, flow and cost would be queued or stand still: what is computed before its end, at the
+  /// pace of each client that was measured so far.
   std::chrono::duration<double> predicted_wait(Priority priority, const Flow& flow = {},
                                                double cost = 0) const;
   /// How long all work of this class and of more urgent ones that has come would take: for whoever has used more than
   /// everybody else, and so for the need of further servers.
   std::chrono::duration<double> backlog(Priority priority) const;
-  /// What a job of this cost should take, by the same measure.
-  std::chrono::duration<double> predicted_run(double cost) const;
+  /// The seconds that a job of this client and cost should take, by the same measure.
+  std::chrono::duration<double> predicted_run(const std::string& client, double cost) const;
 
-  /// Work of this cost took so many seconds of one thread, over all the jobs it was divided into.
-  void measured(double cost, double seconds);
+  /// Work of this client and cost took so many seconds of one thread, over all the jobs it was divided into.
+  void measured(const std::string& client, double cost, double seconds);
 
   /// Returns when nothing is queued and nothing runs.
   void wait_idle();
@@ -197,7 +198,7 @@ class WorkerPool {
   void begin(const Queue::Next& next);
   /// How much less another client must have used, in what that counts as.
   static double quantum(const Running& job);
-  /// What is left of the tasks of a client and class that run, as far as it is known.
+  /// Seconds that the tasks of a client and class should still take, queued ones included.
   double left_of(const Client& client, Priority priority) const;
   /// Fewer tasks of this class and of more urgent ones than there are processors.
   bool has_idle_processors(Priority priority) const;
@@ -224,8 +225,7 @@ class WorkerPool {
   double charged_ = 0;    ///< seconds since that was looked at
   bool holds_ = false;    ///< something waits only because its client is over its rate ...
   bool watches_ = false;  ///< ... and a free thread looks again soon
-  /// Decaying sums over what was measured: seconds it took, seconds it was said to take.
-  double took_ = 0.1, cost_ = 0.1;
+  Pace pace_;
   std::atomic<std::uint64_t> escaped_{0};
   bool stopping_ = false;
   std::vector<std::thread> threads_;

@@ -58,11 +58,12 @@ bool WorkerPool::has_idle_processors(Priority priority) const {
 
 double WorkerPool::left_of(const Client& client, Priority priority) const {
   const Clock::time_point now = Clock::now();
-  double seconds = 0;
+  const double pace = pace_.of(client.name);
+  double seconds = pace * client.line(priority).cost();
   for (const auto& [id, job] : running_) {
     if (&job->client != &client || job->priority != priority) continue;
     const Clock::duration computed = now - job->start - job->paused_for - job->stood(now);
-    seconds += std::max(0.0, job->task.cost * took_ / cost_ - Seconds(computed).count());
+    seconds += std::max(0.0, job->task.cost * pace - Seconds(computed).count());
   }
   return seconds;
 }
@@ -72,7 +73,7 @@ std::chrono::duration<double> WorkerPool::predicted_wait(Priority priority, cons
   const std::lock_guard lock(mutex_);
   if (has_idle_processors(priority)) return {};
   const auto left = [this](const Client& client, Priority of) { return left_of(client, of); };
-  return Seconds(queue_.ahead_of(priority, flow, cost, took_ / cost_, left) /
+  return Seconds(queue_.ahead_of(priority, flow, cost * pace_.of(flow.name), left) /
                  static_cast<double>(thread_count_));
 }
 
@@ -80,19 +81,17 @@ std::chrono::duration<double> WorkerPool::backlog(Priority priority) const {
   const std::lock_guard lock(mutex_);
   if (has_idle_processors(priority)) return {};
   const auto left = [this](const Client& client, Priority of) { return left_of(client, of); };
-  return Seconds(queue_.left(priority, took_ / cost_, left) / static_cast<double>(thread_count_));
+  return Seconds(queue_.left(priority, left) / static_cast<double>(thread_count_));
 }
 
-std::chrono::duration<double> WorkerPool::predicted_run(double cost) const {
+std::chrono::duration<double> WorkerPool::predicted_run(const std::string& client, double cost) const {
   const std::lock_guard lock(mutex_);
-  return Seconds(cost * took_ / cost_);
+  return Seconds(cost * pace_.of(client));
 }
 
-void WorkerPool::measured(double cost, double seconds) {
-  constexpr double kKept = 0.95;  // the last twenty or so decide
+void WorkerPool::measured(const std::string& client, double cost, double seconds) {
   const std::lock_guard lock(mutex_);
-  took_ = kKept * took_ + seconds;
-  cost_ = kKept * cost_ + cost;
+  pace_.measured(client, cost, seconds);
 }
 
 std::size_t WorkerPool::queued() const {

@@ -170,7 +170,7 @@ TEST_F(FlightsOverHttp, TheDeadlineOfRealtimeWorkIsTheShortOne) {
 }
 
 TEST_F(FlightsOverHttp, WhatCannotBeInTimeIsRefusedAtOnceWithAComputedRetryAfter) {
-  for (int i = 0; i < 200; ++i) server.pool.measured(1, 1e5);  // very slow
+  for (int i = 0; i < 200; ++i) server.pool.measured("address 127.0.0.1", 1, 1e5);  // very slow
   send("/fracture?seed=1");
   send("/fracture?seed=2");
   require_eventually(kPatience, "two computations to come to the gate", [&] { return gate.arrived >= 2; });

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/gltf/cut_detail.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/rough/roughen.hpp"
 #include "tests/support/shapes.hpp"
@@ -152,6 +153,27 @@ TEST(Admission, WorkGrowsWithBytesSitesAndPasses) {
   EXPECT_GT(one_pass, base.seconds);
   parameters.lloyd = 10;
   EXPECT_GT(expected_work(parameters, 1000, nullptr).seconds, 2 * one_pass);
+}
+
+TEST(Admission, CountsTheWallsThatAreMadeWhenTheMeshIsPrepared) {
+  RequestParameters asked;
+  EXPECT_EQ(expected_further_seconds(asked, 1000), 0);
+  asked.hollow.thickness = 0.01;
+  EXPECT_GT(expected_further_seconds(asked, 1000), 100 * expected_work(1000).seconds) << "of a small mesh";
+  EXPECT_GT(expected_further_seconds(asked, 10'000'000), 2 * expected_further_seconds(asked, 1000));
+  EXPECT_EQ(expected_further_seconds(asked, 0), 0) << "it is prepared";
+}
+
+TEST(Admission, CountsTheMapsOfACutDetailUntilTheyAreMade) {
+  RequestParameters asked;
+  asked.interior.detail = CutDetail::kBrick;
+  ASSERT_FALSE(has_detail_maps(CutDetail::kBrick));
+  EXPECT_GT(expected_further_seconds(asked, 0), 0);
+  asked.delta = DeltaAnswer::kOnly;
+  EXPECT_EQ(expected_further_seconds(asked, 0), 0) << "such an answer has none";
+  asked.delta = DeltaAnswer::kNone;
+  detail_maps(CutDetail::kBrick);
+  EXPECT_EQ(expected_further_seconds(asked, 0), 0);
 }
 
 }  // namespace

@@ -172,7 +172,7 @@ TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
 TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
   Gate gate;
   control->during_cut = gate.hook();
-  for (int i = 0; i < 200; ++i) pool.measured(1, 1000);  // a machine a thousand times slower than nominal
+  for (int i = 0; i < 200; ++i) pool.measured("", 1, 1000);  // a machine a thousand times slower than nominal
   ask(fracture_request("a"));
   ask(fracture_request("b"));
   gate.wait_for(2);

@@ -151,14 +151,14 @@ TEST(FairQueue, TheOrderIsForetold) {
 
 TEST(FairQueue, WhatGoesBeforeANewTaskIsItsFlowsTurnAndNotTheWholeQueue) {
   Queue queue;
-  const auto nothing_runs = [](const Queue::Client&, Priority) { return 0.0; };
-  const auto ahead = [&](const char* flow) { return queue.ahead_of(kBatch, {flow, 1}, 0, 1, nothing_runs); };
+  const auto queued = [](const Queue::Client& client, Priority of) { return client.line(of).cost(); };
+  const auto ahead = [&](const char* flow) { return queue.ahead_of(kBatch, {flow, 1}, 0, queued); };
   for (int k = 0; k < 200; ++k) queue.add("a", 0.1);
   EXPECT_NEAR(ahead("a"), 20, 1e-9);
   EXPECT_NEAR(ahead("b"), 0, 1e-9);
   queue.add("b", 2);
   EXPECT_NEAR(ahead("b"), 2 + 2, 1e-9) << "its own, and as much of the other's";
-  EXPECT_NEAR(queue.ahead_of(kBatch, {"c", 1}, 0.5, 1, nothing_runs), 2 * 0.5, 1e-9)
+  EXPECT_NEAR(queue.ahead_of(kBatch, {"c", 1}, 0.5, queued), 2 * 0.5, 1e-9)
       << "as much of each, while it is computed";
 }
 
@@ -175,14 +175,15 @@ TEST(FairQueue, ATaskTakenOutLeavesTheOthersInOrder) {
 
 TEST(FairQueue, ATaskThatAnotherWaitsForTakesTheSoonerTurn) {
   Queue queue;
+  const auto as_expected = [](const Queue::Client&) { return 1.0; };
   for (int k = 0; k < 5; ++k) queue.add("a");
-  EXPECT_FALSE(queue.hasten(1, {"b", 1}, 1)) << "the turns are equal";
-  EXPECT_TRUE(queue.hasten(5, {"b", 1}, 1));
+  EXPECT_FALSE(queue.hasten(1, {"b", 1}, as_expected)) << "the turns are equal";
+  EXPECT_TRUE(queue.hasten(5, {"b", 1}, as_expected));
   EXPECT_EQ(queue.serve(2), "ab");
   queue.add("b");
   queue.add("b");
-  EXPECT_FALSE(queue.hasten(2, {"b", 1}, 1));
-  EXPECT_FALSE(queue.hasten(5, {"c", 1}, 1)) << "it is not queued any more";
+  EXPECT_FALSE(queue.hasten(2, {"b", 1}, as_expected));
+  EXPECT_FALSE(queue.hasten(5, {"c", 1}, as_expected)) << "it is not queued any more";
   EXPECT_EQ(queue.size(), 5u);
 }
 

@@ -123,8 +123,8 @@ TEST(WorkerPool, APromotedTaskGoesWithTheRealtimeOnesByItsArrival) {
 
 TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
   BusyPool busy(100, 0);
-  for (int i = 0; i < 500; ++i) busy.pool.measured(1, 2);  // everything takes twice what was said
-  EXPECT_NEAR(busy.pool.predicted_run(3).count(), 6, 1e-6);
+  for (int i = 0; i < 500; ++i) busy.pool.measured("", 1, 2);  // twice as long as expected
+  EXPECT_NEAR(busy.pool.predicted_run("", 3).count(), 6, 1e-6);
   EXPECT_EQ(busy.pool.predicted_wait(kBatch).count(), 0);
   busy.pool.submit(kBatch, 10, [](int) {});
   busy.pool.submit(kRealtime, 1, [](int) {});
@@ -134,7 +134,8 @@ TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
 
 TEST(WorkerPool, TheBacklogIsAllOfTheClassAndOfMoreUrgentOnes) {
   BusyPool busy(100, 0);
-  for (int i = 0; i < 500; ++i) busy.pool.measured(1, 2);
+  for (int i = 0; i < 500; ++i)
+    for (const char* name : {"a", "b", "c"}) busy.pool.measured(name, 1, 2);
   for (const char* name : {"a", "b"})
     for (const Priority priority : {kRealtime, kBatch, Priority::kBackground})
       busy.pool.submit(priority, 10, [](int) {}, {name, 1});
@@ -143,6 +144,46 @@ TEST(WorkerPool, TheBacklogIsAllOfTheClassAndOfMoreUrgentOnes) {
   EXPECT_NEAR(busy.pool.backlog(Priority::kBackground).count(), 120, 1e-6);
   EXPECT_NEAR(busy.pool.predicted_wait(kRealtime, {"c", 1}, 1).count(), 2 * 2, 1e-6)
       << "while it is computed, as much of both";
+}
+
+TEST(Pace, KnowsABoundedNumberOfClientsAndForgetsTheOneThatWasMeasuredLongestAgo) {
+  Pace pace;
+  pace.measured("first", 1, 50);
+  pace.measured("second", 1, 50);
+  pace.measured("first", 1, 50);
+  const double first = pace.of("first");
+  for (std::size_t k = 2; k <= Pace::kMostClients; ++k) pace.measured("client " + std::to_string(k), 1, 1);
+  EXPECT_EQ(pace.known(), Pace::kMostClients);
+  EXPECT_EQ(pace.of("first"), first);
+  EXPECT_NEAR(pace.of("second"), 1, 1e-6) << "forgotten: as a newcomer";
+}
+
+TEST(Pace, ANewcomerHasTheLowerMedianOfTheKnownOnesAndTheStartValue) {
+  Pace pace;
+  const auto learn = [&pace](const char* name, double ratio) {
+    for (int k = 0; k < 500; ++k) pace.measured(name, 1, ratio);
+  };
+  EXPECT_EQ(pace.of("new"), Pace::kStart);
+  learn("a", 8);
+  EXPECT_NEAR(pace.of("new"), 1, 1e-6) << "the lower one of two";
+  learn("b", 4);
+  EXPECT_NEAR(pace.of("new"), 4, 1e-6);
+  learn("c", 1e6);
+  EXPECT_NEAR(pace.of("new"), 4, 1e-6);
+}
+
+/// One client's work takes ten thousand times what admission expects of it.
+TEST(WorkerPool, OneClientsBadEstimatesAreNotTheOthersPredictions) {
+  BusyPool busy(100, 0);
+  busy.pool.submit(kBatch, 10, [](int) {}, {"known", 1});
+  for (int i = 0; i < 500; ++i) {
+    busy.pool.measured("known", 1, 2);
+    busy.pool.measured("poisoner", 1, 10'000);
+  }
+  EXPECT_NEAR(busy.pool.predicted_run("known", 3).count(), 6, 1e-6);
+  EXPECT_NEAR(busy.pool.predicted_wait(kBatch, {"known", 1}, 0).count(), 20, 1e-6);
+  EXPECT_NEAR(busy.pool.predicted_run("newcomer", 3).count(), 6, 1e-6);
+  EXPECT_NEAR(busy.pool.predicted_run("poisoner", 3).count(), 30'000, 1e-3) << "its own";
 }
 
 TEST(WorkerPool, NothingIsPredictedToWaitWhileAThreadIsIdle) {
