@@ -25,13 +25,15 @@ class ClientShares {
       : whole_(whole, {share, share}), share_(share) {}
 
   /// Of nothing yet. Nobody in particular ("") has no share.
-  MemoryBudget::Reservation begin(const std::string& client) {
-    if (share_ >= whole_.capacity() || client.empty()) return MemoryBudget::Reservation(whole_);
-    return {whole_, of(client)};
+  MemoryBudget::Reservation begin(const std::string& client,
+                                  MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor) {
+    if (!has_share(client)) return MemoryBudget::Reservation(whole_, use);
+    return {whole_, of(client), use};
   }
   /// What a reservation of so many bytes would be told now.
-  MemoryBudget::Verdict judge(const std::string& client, std::uint64_t bytes) {
-    return whole_.judge(share_ >= whole_.capacity() || client.empty() ? nullptr : of(client).get(), bytes);
+  MemoryBudget::Verdict judge(const std::string& client, std::uint64_t bytes,
+                              MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor) {
+    return whole_.judge(has_share(client) ? of(client).get() : nullptr, bytes, use);
   }
 
   MemoryBudget& whole() { return whole_; }
@@ -41,6 +43,7 @@ class ClientShares {
  private:
   using Client = MemoryBudget::Client;
 
+  bool has_share(const std::string& client) const { return share_ < whole_.capacity() && !client.empty(); }
   std::shared_ptr<Client> of(const std::string& name) {
     const auto alive = [&] {
       const auto at = clients_.find(name);

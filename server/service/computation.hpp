@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/base/processor_time.hpp"
+#include "server/service/background_memory.hpp"
 #include "server/service/computation_allowance.hpp"
 #include "server/service/dispatcher.hpp"
 #include "server/service/leave_early.hpp"
@@ -129,12 +130,14 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
 /// Sets aside what a piece of work needs whose turn has come. False: there is not so much now, and it leaves its thread.
 /// When there is, `again` queues it; where that cannot be, `failed` is told why.
 template <class Work, class Again, class Failed>
-bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string& client, std::uint64_t bytes,
-                            Again again, Failed failed) {
+bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string& client, Priority priority,
+                            std::uint64_t bytes, Again again, Failed failed) {
   if (work->working) return true;
+  const MemoryBudget::Use use = use_of(priority);
   std::optional<MemoryBudget::Reservation> memory =
       line_.take({.client = client,
                   .bytes = bytes,
+                  .use = use,
                   .given_up = [work] { return work->abandoned(); },
                   .go_on =
                       [work, again, failed](MemoryBudget::Reservation later) {
@@ -146,6 +149,9 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
                         if (!queued) failed(queued.error());
                       }});
   if (memory) work->hold(std::move(*memory));
+  bytes = std::min(bytes, working_.whole().capacity());
+  if (!memory && working_.judge(client, bytes, use) == MemoryBudget::Verdict::kHeldInBackground)
+    background_.give_up(client, working_.whole().missing(bytes));
   return memory.has_value();
 }
 
@@ -162,6 +168,7 @@ struct Dispatcher::Computation {
   std::uint64_t bytes = 0;                        ///< that it should need, set aside when its turn comes
   Priority origin = Priority::kBackground;        ///< of whoever led
   std::optional<ComputationAllowance> working{};  ///< nothing: it waits for its turn, or for memory
+  std::optional<BackgroundMemory::Id> in_background{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
   bool tried_again = false;  ///< a part that somebody else computed, and was ended for
@@ -187,11 +194,18 @@ struct Dispatcher::Computation {
     return e;
   }
   void hold(MemoryBudget::Reservation memory) {
-    working.emplace(dispatcher.working_.whole(), std::move(memory));
+    const std::string client = flight->common.urgency.turn().name;
+    if (memory.use() == MemoryBudget::Use::kBackground)
+      in_background =
+          dispatcher.background_.add({.client = client, .bytes = memory.bytes(), .give_up = [this] {
+                                        return dispatcher.pool_.give_up(flight->common.urgency.task());
+                                      }});
+    working.emplace(dispatcher.working_.whole(), std::move(memory), dispatcher.make_room_for(client));
   }
   void give_back() {
     if (!working) return;
     working.reset();
+    if (in_background) dispatcher.background_.remove(*std::exchange(in_background, std::nullopt));
     dispatcher.line_.given_back();
   }
   /// All who wait for it pay for what was computed for it.

@@ -2,7 +2,10 @@
 // while there is room.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <mutex>
+#include <utility>
 
 #include "common/base/product.hpp"
 #include "server/service/memory_budget.hpp"
@@ -11,9 +14,12 @@ namespace fracture {
 
 class ComputationAllowance {
  public:
-  ComputationAllowance(MemoryBudget& budget, MemoryBudget::Reservation reservation)
+  /// Makes room for a reservation that is to have so many bytes and was refused them; false: none can be made.
+  using MakeRoom = std::function<bool(const MemoryBudget::Reservation&, std::uint64_t bytes)>;
+  ComputationAllowance(MemoryBudget& budget, MemoryBudget::Reservation reservation, MakeRoom make_room)
       : budget_(budget),
         reservation_(std::move(reservation)),
+        make_room_(std::move(make_room)),
         allowance_(
             reservation_.bytes(), budget.capacity(), [this](std::uint64_t bytes) { return grow(bytes); },
             [this](std::uint64_t bytes) { shrink(bytes); }) {}
@@ -23,7 +29,11 @@ class ComputationAllowance {
   Allowance::Answer grow(std::uint64_t bytes) {
     if (bytes > budget_.capacity()) return Allowance::Answer::kNever;
     const std::lock_guard lock(mutex_);
-    if (reservation_.grow_to(bytes)) return Allowance::Answer::kGranted;
+    while (!reservation_.grow_to(bytes))
+      if (!make_room_(reservation_, bytes)) return refused();
+    return Allowance::Answer::kGranted;
+  }
+  Allowance::Answer refused() const {
     return reservation_.over_share() ? Allowance::Answer::kOverShare : Allowance::Answer::kNotNow;
   }
   void shrink(std::uint64_t bytes) {
@@ -34,6 +44,7 @@ class ComputationAllowance {
   MemoryBudget& budget_;
   std::mutex mutex_;  // of the reservation: several threads compute
   MemoryBudget::Reservation reservation_;
+  const MakeRoom make_room_;
   Allowance allowance_;
 };
 

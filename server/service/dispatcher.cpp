@@ -221,7 +221,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
                           c->origin, flow, Computation::paid_by(c));
     });
   };
-  if (!has_memory(c, urgency.turn().name, c->bytes, again,
+  if (!has_memory(c, urgency.turn().name, urgency.priority(), c->bytes, again,
                   [this, c](const Error& error) { end(c, tl::unexpected<Error>(error)); }))
     return;
   const Clock::time_point now = Clock::now();

@@ -28,7 +28,9 @@
 #include <vector>
 
 #include "server/service/admission.hpp"
+#include "server/service/background_memory.hpp"
 #include "server/service/client_shares.hpp"
+#include "server/service/computation_allowance.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "server/service/memory_budget.hpp"
 #include "server/service/memory_line.hpp"
@@ -167,6 +169,10 @@ class Dispatcher {
   void charge(const std::vector<Waits>& payers, double seconds);
   /// Why it would not be begun now for want of memory. Nothing is set aside: that is done when its turn comes.
   std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms);
+  Error lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) const;
+  static MemoryBudget::Use use_of(Priority priority);
+  /// Background work of others gives up what it has beyond its half and this client lacks.
+  ComputationAllowance::MakeRoom make_room_for(const std::string& client);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
   /// What nobody waits for keeps no place in a queue until its turn.
@@ -180,8 +186,8 @@ class Dispatcher {
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);
   template <class Work, class Again, class Failed>
-  bool has_memory(const std::shared_ptr<Work>& work, const std::string& client, std::uint64_t bytes,
-                  Again again, Failed failed);
+  bool has_memory(const std::shared_ptr<Work>& work, const std::string& client, Priority priority,
+                  std::uint64_t bytes, Again again, Failed failed);
   void obtain_mesh(const Shared& c, int threads);
   void obtain_diagram(const Shared& c, int threads);
   void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
@@ -206,6 +212,7 @@ class Dispatcher {
   FailureKeeper* const failures_;
   ClientShares working_;
   MemoryLine line_{working_};
+  BackgroundMemory background_;
   ResultFlights results_;
   MeshFlights meshes_;
   DiagramFlights diagrams_;

@@ -67,11 +67,31 @@ MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
 
 std::uint64_t Dispatcher::share_of(std::uint64_t bytes) { return bytes - bytes / 4; }
 
+MemoryBudget::Use Dispatcher::use_of(Priority priority) {
+  return priority == Priority::kBackground ? MemoryBudget::Use::kBackground : MemoryBudget::Use::kWaitedFor;
+}
+
+ComputationAllowance::MakeRoom Dispatcher::make_room_for(const std::string& client) {
+  // They end at their next poll, and free what they hold.
+  static constexpr std::chrono::seconds kLongest{2};
+  return [this, client](const MemoryBudget::Reservation& memory, std::uint64_t bytes) {
+    return memory.verdict() == MemoryBudget::Verdict::kHeldInBackground &&
+           background_.give_up(client, working_.whole().missing(bytes - memory.bytes())) &&
+           background_.wait(kLongest);
+  };
+}
+
 std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& terms) {
+  const MemoryBudget::Verdict verdict = working_.judge(
+      terms.payer.flow.name, std::min(bytes, working_.whole().capacity()), use_of(terms.priority));
+  // Background work that holds the rest is given up when the turn of this computation comes.
+  if (verdict == MemoryBudget::Verdict::kFits || verdict == MemoryBudget::Verdict::kHeldInBackground)
+    return std::nullopt;
+  return lacking(verdict, bytes);
+}
+
+Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) const {
   const MemoryBudget& working = working_.whole();
-  const MemoryBudget::Verdict verdict =
-      working_.judge(terms.payer.flow.name, std::min(bytes, working.capacity()));
-  if (verdict == MemoryBudget::Verdict::kFits) return std::nullopt;
   const std::chrono::seconds later = whole_seconds(pool_.backlog(Priority::kBatch).count());
   if (verdict == MemoryBudget::Verdict::kOverShare)
     return Error{.code = ErrorCode::kOverShare,

@@ -114,11 +114,12 @@ void Dispatcher::begin_mesh(const std::shared_ptr<Preparation>& p, int threads) 
   if (p->abandoned()) return;
   const std::uint64_t bytes = std::min(p->work.bytes, working_.whole().capacity());
   p->land(guarded([&]() -> Outcome<PreparedMesh> {
-    MemoryBudget::Reservation memory = working_.begin(p->terms.payer.flow.name);
+    const std::string& client = p->terms.payer.flow.name;
+    MemoryBudget::Reservation memory = working_.begin(client, use_of(p->terms.priority));
+    const ComputationAllowance::MakeRoom make_room = make_room_for(client);
     while (!memory.grow_to(bytes))
-      if (std::optional<Error> lacks = lacks_memory(bytes, p->terms))
-        return tl::unexpected<Error>(std::move(*lacks));
-    p->working.emplace(working_.whole(), std::move(memory));
+      if (!make_room(memory, bytes)) return tl::unexpected<Error>(lacking(memory.verdict(), bytes));
+    p->working.emplace(working_.whole(), std::move(memory), make_room);
     return p->make(threads);
   }));
 }

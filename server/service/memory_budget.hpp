@@ -34,9 +34,20 @@ class MemoryBudget {
     std::uint64_t large, small;
   };
   static constexpr Shares kNoShares{UINT64_MAX, UINT64_MAX};
+  /// Background work holds its large reservations for long. A reservation that somebody waits for is judged as if the
+  /// background work of other clients held at most half of the pool. Its memory is there as soon as such work has ended.
+  enum class Use { kWaitedFor, kBackground };
   /// The bytes that one client holds. Guarded by the budget.
   struct Client {
     std::uint64_t large = 0, small = 0;
+    std::uint64_t background = 0;  ///< of the large ones
+  };
+
+  enum class Verdict {
+    kFits,
+    kFull,
+    kOverShare,         ///< because of other reservations of the same client
+    kHeldInBackground,  ///< it would fit if background work of others held no more than its half
   };
 
   explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
@@ -55,33 +66,35 @@ class MemoryBudget {
   class Reservation {
    public:
     Reservation() = default;
-    explicit Reservation(MemoryBudget& budget) : budget_(&budget) {}
+    explicit Reservation(MemoryBudget& budget, Use use = Use::kWaitedFor) : budget_(&budget), use_(use) {}
     /// Counted as the client's, too; `budget` outlives the reservation.
-    Reservation(MemoryBudget& budget, std::shared_ptr<Client> client)
-        : budget_(&budget), client_(std::move(client)) {}
+    Reservation(MemoryBudget& budget, std::shared_ptr<Client> client, Use use = Use::kWaitedFor)
+        : budget_(&budget), client_(std::move(client)), use_(use) {}
     Reservation(Reservation&& other) noexcept
         : budget_(std::exchange(other.budget_, nullptr)),
           client_(std::move(other.client_)),
+          use_(other.use_),
           bytes_(std::exchange(other.bytes_, 0)),
-          over_share_(other.over_share_) {}
+          verdict_(other.verdict_) {}
     Reservation& operator=(Reservation&& other) noexcept {
       std::swap(budget_, other.budget_);
       std::swap(client_, other.client_);
+      std::swap(use_, other.use_);
       std::swap(bytes_, other.bytes_);
-      std::swap(over_share_, other.over_share_);
+      std::swap(verdict_, other.verdict_);
       return *this;
     }
     ~Reservation() {
-      if (budget_) budget_->change(client_.get(), bytes_, 0);
+      if (budget_) budget_->change(client_.get(), use_, bytes_, 0);
     }
 
     std::uint64_t bytes() const { return bytes_; }
+    Use use() const { return use_; }
     /// Makes it at least `bytes`; false, and nothing changes, when the budget has not that much left for this client.
     bool grow_to(std::uint64_t bytes) {
       if (bytes <= bytes_) return true;
-      const Verdict verdict = budget_->grow(client_.get(), bytes_, bytes);
-      over_share_ = verdict == Verdict::kOverShare;
-      if (verdict != Verdict::kFits) return false;
+      verdict_ = budget_->grow(client_.get(), use_, bytes_, bytes);
+      if (verdict_ != Verdict::kFits) return false;
       bytes_ = bytes;
       return true;
     }
@@ -90,17 +103,19 @@ class MemoryBudget {
     void shrink_to(std::uint64_t bytes) {
       if (budget_) bytes = budget_->shrunk(bytes_, bytes);
       if (!budget_ || bytes >= bytes_) return;
-      budget_->change(client_.get(), bytes_, bytes);
+      budget_->change(client_.get(), use_, bytes_, bytes);
       bytes_ = bytes;
     }
-    /// The last grow_to() failed because of what the same client holds besides.
-    bool over_share() const { return over_share_; }
+    /// The answer to the last grow_to() that asked for more.
+    Verdict verdict() const { return verdict_; }
+    bool over_share() const { return verdict_ == Verdict::kOverShare; }
 
    private:
     MemoryBudget* budget_ = nullptr;
     std::shared_ptr<Client> client_;
+    Use use_ = Use::kWaitedFor;
     std::uint64_t bytes_ = 0;
-    bool over_share_ = false;
+    Verdict verdict_ = Verdict::kFits;
   };
 
   std::uint64_t used() const {
@@ -114,17 +129,18 @@ class MemoryBudget {
   /// What a single reservation may have.
   std::uint64_t capacity() const { return large_.capacity - headroom_; }
 
-  enum class Verdict {
-    kFits,
-    kFull,
-    kOverShare,  ///< because of what the same client holds besides
-  };
   /// What a new reservation of so many bytes would be told. `client` is null for nobody in particular.
-  Verdict judge(const Client* client, std::uint64_t bytes) const {
+  Verdict judge(const Client* client, std::uint64_t bytes, Use use = Use::kWaitedFor) const {
     const std::lock_guard lock(mutex_);
     const std::uint64_t own = client ? held(*client, bytes) : 0;
-    return judge(client != nullptr, bytes, own + bytes, pool(bytes).used + bytes,
-                 clients(bytes) - (own > 0 ? 1 : 0));
+    const bool is_known = client && counts(*client, bytes, use);
+    return judge({client, use, bytes, own + bytes, pool(bytes).used + bytes,
+                  clients(bytes, use) - (is_known ? 1 : 0)});
+  }
+  /// The part of so many further bytes of a large reservation that is not free, whoever asks.
+  std::uint64_t missing(std::uint64_t more) const {
+    const std::lock_guard lock(mutex_);
+    return large_.used + more - std::min(large_.used + more, capacity());
   }
 
  private:
@@ -138,7 +154,15 @@ class MemoryBudget {
   std::uint64_t held(const Client& client, std::uint64_t bytes) const {
     return is_small(bytes) ? client.small : client.large;
   }
-  std::size_t clients(std::uint64_t bytes) const { return is_small(bytes) ? small_clients_ : large_clients_; }
+  /// Is one of those who share with a reservation of so many bytes and this use.
+  bool counts(const Client& client, std::uint64_t bytes, Use use) const {
+    if (is_small(bytes)) return client.small > 0;
+    return use == Use::kBackground ? client.large > 0 : client.large > client.background;
+  }
+  std::size_t clients(std::uint64_t bytes, Use use) const {
+    if (is_small(bytes)) return small_clients_;
+    return use == Use::kBackground ? large_clients_ : waited_for_clients_;
+  }
   bool has_small_pool() const { return small_.capacity > 0; }
   const Pool& pool(std::uint64_t bytes) const {
     return is_small(bytes) && has_small_pool() ? small_ : large_;
@@ -146,46 +170,79 @@ class MemoryBudget {
   std::uint64_t shrunk(std::uint64_t from, std::uint64_t to) const {
     return has_small_pool() && !is_small(from) ? std::max(to, largest_small_ + 1) : to;
   }
-  /// `own` and `used` with the reservation of so many bytes.
-  Verdict judge(bool has_share, std::uint64_t bytes, std::uint64_t own, std::uint64_t used,
-                std::size_t others) const {
-    const std::uint64_t most = pool(bytes).capacity - (is_small(bytes) ? 0 : headroom_);
-    if (!has_share) return used <= most ? Verdict::kFits : Verdict::kFull;
-    const FairShare fair{most, is_small(bytes) ? shares_.small : shares_.large};
-    const bool alone = own == bytes;
-    if (fair.allows(own, used, others, alone)) return Verdict::kFits;
-    return !alone && (used <= most || own > fair.share) ? Verdict::kOverShare : Verdict::kFull;
+  /// A reservation, and what is held with it.
+  struct Asked {
+    const Client* client;  ///< null: it has no share
+    Use use;
+    std::uint64_t bytes, own, used;
+    std::size_t others;  ///< clients that share with it
+  };
+  Verdict judge(const Asked& asked) const {
+    const bool small = is_small(asked.bytes);
+    FairShare fair{pool(asked.bytes).capacity - (small ? 0 : headroom_),
+                   small ? shares_.small : shares_.large};
+    std::uint64_t used = asked.used;
+    const bool is_there = used <= fair.capacity;
+    if (!small && asked.use == Use::kWaitedFor) {
+      const std::uint64_t theirs = background_ - (asked.client ? asked.client->background : 0);
+      const double left = 1 - static_cast<double>(std::min(theirs, fair.capacity / 2)) /
+                                  static_cast<double>(std::max<std::uint64_t>(fair.capacity, 1));
+      if (theirs > 0 && fair.share < fair.capacity)
+        fair.share = static_cast<std::uint64_t>(left * static_cast<double>(fair.share));
+      fair.capacity -= std::min(theirs, fair.capacity / 2);
+      used -= theirs;
+    }
+    const bool alone = asked.own == asked.bytes;
+    if (asked.client ? fair.allows(asked.own, used, asked.others, alone) : used <= fair.capacity)
+      return is_there ? Verdict::kFits : Verdict::kHeldInBackground;
+    if (!asked.client) return Verdict::kFull;
+    return !alone && (used <= fair.capacity || asked.own > fair.share) ? Verdict::kOverShare : Verdict::kFull;
   }
-  Verdict grow(Client* client, std::uint64_t from, std::uint64_t to) {
+  Verdict grow(Client* client, Use use, std::uint64_t from, std::uint64_t to) {
     const std::lock_guard lock(mutex_);
-    move(client, from, to);
-    const Verdict verdict = client ? judge(true, to, held(*client, to), pool(to).used, clients(to) - 1)
-                                   : judge(false, to, to, pool(to).used, 0);
-    if (verdict != Verdict::kFits) move(client, to, from);
+    move(client, use, from, to);
+    const Verdict verdict = judge(
+        {client, use, to, client ? held(*client, to) : to, pool(to).used, client ? clients(to, use) - 1 : 0});
+    if (verdict != Verdict::kFits) move(client, use, to, from);
     return verdict;
   }
-  void change(Client* client, std::uint64_t from, std::uint64_t to) {
+  void change(Client* client, Use use, std::uint64_t from, std::uint64_t to) {
     const std::lock_guard lock(mutex_);
-    move(client, from, to);
+    move(client, use, from, to);
   }
   /// With the lock. One that is no longer small moves as a whole.
-  void move(Client* client, std::uint64_t from, std::uint64_t to) {
+  void move(Client* client, Use use, std::uint64_t from, std::uint64_t to) {
     Pool& after = is_small(to) && has_small_pool() ? small_ : large_;
     Pool& before = is_small(from) && has_small_pool() ? small_ : large_;
     after.used += to;
     before.used -= from;
+    const auto in_background = [&](std::uint64_t bytes) {
+      return use == Use::kBackground && !is_small(bytes) ? bytes : 0;
+    };
+    background_ += in_background(to);
+    background_ -= in_background(from);
     if (!client) return;
-    small_clients_ -= client->small > 0;
-    large_clients_ -= client->large > 0;
+    count(*client, -1);
     (is_small(to) ? client->small : client->large) += to;
     (is_small(from) ? client->small : client->large) -= from;
-    small_clients_ += client->small > 0;
-    large_clients_ += client->large > 0;
+    client->background += in_background(to);
+    client->background -= in_background(from);
+    count(*client, 1);
+  }
+  void count(const Client& client, int more) {
+    const auto add = [more](std::size_t& clients, bool counts) {
+      if (counts) clients += static_cast<std::size_t>(more);
+    };
+    add(small_clients_, client.small > 0);
+    add(large_clients_, client.large > 0);
+    add(waited_for_clients_, client.large > client.background);
   }
 
   mutable std::mutex mutex_;
   Pool large_, small_;
+  std::uint64_t background_ = 0;  ///< of the large ones
   std::size_t small_clients_ = 0, large_clients_ = 0;
+  std::size_t waited_for_clients_ = 0;  ///< with large ones that are not background work
   const std::uint64_t largest_small_, headroom_ = 0;
   const Shares shares_;
 };

@@ -24,6 +24,7 @@ class MemoryLine {
   struct Waits {
     std::string client;
     std::uint64_t bytes = 0;
+    MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor;
     std::function<bool()> given_up;                        ///< nobody wants it any more
     std::function<void(MemoryBudget::Reservation)> go_on;  ///< called once, or dropped if it was given up
   };
@@ -32,7 +33,7 @@ class MemoryLine {
     waits.bytes = std::min(waits.bytes, memory_.whole().capacity());
     // Nobody else takes any between the attempt and the place in the line.
     const std::lock_guard lock(mutex_);
-    MemoryBudget::Reservation reservation = memory_.begin(waits.client);
+    MemoryBudget::Reservation reservation = memory_.begin(waits.client, waits.use);
     if (reservation.grow_to(waits.bytes)) return reservation;
     line_.push_back({std::move(waits), std::move(reservation)});
     return std::nullopt;

@@ -90,6 +90,9 @@ class WorkerPool {
   void share(TaskId task);
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
+  /// A background task that runs ends at its next poll (kOverloaded): more urgent ones need what it holds. False where it
+  /// does not run, or is more urgent.
+  bool give_up(TaskId task);
   /// So many seconds were used for a flow, and its account.
   void charge(Priority priority, const Flow& flow, double seconds);
 

@@ -48,6 +48,34 @@ TEST_F(WaitingJob, BeginsAgainWhenTheMemoryIsFree) {
   EXPECT_EQ(crowd.cuts, 3);
 }
 
+/// It holds more than half of the working memory, and somebody waits for an answer that needs some of that.
+TEST_F(WaitingJob, BeginsAgainWhenItsMemoryWasGivenUpForAWaitingClient) {
+  host.emplace("");
+  std::atomic<int> cuts{0};
+  const std::uint64_t memory = host->dispatcher.working().capacity();
+  host->control->during_cut = [&, hold = crowd.gate.hook()](const Execution& execution) {
+    const bool first = cuts++ == 0;
+    execution.made(Product::kImportBytes, memory / 100 * (first ? 70 : 40));
+    if (first) hold(execution);
+  };
+  Terms terms;
+  terms.payer.flow = {"ana", 1};
+  const std::string job = host->start(1, terms);
+  crowd.gate.wait_for(1);
+  Terms waits;
+  waits.payer.flow = {"bob", 1};
+  std::atomic<bool> answered{false};
+  EXPECT_FALSE(
+      host->dispatcher.fracture(fracture_request("mesh", 2), waits, [&](Expected<FractureAnswer> answer) {
+        EXPECT_TRUE(answer) << answer.error().detail;
+        answered = true;
+      }));
+  require_eventually(kPatience, "the answer", [&] { return answered.load(); });
+  host->wait_for(job, JobState::kDone);
+  EXPECT_EQ(cuts, 3) << "the job's, the request's, and the job's again";
+  host->idle();
+}
+
 TEST_F(WaitingJob, HoldsUpNoneThatNeedsLess) {
   const auto [holder, large] = crowded_out("");
   crowd.bytes = 1000;

@@ -150,5 +150,85 @@ TEST_F(OwnHoldings, AreNoShareOfAnotherClientWhoWaitsForTheSame) {
   small.wait_idle();
 }
 
+/// A job of ana holds memory at a gate, up to which it polls; bob waits for an answer that needs some.
+struct HeldInBackground : DispatcherTest {
+  static constexpr std::uint64_t kMiB = 1u << 20;
+  Dispatcher small{service, pool, {64 * kMiB}};  // an eighth is for small computations
+  Gate gate;
+  std::map<std::string, std::optional<ErrorCode>> ends;  // by client; nothing: an answer
+
+  std::atomic<std::uint64_t> makes{0};  ///< bytes, the next computation, beyond its estimate
+  std::atomic<int> cuts{0};
+
+  HeldInBackground() {
+    control->during_cut = [this](const Execution& execution) {
+      const bool first = cuts++ == 0;
+      execution.made(Product::kImportBytes, makes);
+      if (first) gate.pass(execution);
+    };
+  }
+  void ask_as(const std::string& client, Priority priority, std::uint64_t bytes, std::uint32_t sites = 10) {
+    makes = bytes;
+    FractureRequest request = fracture_request("mesh of " + client, 1);
+    request.parameters.fracture.sites = sites;
+    Terms terms;
+    terms.priority = priority;
+    terms.payer.flow = {client, 1};
+    EXPECT_FALSE(small.fracture(std::move(request), terms, [this, client](Expected<FractureAnswer> answer) {
+      const std::lock_guard lock(mutex);
+      ends[client] = answer ? std::nullopt : std::optional(answer.error().code);
+    }));
+  }
+  void begin_job(std::uint64_t bytes) {
+    ask_as("ana", Priority::kBackground, bytes);
+    gate.wait_for(1);
+  }
+  std::optional<ErrorCode> end_of(const std::string& client) {
+    test::require_eventually(test::kPatience, "the answer of " + client, [&] {
+      const std::lock_guard lock(mutex);
+      return ends.contains(client);
+    });
+    const std::lock_guard lock(mutex);
+    return ends.at(client);
+  }
+  void end() {
+    gate.open = true;
+    small.wait_idle();
+    EXPECT_EQ(small.figures().working_bytes, 0u);
+  }
+};
+
+TEST_F(HeldInBackground, IsGivenUpWhenAComputationThatSomebodyWaitsForGrows) {
+  begin_job(40 * kMiB);
+  ask_as("bob", Priority::kBatch, 22 * kMiB);
+  EXPECT_EQ(end_of("bob"), std::nullopt);
+  EXPECT_EQ(end_of("ana"), ErrorCode::kOverloaded) << "as a job, it begins again";
+  end();
+}
+
+TEST_F(HeldInBackground, IsGivenUpWhenTheTurnComesOfAComputationThatIsExpectedToNeedIt) {
+  begin_job(40 * kMiB);
+  ask_as("bob", Priority::kBatch, 0, 1100);
+  EXPECT_EQ(end_of("bob"), std::nullopt);
+  EXPECT_EQ(end_of("ana"), ErrorCode::kOverloaded);
+  end();
+}
+
+TEST_F(HeldInBackground, IsKeptUpToTheHalf) {
+  begin_job(28 * kMiB);
+  ask_as("bob", Priority::kBatch, 32 * kMiB);
+  EXPECT_EQ(end_of("bob"), ErrorCode::kOutOfMemory) << "more than the other half";
+  end();
+  EXPECT_EQ(end_of("ana"), std::nullopt);
+}
+
+TEST_F(HeldInBackground, IsKeptFromOtherBackgroundWork) {
+  begin_job(40 * kMiB);
+  ask_as("bob", Priority::kBackground, 22 * kMiB);
+  EXPECT_EQ(end_of("bob"), ErrorCode::kOutOfMemory);
+  end();
+  EXPECT_EQ(end_of("ana"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace fracture::test

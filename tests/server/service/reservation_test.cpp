@@ -154,6 +154,30 @@ TEST_F(ReservationTest, WhateverManyClientsHoldTheNextOneFindsRoom) {
   }
 }
 
+TEST_F(ReservationTest, BackgroundWorkHoldsNoMoreThanHalfAgainstWhatOthersWaitFor) {
+  using Budget = MemoryBudget;
+  Budget whole(Budget::Divided{.capacity = 1000, .headroom = 0, .largest_small = 10},
+               {.large = 750, .small = 750});
+  const auto ana = std::make_shared<Budget::Client>(), bob = std::make_shared<Budget::Client>();
+  Budget::Reservation job(whole, ana, Budget::Use::kBackground);
+  ASSERT_TRUE(job.grow_to(700)) << "nobody else needs it";
+  EXPECT_EQ(whole.judge(bob.get(), 300), Budget::Verdict::kFits);
+  EXPECT_EQ(whole.judge(bob.get(), 400), Budget::Verdict::kHeldInBackground);
+  EXPECT_EQ(whole.missing(400), 100u);
+  EXPECT_EQ(whole.judge(bob.get(), 501), Budget::Verdict::kFull) << "more than the other half";
+  EXPECT_EQ(whole.judge(bob.get(), 400, Budget::Use::kBackground), Budget::Verdict::kFull)
+      << "as much in background";
+  EXPECT_EQ(whole.judge(nullptr, 400), Budget::Verdict::kHeldInBackground);
+  EXPECT_EQ(whole.judge(ana.get(), 100), Budget::Verdict::kOverShare) << "its own";
+  job.shrink_to(500);
+  Budget::Reservation waited(whole, bob);
+  EXPECT_TRUE(waited.grow_to(400)) << "however much the job may have grown to";
+  EXPECT_FALSE(job.grow_to(650));
+  job = {};
+  waited = {};
+  EXPECT_EQ(ana->large + ana->background + bob->large + bob->background + whole.used(), 0u);
+}
+
 TEST_F(ReservationTest, LargeOnesLeaveSmallOnesTheirHeadroom) {
   MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10});
   EXPECT_EQ(whole.capacity(), 900u);
