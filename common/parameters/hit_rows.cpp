@@ -24,9 +24,8 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer to the same mesh (its Content-Location): its parameters are "
-          "taken over, and the hits given here come after its own. 404 where the server does not "
-          "know it any more; its parameters, which stand in it, say the same."};
+          "Address of an earlier answer to the same mesh (its Content-Location). Its parameters are taken over, and the hits given "
+          "here follow its own. 404 if the server no longer knows it; the parameters that it contains give the same bytes."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits";
@@ -79,8 +78,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Where hits break only what is near them, one after the other, in the frame of the answer; with "
-           "`local_radius`."},
+           "Places where hits break only what is near, one after the other, in the frame of the answer. Use them for a hole or a "
+           "chipped corner, `impacts` to break the whole mesh. Needs `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -88,24 +87,24 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "How far each hit reaches, or all of them; with `local_point`. Where cells are stretched: "
-              "across the grain, and along it as many times as far."},
+       .doc =
+           "Reach of each hit, or one for all. Needs `local_point`. If cells are stretched, this is the reach across the grain; "
+           "along the grain it is that many times as far."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
        .type = Type::kIntegers,
        .min = 1,
        .max = kMostHitSites,
-       .doc =
-           "How many sites each hit adds, or all of them, on top of those of the pattern; 10000 together."},
+       .doc = "Number of sites that each hit adds to the pattern's, or one for all; at most 10000 together."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "whole: cells whose sites lie farther away stay together as one piece. fractured: they stay what "
-           "the pattern makes of them; so it is with `of`, where that answer has no hits."},
+           "State of the cells whose sites are farther away. `whole`: they stay together as one piece. `fractured`: they stay as "
+           "the pattern makes them; always with `of`, if that answer has no hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;
@@ -115,16 +114,18 @@ std::vector<ParameterSpec> hit_parameter_rows() {
       {.name = "delta",
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
-       .doc = "stated: the answer names the fragments that the new hits made, changed and took away, and is "
-              "kept for further hits; so it is with `of` and hits. only: it has none but the new and the "
-              "changed ones."},
+       .doc =
+           "Report on the new hits. `none`: nothing. `stated`: the fragments that they made, changed and removed; the server keeps "
+           "the answer for further hits. Default with `of` and hits. `only`: the same, and the answer has only the new and the "
+           "changed fragments. Not with `levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
        .type = Type::kInteger,
        .min = 1,
        .max = kMostHits,
-       .doc = "With `delta`: how many of the hits are new, the last ones. With `of` they are counted."},
+       .doc =
+           "With `delta`: how many of the hits are new, counted from the last. With `of` the server counts them."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {
