@@ -33,7 +33,7 @@ ParameterSpec of_row() {
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.of = answer_key_in(std::get<std::string>(value));
   };
-  // What it stands for is in the other parameters.
+  // The canonical form has the parameters of that answer instead.
   spec.get = [](const RequestParameters&, const ParameterSpec&) { return nlohmann::json(); };
   return spec;
 }
@@ -42,7 +42,7 @@ std::string counted(std::size_t n, const char* what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
-/// One for each point, or one for all.
+/// Repeats a single value for each point. An error if the numbers of values and points differ.
 template <class T>
 std::optional<Error> spread(const char* name, std::vector<T>& values, std::size_t points) {
   if (values.size() == 1) values.resize(points, values.front());
@@ -139,7 +139,7 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (r.local_point.empty() != r.local_radius.empty())
     return bad_parameter(
         r.local_point.empty() ? "local_point" : "local_radius",
-        "'local_point' and 'local_radius' say where a hit is together; one of them is missing.");
+        "'local_point' and 'local_radius' define a hit together, and one of them is missing. Give both.");
   const std::size_t points = r.local_point.size();
   if (points > 0) {
     if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;
@@ -148,7 +148,7 @@ std::optional<Error> complete_hits(RequestParameters& r) {
     if (sites > kMostHitSites)
       return bad_parameter("local_sites", "All hits together may add " + std::to_string(kMostHitSites) +
                                               " sites; 'local_sites' adds up to " + std::to_string(sites) +
-                                              ".");
+                                              ". Lower it.");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)
@@ -158,15 +158,18 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (!r.of.empty() || r.delta == DeltaAnswer::kNone) return std::nullopt;
 
   if (points == 0 && r.delta == DeltaAnswer::kOnly)
-    return bad_parameter("delta", "delta=only leaves out what hits did not change: it needs 'local_point'.");
+    return bad_parameter(
+        "delta",
+        "delta=only leaves out the fragments that hits did not change, so it needs hits. Give 'local_point'.");
   if (points > 0 && r.local_new > points)
     return bad_parameter("local_new", "'local_new' must be at most the number of hits, which is " +
                                           std::to_string(points) + ".");
   if (r.fragment)
-    return bad_parameter("delta", "'delta' compares whole answers, not the parts of one 'fragment'.");
+    return bad_parameter(
+        "delta", "'delta' compares whole answers, not the parts of one 'fragment'. Leave one of them out.");
   if (r.delta == DeltaAnswer::kOnly && !f.levels.empty())
-    return bad_parameter("delta",
-                         "delta=only leaves fragments out that 'levels' are about: ask for delta=stated.");
+    return bad_parameter(
+        "delta", "delta=only leaves out fragments that the hierarchy of 'levels' needs. Use delta=stated.");
   r.selection.kept = true;
   if (points > 0) r.selection.new_hits = NewHits{r.local_new, r.delta == DeltaAnswer::kOnly};
   return std::nullopt;

@@ -46,7 +46,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
            "`shell_fraction`; a given 0 also leaves out the material's own walls."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.hollow = {.thickness = std::get<double>(value)};  // in the place of a material's walls
+    r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
   };
   shell.matters = [](const RequestParameters& r) { return r.hollow.thickness > 0; };
   add(std::move(shell));
@@ -63,7 +63,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
     r.hollow.fraction = std::get<double>(value);
     r.hollow.least_ball = 0;
   };
-  // Said also where it is 0 against the will of the material: parameters that were answered may be sent again.
+  // 0 is kept if the material has walls, because the parameters of an answer may be sent again.
   fraction.matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);
     return r.hollow.fraction > 0 || (preset && preset->shell_fraction > 0);
@@ -194,7 +194,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
-                  .choice = r.interior.choice,  // nothing of `material`
+                  .choice = r.interior.choice,  // nothing comes from `material`
                   .mortar = r.interior.mortar};
     r.interior_color.clear();
   };

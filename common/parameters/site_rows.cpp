@@ -1,4 +1,4 @@
-// Which material, which pattern, and the parameters of each.
+// Rows of material and pattern, and of the parameters of each pattern.
 #include "common/parameters/fields.hpp"
 #include "common/parameters/rows.hpp"
 
@@ -72,7 +72,7 @@ ParameterSpec pattern_row() {
   for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto index = static_cast<std::size_t>(std::get<std::uint64_t>(value));
-    if (r.fracture.pattern.index() == index) return;  // keeps what a material has set
+    if (r.fracture.pattern.index() == index) return;  // keeps the values of a material
     r.fracture.pattern = default_pattern(index);
     // Relaxation moves single sites, and slices have directions of their own.
     if (!std::holds_alternative<ImpactPattern>(r.fracture.pattern) &&
@@ -177,7 +177,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
   };
   grain_of.set = [set = grain_of.set](RequestParameters& r, const ParameterSpec& s,
                                       const ParameterValue& value) {
-    r.fracture.anisotropy.grain.reset();  // in the place of a material's
+    r.fracture.anisotropy.grain.reset();  // replaces the grain of a material
     set(r, s, value);
   };
   rows.push_back(std::move(grain_of));
@@ -198,12 +198,12 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            "matrix is singular or nearly so";
   };
   matrix.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // in the place of a material's stretch
+    r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // replaces the stretch of a material
   };
   rows.push_back(std::move(matrix));
 }
 
-/// Fragments of several cells, with the patterns that know them.
+/// Fragments of several cells, for the patterns that support them.
 void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
   const std::vector<std::string> patterns{pattern_name<UniformPattern>(), pattern_name<ImpactPattern>(),
                                           pattern_name<ClusteredPattern>()};
@@ -220,7 +220,7 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
                "sets their sizes. After an impact they are longer in the outward direction. 1: each cell is a fragment. The materials "
                "stone, concrete and metal have 6, which costs twice as much as 1 with flat cuts."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
-  rows.back().matters = [](const RequestParameters& r) {  // 1 beside a material that has more says something
+  rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
     const MaterialPreset* preset = find_material_preset(r.material);
     return r.fracture.aggregation.cells > 1 || (preset && preset->aggregation.cells > 1);
   };

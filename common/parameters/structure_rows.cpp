@@ -1,4 +1,4 @@
-// Sizes, levels, what stays whole, what is held, what breaks further.
+// Rows of sizes, levels, kept regions, anchors, and fragments that break further.
 #include <algorithm>
 
 #include "common/parameters/fields.hpp"
@@ -19,7 +19,7 @@ nlohmann::json vectors(const std::vector<Vec3d>& list) {
   return json;
 }
 
-/// The rows from `first` on matter only where `matters` says so.
+/// The rows from `first` on matter only if `matters` returns true.
 void only_where(std::vector<ParameterSpec>& rows, std::size_t first,
                 const std::function<bool(const RequestParameters&)>& matters) {
   for (; first < rows.size(); ++first) rows[first].matters = matters;
@@ -37,7 +37,7 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
            "same number, the pattern makes as many cells as it takes. 0: as many as come from `sites`. Not with `levels` or "
            "`dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
-  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as it takes
+  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number needs
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
   return spec;
 }
@@ -63,7 +63,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
       "pattern's sites give. Before cuts become rough the limit is doubled, up to 0.05. 0: no limit. Default with a `material`: "
       "0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
-  // With a material none is something else than what it sets.
+  // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {
     return r.fracture.size.min_of_mean > 0 || !r.material.empty();
   };
@@ -280,23 +280,30 @@ std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
 std::optional<Error> complete_structure(RequestParameters& r) {
   FractureParameters& f = r.fracture;
   if (std::optional<Error> wrong = complete_hits(r)) return wrong;
-  if (!r.of.empty()) return std::nullopt;  // the rest may be in the parameters of that answer
+  if (!r.of.empty()) return std::nullopt;  // missing parameters may be in that answer
   if (r.keep_center.has_value() != r.keep_radius.has_value())
-    return bad_parameter(r.keep_center ? "keep_radius" : "keep_center",
-                         "'keep_center' and 'keep_radius' say a sphere together; one of them is missing.");
+    return bad_parameter(
+        r.keep_center ? "keep_radius" : "keep_center",
+        "'keep_center' and 'keep_radius' define a sphere together, and one of them is missing. Give both.");
   if (r.keep_center && f.keep)
-    return bad_parameter("keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept.");
+    return bad_parameter(
+        "keep_box",
+        "'keep_box' and 'keep_center' were both given: only one region can be kept. Leave one out.");
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
   r.selection.refracture.reset();
   if (r.fragment) r.selection.refracture = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
-    return bad_parameter("broken", "'broken' needs anchors: without any, everything falls.");
+    return bad_parameter(
+        "broken",
+        "'broken' needs anchors, because without them everything falls. Give 'anchor_plane', "
+        "'anchor_box' or 'anchor_points'.");
   if (f.dual == Dual::kBarycenter)
-    f.aggregation = {};  // its cells do not fill space, nor would groups of them
+    f.aggregation = {};  // barycentric cells do not fill space, and groups of them would not either
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
-    return bad_parameter("drop_above",
-                         "'drop_above' belongs to dual=barycenter; an exact partition leaves nothing out. "
-                         "'max_volume' breaks large fragments further.");
+    return bad_parameter(
+        "drop_above",
+        "'drop_above' needs dual=barycenter, because an exact partition leaves nothing out. Use "
+        "'max_volume' to break large fragments further.");
   if (f.max_volume > 0 && f.size.min_volume > f.max_volume)
     return bad_parameter("max_volume", "'max_volume' must be at least 'min_volume', which is " +
                                            nlohmann::json(f.size.min_volume).dump() + ".");
