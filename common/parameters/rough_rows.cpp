@@ -18,8 +18,8 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .high = 0.25,
        .doc =
            "How far noise moves cut faces from their planes, as a fraction of the solid's size (the cube root of the volume of its "
-           "largest part). Along the grain of a `stretch` above 6 it is four times as far. If `rough_frequency` is too high for it, "
-           "it is lowered. 0: flat cuts."},
+           "largest part). If `stretch` is above 6, they move four times as far along the grain. The server lowers it if "
+           "`rough_frequency` is too high for it. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);  // whose roughness is overridden by 0

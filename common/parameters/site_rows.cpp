@@ -133,9 +133,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "Paint that marks where the mesh breaks most. COLOR_0 to COLOR_7 are vertex colours: white gets the most sites, black a "
-               "32nd as many. Or the name or number of a material: its surface gets the most, others a 32nd as many. Sites near an "
-               "impact stay; evenly spread sites and the centres of clusters move."},
+               "Paint that marks where the mesh breaks most: vertex colours (COLOR_0 to COLOR_7) or a material (name or number). "
+               "White, or the surface of the material, gets the most sites; black, or other surfaces, a 32nd as many. It affects "
+               "evenly spread sites and the centres of clusters, not sites near an impact."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -316,8 +316,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            "Centre of rings and spokes. `axis`: a line, for a pane. `point`: a point with spokes in all directions, for a vessel "
            "or a lump. `shape`: an axis if `axis` is given or the mesh is a plate in any position (at most a fifth as thick as it "
            "is wide), else a point. Without `axis`, `spokes`, `rings` and a stretch, each of several parts breaks by its own "
-           "shape, and parts four times as long as wide break across. If there are more than eight parts, the seven largest do so. "
-           "With `dual=barycenter` or a kept region, all parts break as one."}));
+           "shape, and parts four times as long as wide break across. If there are more than eight parts, only the seven largest "
+           "do so. With `dual=barycenter` or a kept region, all parts break as one."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,

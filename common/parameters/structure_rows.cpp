@@ -33,9 +33,9 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .max = max_sites,
        .doc =
            "Number of fragments in the answer. If it is off by more than a tenth, a warning says why. Separate parts share the "
-           "fragments by volume; small parts stay whole. Pieces that hits break off come in addition. Without `sites`, or with the "
-           "same number, the pattern makes as many cells as it takes. 0: as many as come from `sites`. Not with `levels` or "
-           "`dual=barycenter`."},
+           "fragments by volume; small parts stay whole. Pieces that hits (`local_point`) break off come in addition. Without "
+           "`sites`, or with the same number, the pattern makes as many cells as it takes. 0: as many as come from `sites`. Not "
+           "with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number needs
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
@@ -59,9 +59,9 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "`min_volume` as a fraction of the fragments' mean volume. Near a hit a hundredth of it counts, of the mean that the "
-      "pattern's sites give. Before cuts become rough the limit is doubled, up to 0.05. 0: no limit. Default with a `material`: "
-      "0.002.",
+      "`min_volume` as a fraction of the fragments' mean volume. Use it against crumbs. Near a hit the limit is a hundredth of "
+      "this, and the mean is that of the pattern's sites. Before cuts become rough the limit is doubled, to at most 0.05. 0: no "
+      "limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {

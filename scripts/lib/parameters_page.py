@@ -158,7 +158,9 @@ def with_patterns(spec, patterns):
 
 
 def wrapped(text, indent=""):
-    return textwrap.wrap(text, 128, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    text = re.sub(r"`[^`]+`", lambda code: code[0].replace(" ", "\0"), text)  # code stays on one line
+    lines = textwrap.wrap(text, 128, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\0", " ") for line in lines]
 
 
 def section(spec, patterns):
@@ -282,7 +284,7 @@ def parameters_page(limits, patterns):
     yield "| list | `a,b,c` | `[a, b, c]` |"
     yield "| colour | `#rrggbb` (in a query `%23rrggbb`) | `\"#rrggbb\"` |"
     yield ""
-    yield "## Where to begin"
+    yield "## Choose parameters"
     yield ""
     yield from wrapped("Begin with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST) + ". A material sets the pattern, the cuts and the "
                        "physics; everything else may stay at its default.")
