@@ -18,8 +18,7 @@ std::vector<MaterialPreset> make_presets() {
   glass.merge = 0.7;
   presets.push_back(
       {"glass",
-       "Cracks from the impact, each part by its shape: rings and spokes of a pane, lengths of a rod, long shards of a "
-       "vessel, smooth waves in a lump.",
+       "Rings and spokes in panes, lengths of rods, long shards of vessels, smooth waves in lumps.",
        glass,
        0,
        1,
@@ -58,7 +57,7 @@ std::vector<MaterialPreset> make_presets() {
                      {6, 1.8}});
 
   presets.push_back({"stone",
-                     "Ragged chunks, of the sizes that blasted rock has.",
+                     "Ragged chunks with the sizes of blasted rock.",
                      UniformPattern{},
                      0,
                      1,

@@ -71,7 +71,7 @@ nlohmann::json describe(const ParameterSpec& spec) {
   return entry;
 }
 
-/// What a request without any parameter stands for.
+/// The parameters of a request that gives none.
 nlohmann::json default_parameters() {
   const RequestParameters nothing;
   return canonical_parameters(nothing);
@@ -116,7 +116,7 @@ nlohmann::json ParameterTable::patterns_to_json() const {
   const ParameterSpec& material = *find("material");
   const nlohmann::json defaults = default_parameters();
   for (std::size_t k = 0; k < material.choices.size(); ++k) {
-    // What it sets: its pattern's values, and whatever else is not the default.
+    // The values of its pattern, and all others that are not the default.
     nlohmann::json sets = canonical_parameters(with_choice(material, k));
     for (const ParameterSpec& spec : specs_)
       if (spec.name == "material" || (defaults.contains(spec.name) && sets.contains(spec.name) &&

@@ -1,5 +1,4 @@
-// Binds a row of the table of parameters to a member of RequestParameters: one accessor makes both the setter
-// and the canonical form.
+// Binds a row of the table of parameters to a member of RequestParameters. One accessor makes both the setter and the canonical form.
 #pragma once
 
 #include <optional>
@@ -27,7 +26,7 @@ void assign(std::optional<T>& to, const ParameterValue& value) {
 
 inline nlohmann::json to_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-/// null for what is empty or not set.
+/// null if the value is empty or not set.
 template <class T>
 nlohmann::json shown_as(const T& value, const ParameterSpec& spec) {
   if constexpr (std::is_enum_v<T>) {
@@ -71,8 +70,7 @@ std::string pattern_name() {
   return kPatternTraits[SitePattern(Pattern{}).index()].name;
 }
 
-/// A parameter of those patterns whose members are given; `get` is asked only when the pattern is one of
-/// them.
+/// A parameter of the patterns whose members are given. `get` is called only if the request has one of these patterns.
 template <auto... members>
 ParameterSpec with_pattern_member(ParameterSpec spec) {
   spec.decides = Decides::kSites;

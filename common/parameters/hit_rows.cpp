@@ -24,9 +24,8 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer to the same mesh (its Content-Location): its parameters are "
-          "taken over, and the hits given here come after its own. 404 where the server does not "
-          "know it any more; its parameters, which stand in it, say the same."};
+          "Address of an earlier answer to the same mesh (its Content-Location). Its parameters are taken over, and the hits given "
+          "here follow its own. 404 if the server no longer knows it; the parameters that it contains give the same bytes."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits";
@@ -34,7 +33,7 @@ ParameterSpec of_row() {
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.of = answer_key_in(std::get<std::string>(value));
   };
-  // What it stands for is in the other parameters.
+  // The canonical form has the parameters of that answer instead.
   spec.get = [](const RequestParameters&, const ParameterSpec&) { return nlohmann::json(); };
   return spec;
 }
@@ -43,7 +42,7 @@ std::string counted(std::size_t n, const char* what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
-/// One for each point, or one for all.
+/// Repeats a single value for each point. An error if the numbers of values and points differ.
 template <class T>
 std::optional<Error> spread(const char* name, std::vector<T>& values, std::size_t points) {
   if (values.size() == 1) values.resize(points, values.front());
@@ -79,8 +78,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Where hits break only what is near them, one after the other, in the frame of the answer; with "
-           "`local_radius`."},
+           "Places where hits break only what is near, one after the other, in the frame of the answer. Use them for a hole or a "
+           "chipped corner, `impacts` to break the whole mesh. Needs `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -88,24 +87,24 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "How far each hit reaches, or all of them; with `local_point`. Where cells are stretched: "
-              "across the grain, and along it as many times as far."},
+       .doc =
+           "Reach of each hit, or one for all. Needs `local_point`. If cells are stretched, this is the reach across the grain; "
+           "along the grain it is that many times as far."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
        .type = Type::kIntegers,
        .min = 1,
        .max = kMostHitSites,
-       .doc =
-           "How many sites each hit adds, or all of them, on top of those of the pattern; 10000 together."},
+       .doc = "Number of sites that each hit adds to the pattern's, or one for all; at most 10000 together."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "whole: cells whose sites lie farther away stay together as one piece. fractured: they stay what "
-           "the pattern makes of them; so it is with `of`, where that answer has no hits."},
+           "State of the cells whose sites are farther away. `whole`: they stay together as one piece. `fractured`: they stay as "
+           "the pattern makes them; always with `of`, if that answer has no hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;
@@ -115,16 +114,18 @@ std::vector<ParameterSpec> hit_parameter_rows() {
       {.name = "delta",
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
-       .doc = "stated: the answer names the fragments that the new hits made, changed and took away, and is "
-              "kept for further hits; so it is with `of` and hits. only: it has none but the new and the "
-              "changed ones."},
+       .doc =
+           "Report on the new hits. `none`: nothing. `stated`: the fragments that they made, changed and removed; the server keeps "
+           "the answer for further hits. Default with `of` and hits. `only`: the same, and the answer has only the new and the "
+           "changed fragments. Not with `levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
        .type = Type::kInteger,
        .min = 1,
        .max = kMostHits,
-       .doc = "With `delta`: how many of the hits are new, the last ones. With `of` they are counted."},
+       .doc =
+           "With `delta`: how many of the hits are new, counted from the last. With `of` the server counts them."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {
@@ -138,7 +139,7 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (r.local_point.empty() != r.local_radius.empty())
     return bad_parameter(
         r.local_point.empty() ? "local_point" : "local_radius",
-        "'local_point' and 'local_radius' say where a hit is together; one of them is missing.");
+        "'local_point' and 'local_radius' define a hit together, and one of them is missing. Give both.");
   const std::size_t points = r.local_point.size();
   if (points > 0) {
     if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;
@@ -147,7 +148,7 @@ std::optional<Error> complete_hits(RequestParameters& r) {
     if (sites > kMostHitSites)
       return bad_parameter("local_sites", "All hits together may add " + std::to_string(kMostHitSites) +
                                               " sites; 'local_sites' adds up to " + std::to_string(sites) +
-                                              ".");
+                                              ". Lower it.");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)
@@ -157,15 +158,18 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (!r.of.empty() || r.delta == DeltaAnswer::kNone) return std::nullopt;
 
   if (points == 0 && r.delta == DeltaAnswer::kOnly)
-    return bad_parameter("delta", "delta=only leaves out what hits did not change: it needs 'local_point'.");
+    return bad_parameter(
+        "delta",
+        "delta=only leaves out the fragments that hits did not change, so it needs hits. Give 'local_point'.");
   if (points > 0 && r.local_new > points)
     return bad_parameter("local_new", "'local_new' must be at most the number of hits, which is " +
                                           std::to_string(points) + ".");
   if (r.fragment)
-    return bad_parameter("delta", "'delta' compares whole answers, not the parts of one 'fragment'.");
+    return bad_parameter(
+        "delta", "'delta' compares whole answers, not the parts of one 'fragment'. Leave one of them out.");
   if (r.delta == DeltaAnswer::kOnly && !f.levels.empty())
-    return bad_parameter("delta",
-                         "delta=only leaves fragments out that 'levels' are about: ask for delta=stated.");
+    return bad_parameter(
+        "delta", "delta=only leaves out fragments that the hierarchy of 'levels' needs. Use delta=stated.");
   r.selection.kept = true;
   if (points > 0) r.selection.new_hits = NewHits{r.local_new, r.delta == DeltaAnswer::kOnly};
   return std::nullopt;

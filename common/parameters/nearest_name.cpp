@@ -9,17 +9,16 @@
 namespace fracture {
 namespace {
 
-/// How many letters are to be inserted, left out, changed or swapped with their neighbour (Damerau 1964; by
-/// the recurrence of Wagner and Fischer 1974, no letter edited twice).
+/// The number of letters to insert, leave out, change or swap with their neighbour (Damerau 1964; by the recurrence of Wagner
+/// and Fischer 1974, which edits no letter twice).
 class EditDistance {
  public:
   explicit EditDistance(std::string_view a) : a_(a) {
     for (const char c : a_) ++letters_[static_cast<unsigned char>(c)];
   }
 
-  /// The distance is no less than this: letters that one of the two has and the other has not (Bartolini, Ciaccia and
-  /// Patella, "String matching with metric trees using an approximate distance", 2002). Of most names it is all that has to
-  /// be known.
+  /// A lower bound of the distance: the letters that only one of the two names has (Bartolini, Ciaccia and Patella, "String
+  /// matching with metric trees using an approximate distance", 2002). For most names this bound is enough.
   std::size_t at_least(std::string_view b) const {
     std::array<std::uint16_t, 256> left = letters_;
     std::size_t common = 0;
@@ -54,7 +53,7 @@ class EditDistance {
   std::vector<std::size_t> before_, last_, row_;
 };
 
-/// Beyond so many letters a name is none that was misspelt.
+/// A longer name is not a misspelt one, in letters.
 constexpr std::size_t kLongest = 40;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// "Did you mean": the known name that a misspelt one was probably meant to be.
+// "Did you mean": the known name that a misspelt name probably means.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 
 namespace fracture {
 
-/// The first of the least edit distance (Damerau 1964); nothing where more than a third of the letters
-/// would have to change.
+/// The first known name with the least edit distance (Damerau 1964). Nothing if more than a third of the letters would have to
+/// change.
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> known);
 
-/// The `most` known names of the least edit distance from the name (of a long one, from its beginning),
-/// nearest first; of equal ones in their own order.
+/// The `most` known names with the least edit distance, nearest first, equal ones in their given order. A long name is compared
+/// by its beginning.
 std::vector<std::string> nearest_names(std::string_view name, std::span<const std::string> known,
                                        std::size_t most);
 

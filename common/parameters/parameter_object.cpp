@@ -6,13 +6,13 @@
 namespace fracture {
 namespace {
 
-/// Of the widest server that there can be: what one server has kept, another one with lower limits reads, too.
+/// The table with the widest limits, because a server with lower limits reads what another server has kept.
 const ParameterTable& widest_table() {
   static const ParameterTable table(kMostSitesAnywhere, FormatSet::all());
   return table;
 }
 
-/// Nothing for what no server accepts, and for what names an earlier answer: that is kept with that answer's parameters.
+/// Nothing for parameters that no server accepts, and for `of`: kept parameters contain those of the earlier answer instead.
 std::optional<RequestParameters> parsed(const nlohmann::json& object) {
   auto parameters = widest_table().parse(raw_parameters(object));
   if (!parameters || !parameters->of.empty()) return std::nullopt;

@@ -30,10 +30,10 @@ nlohmann::json canonical(const RequestParameters& parameters, const Wanted& want
   return json;
 }
 
-/// What is told of a request at most: one may be wrong in thousands of places.
+/// Limits of an answer, because a request may be wrong in thousands of places.
 constexpr std::size_t kMostOffences = 16, kMostNames = 20;
 
-/// Collects what is wrong with a request.
+/// Collects the errors of a request.
 class Offences {
  public:
   void add(ErrorCode code, const RawParameter& raw, std::string detail, const std::string& inside = {}) {
@@ -44,14 +44,14 @@ class Offences {
     entries_.push_back(std::move(entry));
     if (!first_) first_ = Error{code, std::move(detail), name};
   }
-  /// Of a parameter that is missing.
+  /// An error about a parameter that was not given.
   void add_missing(const std::string& name, std::string detail) {
     if (!another()) return;
     entries_.push_back({{"detail", detail}, {"parameter", name}});
     if (!first_) first_ = Error{ErrorCode::kBadParameter, std::move(detail), name};
   }
   bool any() const { return first_.has_value(); }
-  /// What is found from now on is counted, not told.
+  /// Further errors are counted and not listed.
   bool full() const { return entries_.size() >= kMostOffences; }
   void count() { ++more_; }
   Error error() && {
@@ -75,7 +75,7 @@ class Offences {
 
 using Given = std::map<std::string, const RawParameter*>;
 
-/// The first one names what there is instead.
+/// Only the first such error lists the nearest parameters.
 std::string unknown_parameter(const std::vector<std::string>& known, const std::string& name, bool first) {
   const std::optional<std::string> nearest = nearest_name(name, known);
   return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
@@ -85,17 +85,17 @@ std::string unknown_parameter(const std::vector<std::string>& known, const std::
                 : std::string());
 }
 
-/// Two ways to say one thing.
+/// Refuses two parameters of which only one may be given.
 void refuse_both(Offences& offences, const Given& given, const char* name, const char* other,
                  const char* why) {
   const auto it = given.find(name);
   if (it == given.end() || given.count(other) == 0) return;
   offences.add(ErrorCode::kBadParameter, *it->second,
-               std::string("'") + name + "' and '" + other + "' were both given; " + why);
+               std::string("'") + name + "' and '" + other + "' were both given: " + why);
 }
 
-/// Who says of a material where it was hit wants it broken there: most of the sites go to where it was, where its own
-/// pattern knows of no hits.
+/// A caller that gives a material and `impacts` wants it broken there. If the material's own pattern has no impacts, the pattern
+/// becomes impact.
 void hit_material(SitePattern& pattern) {
   if (!std::holds_alternative<UniformPattern>(pattern) && !std::holds_alternative<ClusteredPattern>(pattern))
     return;
@@ -146,7 +146,7 @@ const ParameterSpec* ParameterTable::find(std::string_view name) const {
 Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter>& given) const {
   Offences offences;
   Given seen;
-  std::vector<std::string> names;  // all there are, if one is unknown
+  std::vector<std::string> names;  // of all parameters; filled when one is unknown
   std::map<std::string, ParameterValue> values;
   for (const RawParameter& raw : given) {
     const ParameterSpec* spec = find(raw.name);
@@ -160,7 +160,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       continue;
     }
     if (!seen.emplace(raw.name, &raw).second) {
-      offences.add(ErrorCode::kBadParameter, raw, "'" + raw.name + "' was given more than once.");
+      offences.add(ErrorCode::kBadParameter, raw,
+                   "'" + raw.name + "' was given more than once. Give it once.");
       continue;
     }
     Expected<ParameterValue> value = to_value(*spec, raw);
@@ -182,7 +183,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
                    "'" + spec.name + "' belongs to the pattern " + join(spec.patterns) +
                        "; the pattern of this request is " +
-                       kPatternTraits[result.fracture.pattern.index()].name + ".");
+                       kPatternTraits[result.fracture.pattern.index()].name + ". Leave '" + spec.name +
+                       "' out, or change 'pattern'.");
       continue;
     }
     spec.set(result, spec, value->second);
@@ -190,15 +192,18 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   if (const std::uint32_t wanted = result.fracture.size.fragments; wanted > 0) {
     if (!values.contains("sites") && belongs(*find("sites"), result.fracture.pattern))
       result.fracture.sites = wanted;
-    refuse_both(offences, seen, "fragments", "levels", "the last level says how many there are.");
+    refuse_both(offences, seen, "fragments", "levels",
+                "the last level sets the number. Leave one of them out.");
     if (result.fracture.dual == Dual::kBarycenter)
-      refuse_both(offences, seen, "fragments", "dual", "hulls of barycentres cannot be united.");
+      refuse_both(offences, seen, "fragments", "dual",
+                  "barycentric cells cannot be merged. Leave one of them out.");
   }
-  refuse_both(offences, seen, "mass", "density", "each decides the other.");
-  refuse_both(offences, seen, "stretch_matrix", "stretch", "the matrix says it all.");
-  refuse_both(offences, seen, "stretch_matrix", "grain", "the matrix says it all.");
-  refuse_both(offences, seen, "stretch_matrix", "grain_of", "the matrix says it all.");
-  refuse_both(offences, seen, "grain", "grain_of", "a direction is the same for all.");
+  refuse_both(offences, seen, "mass", "density", "each decides the other. Leave one of them out.");
+  refuse_both(offences, seen, "stretch_matrix", "stretch", "the matrix contains it. Leave one of them out.");
+  refuse_both(offences, seen, "stretch_matrix", "grain", "the matrix contains it. Leave one of them out.");
+  refuse_both(offences, seen, "stretch_matrix", "grain_of", "the matrix contains it. Leave one of them out.");
+  refuse_both(offences, seen, "grain", "grain_of",
+              "a direction is the same for the whole mesh. Leave one of them out.");
   if (const auto* points = std::get_if<PointsPattern>(&result.fracture.pattern)) {
     if (points->points.empty() && seen.count("points") == 0)
       offences.add_missing("points",
@@ -206,12 +211,15 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
     result.fracture.sites = static_cast<std::uint32_t>(points->points.size());
   }
   if (result.exterior.choice == ExteriorChoice::kMaterial && result.material.empty() && result.of.empty())
-    offences.add_missing("exterior", "'exterior' is 'material', but there is no 'material': say which.");
-  // The parameters of an answer name both, and may be sent again.
+    offences.add_missing(
+        "exterior",
+        "'exterior' is 'material', but no 'material' is given. Give one, or leave 'exterior' out.");
+  // The parameters of an answer contain both, and may be sent again.
   const auto levels = values.find("levels"), sites = values.find("sites");
   if (levels != values.end() && sites != values.end() &&
       std::get<std::vector<std::uint64_t>>(levels->second).back() != std::get<std::uint64_t>(sites->second))
-    refuse_both(offences, seen, "levels", "sites", "the last level is the number of sites.");
+    refuse_both(offences, seen, "levels", "sites",
+                "the last level is the number of sites. Leave 'sites' out.");
   if (!offences.any())
     if (std::optional<Error> wrong = complete_structure(result))
       offences.add_missing(wrong->pointer, std::move(wrong->detail));
@@ -222,7 +230,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
   nlohmann::json json =
       canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
-  // A material that would have walls and must not is one without.
+  // A material whose walls are turned off is the same as a material without walls.
   if (!(parameters.hollow.fraction > 0)) json.erase("shell_fraction");
   return json;
 }
@@ -245,7 +253,7 @@ nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bo
     base.local_radius.resize(before);
     base.local_sites.resize(before);
   }
-  // Without the questions of the support analysis, which change from hit to hit.
+  // Without the parameters of the support analysis, which change from hit to hit.
   return canonical(base,
                    [](const ParameterSpec& row) { return row.name != "broken" && row.name != "gravity"; });
 }

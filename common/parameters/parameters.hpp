@@ -1,6 +1,6 @@
-// What may be asked, in one table: it validates the query of a URL, a JSON object and the flags of `bake`,
-// words the errors, makes the canonical form of a request, fills GET /limits and GET /patterns, and a test
-// holds proto/openapi.yaml to it. The rows stand in rows.cpp, site_rows.cpp and structure_rows.cpp.
+// The table of all parameters. It validates the query of a URL, a JSON object and the flags of `bake`, and words the errors. It
+// makes the canonical form of a request and fills GET /limits and GET /patterns. A test compares proto/openapi.yaml with it. The
+// rows are in rows.cpp, site_rows.cpp, structure_rows.cpp, hit_rows.cpp and rough_rows.cpp.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +26,11 @@ namespace fracture {
 /// Whole numbers go up to 2^53 - 1, so that they are exact in the JSON of every language.
 inline constexpr std::uint64_t kMaxSeed = (1ull << 53) - 1;
 
-/// What an answer says about how it differs from the one without the new hits.
+/// The report of an answer on its differences from the answer without the new hits.
 enum class DeltaAnswer {
   kNone,
   kStated,  ///< the ids of new, changed and gone fragments
-  kOnly,    ///< the same, and of the fragments only the new and the changed ones
+  kOnly,    ///< the same, and only the new and the changed fragments
 };
 
 struct RequestParameters {
@@ -44,8 +44,8 @@ struct RequestParameters {
   UeCollision ue_collision = UeCollision::kNone;
   std::optional<Vec3d> keep_center{};  ///< with keep_radius: fracture.keep
   std::optional<double> keep_radius{};
-  /// RequestKeys::result of an earlier answer. What parse() makes of a request with it is only what was
-  /// given; FractureService::parse() adds the parameters of that answer.
+  /// RequestKeys::result of an earlier answer. parse() takes only the given parameters; FractureService::parse() adds the parameters
+  /// of that answer.
   std::string of{};
   std::vector<Vec3d> local_point{};            ///< with the next two: fracture.hits
   std::vector<double> local_radius{};          ///< one for each point, or one for all
@@ -63,7 +63,7 @@ struct RequestParameters {
   ExteriorLook exterior;
   std::string interior_color;        ///< as given, when interior.color is set
   std::string mortar;                ///< as given, when interior.mortar is set
-  std::optional<double> mass;        ///< kg, of all fragments; when given it decides the density
+  std::optional<double> mass;        ///< kg, of all fragments; if given, it decides the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; nothing when absent
 };
 
@@ -108,15 +108,15 @@ class ParameterTable {
 /// The key at the end of an answer's address (`of`); empty when there is none.
 std::string answer_key_in(std::string_view address);
 
-/// The one spelling of a request: sorted keys, defaults filled in. Part of every cache key and of the GLB's
-/// extras, and the same for every way to ask (query, JSON, `bake`).
+/// The only spelling of a request: sorted keys, with defaults. It is part of every cache key and of the GLB's extras, and is the same
+/// for a query, JSON and `bake`.
 nlohmann::json canonical_parameters(const RequestParameters& parameters);
-/// Those of them that decide the solid.
+/// The canonical parameters that decide the solid.
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters);
-/// Those that decide the sites: a material and the same values given one by one are the same sites.
+/// The canonical parameters that decide the sites. A material and the same values given one by one have the same ones.
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters);
-/// Of a request with `delta`: those that decide what its hits start from, without the hits that are new; or,
-/// with `hit`, what further hits on its answer start from.
+/// For a request with `delta`: the parameters of the answer that its new hits start from. With `hit`: the parameters of the answer
+/// that further hits start from.
 nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bool hit);
 
 }  // namespace fracture

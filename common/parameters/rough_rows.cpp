@@ -17,9 +17,9 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0,
        .high = 0.25,
        .doc =
-           "How far cut faces are moved from their planes by noise, as a fraction of the solid's size (the "
-           "cube root of the volume of its largest part), along the grain of a `stretch` of 6 or more four times as far; lowered where "
-           "`rough_frequency` needs that. 0: flat cuts."},
+           "How far noise moves cut faces from their planes, as a fraction of the solid's size (the cube root of the volume of its "
+           "largest part). If `stretch` is above 6, they move four times as far along the grain. The server lowers it if "
+           "`rough_frequency` is too high for it. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);  // whose roughness is overridden by 0
@@ -31,7 +31,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .type = Type::kNumber,
        .low = 0.1,
        .high = 100,
-       .doc = "Waves of the coarsest noise along the solid's size."},
+       .doc = "Number of waves of the coarsest noise along the solid's size."},
       [](auto& r) -> auto& { return r.fracture.roughness.frequency; }));
   rows.push_back(with_member(
       {.name = "rough_octaves",
@@ -39,8 +39,8 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .min = 1,
        .max = 6,
        .doc =
-           "Each has twice the frequency and half the amplitude of the one before. The finest decides into "
-           "how many triangles the cuts are divided."},
+           "Layers of noise. Each has twice the frequency and half the amplitude of the one before. The finest decides how many "
+           "triangles the cuts have."},
       [](auto& r) -> auto& { return r.fracture.roughness.octaves; }));
   for (std::size_t k = first; k < rows.size(); ++k)
     rows[k].matters = [](const RequestParameters& r) { return r.fracture.roughness.amplitude > 0; };

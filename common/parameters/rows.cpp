@@ -20,8 +20,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
       {.name = "repair",
        .type = Type::kChoice,
        .choices = {"fill", "strict"},
-       .doc = "fill: holes are closed and what is turned is turned back. strict: a mesh that is not "
-              "closed and consistently oriented is refused."},
+       .doc =
+           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed, and inverted surfaces "
+           "are turned. `strict`: it is refused."},
       [](auto& r) -> auto& { return r.solid.repair; }));
   add(with_member(
       {.name = "thickness",
@@ -30,8 +31,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Makes open sheets (panes, leaves) slabs of this thickness. A curved sheet that encloses more when its "
-           "holes are filled becomes a solid body, with a warning. 0: sheets are dropped."},
+           "Open sheets (panes, leaves) become slabs of this thickness. A curved sheet becomes a solid body, with a warning, if "
+           "closing its holes encloses more volume than the slab has. 0: sheets are dropped."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -40,11 +41,12 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Closed parts without a cavity become walls of at least this thickness, where they are more than twice "
-           "as thick. 0: as shell_fraction says, and of that nothing is left of a material's own."},
+           "Thickness of walls. Closed parts without a cavity become hollow, with walls of at least this thickness, if they are "
+           "more than twice as thick. Use it for a vessel that is modelled as a solid. 0: the thickness comes from "
+           "`shell_fraction`; a given 0 also leaves out the material's own walls."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.hollow = {.thickness = std::get<double>(value)};  // in the place of a material's walls
+    r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
   };
   shell.matters = [](const RequestParameters& r) { return r.hollow.thickness > 0; };
   add(std::move(shell));
@@ -54,14 +56,14 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.5,
        .doc =
-           "The same as a fraction of the longest side of each part's box. 0 without shell: nothing becomes hollow. "
-           "Glass, ceramic, terracotta and metal have it by default."},
+           "Thickness of walls as a fraction of the longest side of each part's box. 0 without `shell`: nothing becomes hollow. "
+           "Default of glass 0.02, of ceramic 0.04, of terracotta 0.06, of metal 0.015."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow.fraction = std::get<double>(value);
     r.hollow.least_ball = 0;
   };
-  // Said also where it is 0 against the will of the material: parameters that were answered may be sent again.
+  // 0 is kept if the material has walls, because the parameters of an answer may be sent again.
   fraction.matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);
     return r.hollow.fraction > 0 || (preset && preset->shell_fraction > 0);
@@ -73,8 +75,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that hold a ball of this diameter, as a fraction of the longest side of their box, become "
-           "walls: plates, rods and what has walls already stay as they are. 0: all that are thick enough; else at least 0.1."},
+           "Only parts that hold a ball of this diameter, as a fraction of the longest side of their box, become hollow; plates, "
+           "rods and parts that have walls stay as they are. 0: all that are thick enough, else at least 0.1. Default of glass, "
+           "ceramic, terracotta and metal: 0.2, and 0 if `shell` or `shell_fraction` is given."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -88,33 +91,31 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 0,
        .high = 0.01,
-       .doc = "Vertices closer than this fraction of the box's diagonal are merged where that closes "
-              "open edges. 0: only equal ones."},
+       .doc =
+           "Vertices closer than this fraction of the box's diagonal are merged if that closes open edges. 0: equal ones."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
        .choices = {"file", "m", "cm", "mm", "inch"},
-       .doc = "Unit of the mesh's coordinates. file: as the file or its format says, else metres."},
+       .doc = "Unit of the mesh's coordinates. `file`: as the file or its format says, else metres."},
       [](auto& r) -> auto& { return r.frame.unit; }));
   add(with_member(
       {.name = "up",
        .type = Type::kChoice,
        .choices = {"file", "y", "z"},
-       .doc = "Axis of the mesh that points up; the answer is y up. file: as the file or its format "
-              "says, else y."},
+       .doc = "Up axis of the mesh; the answer is y up. `file`: as the file or its format says, else y."},
       [](auto& r) -> auto& { return r.frame.up; }));
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
-       .doc = "Fracture only these nodes (names or indices, separated by commas); the others pass "
-              "through whole."},
+       .doc = "Break only these nodes (names or indices, with commas); the others pass through whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
       {.name = "materials",
        .type = Type::kNames,
-       .doc = "Fracture only triangles with these materials (names or indices, separated by commas); "
-              "the others pass through whole."},
+       .doc =
+           "Break only triangles with these materials (names or indices, with commas); the others pass through whole."},
       [](auto& r) -> auto& { return r.parts.materials; }));
 }
 
@@ -124,8 +125,8 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"circumcenter", "barycenter"},
        .doc =
-           "circumcenter: Voronoi cells, an exact partition. barycenter: hulls of the "
-           "tetrahedra's barycentres, a softer look that is no partition; limits of size unite nothing there."},
+           "How cells are made. `circumcenter`: Voronoi cells, an exact partition. `barycenter`: hulls of the tetrahedra's "
+           "barycentres, a softer look without a partition; size limits merge nothing."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -133,27 +134,30 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m³",
        .low = 0,
        .high = 1e18,
-       .doc = "With dual=barycenter alone: larger fragments are left out, as in the paper. 0: none."},
+       .doc = "Larger fragments are left out, as in the paper. Only with `dual=barycenter`. 0: none."},
       [](auto& r) -> auto& { return r.fracture.drop_above; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
       {.name = "physics",
        .type = Type::kChoice,
        .choices = {"khr", "omi", "none"},
-       .doc = "khr: KHR_physics_rigid_bodies. omi: OMI_physics_body and OMI_physics_shape, "
-              "for Godot. none: neither, and no collision hulls."},
+       .doc =
+           "Physics of the fragments. `khr`: KHR_physics_rigid_bodies. `omi`: OMI_physics_body and OMI_physics_shape, for Godot. "
+           "`none`: no physics and no collision hulls."},
       [](auto& r) -> auto& { return r.physics; }));
   rows.push_back(with_member(
       {.name = "ue_collision",
        .type = Type::kChoice,
        .choices = {"none", "ucx"},
-       .doc = "ucx: the collision hulls also as nodes UCX_..., which Unreal takes for collision geometry."},
+       .doc = "`ucx`: the collision hulls are also nodes UCX_..., which Unreal takes as collision geometry."},
       [](auto& r) -> auto& { return r.ue_collision; }));
   rows.push_back(with_member(
       {.name = "pivot",
        .type = Type::kChoice,
        .choices = {"center_of_mass", "source"},
-       .doc = "Origin of each fragment's node: its centre of mass, or that of the source."},
+       .doc =
+           "Origin of each fragment's node. `center_of_mass`: its centre of mass. `source`: the origin of the mesh; positions are "
+           "those of the mesh."},
       [](auto& r) -> auto& { return r.fracture.pivot; }));
 }
 
@@ -163,9 +167,9 @@ void add_exterior_row(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "asset", "material"},
        .doc =
-           "auto: what the mesh gives no material has the colour, roughness, metal and opacity of `material`; all "
-           "else looks as the mesh has it. asset: all does. material: all has the roughness, metal and opacity of "
-           "`material`, in the colours and textures of the mesh where it has some."},
+           "Look of the outside. `auto`: surfaces without a material in the mesh get the colour, roughness, metalness and opacity "
+           "of `material`, the others stay as they are. `asset`: all stay as they are. `material`: all fragments get the roughness, "
+           "metalness and opacity of `material`, and keep their colours and textures."},
       [](auto& r) -> auto& { return r.exterior.choice; });
   exterior.matters = [](const RequestParameters& r) { return r.exterior.any(); };
   rows.push_back(std::move(exterior));
@@ -177,20 +181,20 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "plain", "texture"},
        .doc =
-           "auto: the cut faces of each part have the colour that most of its surface has, as far as interior_mix "
-           "says. plain: all have the same, which takes nothing from the surface. texture: as auto, but textures "
-           "of interior_material are shown even where they do not repeat on it."},
+           "Colour of the cut faces. `auto`: in each part the colour of most of its surface, as far as `interior_mix` says. "
+           "`plain`: the same in all parts, nothing of it from the surface. `texture`: as `auto`, but textures of "
+           "`interior_material` are shown even if they do not repeat on it."},
       [](auto& r) -> auto& { return r.interior.choice; }));
   ParameterSpec reused = with_member(
       {.name = "interior_material",
        .type = Type::kText,
        .doc =
-           "Name or index of a material of the mesh whose look the cut faces get, with textures that repeat on "
-           "it; an atlas or a palette gives its mean colour."},
+           "Name or index of a material of the mesh whose look the cut faces get. Textures that repeat on the mesh repeat on the "
+           "cuts; an atlas or a palette gives its mean colour."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
-                  .choice = r.interior.choice,  // nothing of `material`
+                  .choice = r.interior.choice,  // nothing comes from `material`
                   .mortar = r.interior.mortar};
     r.interior_color.clear();
   };
@@ -198,13 +202,14 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
   rows.push_back(with_member(
       {.name = "interior_name",
        .type = Type::kText,
-       .doc = "Name of the cut faces' material. Without it: Interior, or Interior_ and the "
-              "name of interior_material."},
+       .doc =
+           "Name of the cut faces' material. Default: Interior, or Interior_ and the name of `interior_material`."},
       [](auto& r) -> auto& { return r.interior.name; }));
   ParameterSpec color = with_member(
       {.name = "interior_color",
        .type = Type::kColor,
-       .doc = "Base colour of the cut faces, sRGB as #rrggbb; replaces the reused base colour texture."},
+       .doc =
+           "Base colour of the cut faces, sRGB as #rrggbb. Replaces the base colour texture of `interior_material`."},
       [](auto& r) -> auto& { return r.interior_color; });
   color.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior_color = std::get<std::string>(value);
@@ -218,15 +223,15 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the surface's colour in that of the cut faces, in the place of a texture. Without it: as "
-           "`material` has it; 0 with interior_color or interior_material, else 1."},
+           "Share of the surface's colour in the colour of the cut faces; above 0 it replaces a texture. Default: as `material` has "
+           "it; 0 with `interior_color` or `interior_material`, else 1."},
       [](auto& r) -> auto& { return r.interior.mix; }));
   rows.push_back(with_member(
       {.name = "interior_shade",
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc = "How much of its light the surface's colour keeps there; above 1: cuts are brighter."},
+       .doc = "Brightness of the surface's colour on the cut faces; above 1 brighter than the surface."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",
@@ -234,8 +239,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Opacity of the cut faces; below 1 they are blended with what is behind them. Without it: 1, but of "
-           "parts whose surface is translucent 0.5, and with the materials glass 0.4, crystal 0.5, ice 0.7."},
+           "Opacity of the cut faces. Below 1 the things behind them are visible. Default: 1; 0.5 in parts with a translucent "
+           "surface; 0.4 for glass, 0.5 for crystal, 0.7 for ice."},
       [](auto& r) -> auto& { return r.interior.opacity; }));
   ParameterSpec crushed = with_member(
       {.name = "interior_crushed",
@@ -243,8 +248,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Cut faces of fragments below this share of the mean volume that `fragments` or `sites` asks for are "
-           "white and opaque, as crushed ice is. 0: of none."},
+           "Fragments below this share of the mean volume that `fragments` or `sites` asks for have white, opaque cut faces, as "
+           "crushed ice has. 0: none. Default of ice 0.4."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));
@@ -260,14 +265,14 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
-       .doc = "How metallic the cut faces are."},
+       .doc = "Metalness of the cut faces."},
       [](auto& r) -> auto& { return r.interior.metallic; }));
   ParameterSpec detail = with_member(
       {.name = "interior_detail",
        .type = Type::kChoice,
        .doc =
-           "Relief of the cut faces: a normal map and a map of roughness that repeat, once a metre without "
-           "interior_uv_scale. Not with delta=only, whose client has them."},
+           "Relief of the cut faces: a normal map and a roughness map, which repeat once a metre unless `interior_uv_scale` is "
+           "given. With `delta=only` the maps are left out, because the client has them."},
       [](auto& r) -> auto& { return r.interior.detail; });
   for (const std::string_view name : kCutDetailNames) detail.choices.emplace_back(name);
   detail.matters = [](const RequestParameters& r) { return r.interior.detail != CutDetail::kNone; };
@@ -277,7 +282,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 1e-3,
        .high = 1e3,
-       .doc = "Texture coordinates of cut faces in a metre: how often a texture repeats there."},
+       .doc = "How often a texture repeats in a metre of the cut faces."},
       [](auto& r) -> auto& { return r.interior.uvs.scale; }));
   rows.push_back(with_member(
       {.name = "interior_uv_u",
@@ -304,7 +309,7 @@ void add_physical_rows(std::vector<ParameterSpec>& rows) {
        .unit = "kg/m³",
        .low = 1e-3,
        .high = 1e6,
-       .doc = "Kilograms in a cubic metre."},
+       .doc = "Density of the fragments."},
       [](auto& r) -> auto& { return r.physical.density; });
   density.get = [get = density.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.mass ? nlohmann::json() : get(r, s);
@@ -316,7 +321,7 @@ void add_physical_rows(std::vector<ParameterSpec>& rows) {
        .unit = "kg",
        .low = 1e-9,
        .high = 1e15,
-       .doc = "Kilograms of all fragments together, instead of a density."},
+       .doc = "Mass of all fragments together. Use it instead of `density`."},
       [](auto& r) -> auto& { return r.mass; }));
   rows.push_back(with_member(
       {.name = "friction",
@@ -338,7 +343,7 @@ void add_physical_rows(std::vector<ParameterSpec>& rows) {
        .unit = "Pa",
        .low = 0,
        .high = 1e12,
-       .doc = "What the shared area of two fragments withstands before they part."},
+       .doc = "Stress that the shared area of two fragments withstands before they part."},
       [](auto& r) -> auto& { return r.physical.bond_strength; }));
 }
 
@@ -346,7 +351,7 @@ ParameterSpec format_row(const FormatSet& formats) {
   ParameterSpec spec{.name = "format",
                      .type = Type::kChoice,
                      .choices = formats.names(),
-                     .doc = "Format of the mesh, where the Content-Type does not say it."};
+                     .doc = "Format of the mesh, if the Content-Type does not say it."};
   spec.set = [](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
     r.format = format_from_extension(s.choices.at(std::get<std::uint64_t>(value)));
   };

@@ -7,31 +7,31 @@
 
 namespace fracture {
 
-using Type = ParameterSpec::Type;  // the rows name it some hundred times
+using Type = ParameterSpec::Type;  // for the rows
 
-/// Every parameter, in the order in which they apply and are listed. `max_sites` and `formats` are the
+/// Every parameter, in the order in which parameters apply and are listed. `max_sites` and `formats` are the
 /// server's.
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats);
 
-/// The part of it that decides where the sites go; `material` and `pattern` come first.
+/// The rows that decide where the sites go; `material` and `pattern` come first.
 std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 
-/// The part of it about sizes, levels, regions, anchors and support, and fracturing a part again.
+/// The rows of sizes, levels, regions, anchors, support, hits, and fragments that break again.
 std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites);
 
-/// The part of that about hits on what is fractured.
+/// The rows of local hits, which are part of structure_parameter_rows().
 std::vector<ParameterSpec> hit_parameter_rows();
 
-/// The part of it about rough cuts.
+/// The rows of rough cuts.
 std::vector<ParameterSpec> rough_parameter_rows();
 
 /// kBadParameter with the parameter's name.
 Error bad_parameter(std::string name, std::string detail);
 
-/// Makes values of several parameters of one (a region of centre and radius, …). kBadParameter where one is
-/// missing or they contradict each other.
+/// Combines several parameters into one value, such as a region from centre and radius. kBadParameter if one is missing or they
+/// contradict each other.
 std::optional<Error> complete_structure(RequestParameters& parameters);
-/// The part of it for hits.
+/// The same for hits.
 std::optional<Error> complete_hits(RequestParameters& parameters);
 
 /// Names of the patterns for which this is true.

@@ -1,4 +1,4 @@
-// Which fragments are wanted of the answer to some parameters.
+// The fragments of an answer that a request wants.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 namespace fracture {
 
 struct Selection {
-  bool kept = false;                  ///< hits may follow: what they start from is kept
-  std::optional<NewHits> new_hits{};  ///< the answer is compared with the one without them; it is kept, too
-  std::optional<Refracture> refracture{};  ///< the parts of one fragment; neither of the above
+  bool kept = false;                  ///< the answer is kept, because hits may follow
+  std::optional<NewHits> new_hits{};  ///< the answer is kept, and compared with the answer without these hits
+  std::optional<Refracture> refracture{};  ///< the parts of one fragment; excludes the two others
 };
 
 }  // namespace fracture

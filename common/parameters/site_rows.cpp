@@ -1,4 +1,4 @@
-// Which material, which pattern, and the parameters of each.
+// Rows of material and pattern, and of the parameters of each pattern.
 #include "common/parameters/fields.hpp"
 #include "common/parameters/rows.hpp"
 
@@ -19,8 +19,8 @@ ParameterSpec material_row() {
       .name = "material",
       .type = Type::kChoice,
       .doc =
-          "How it breaks, what it weighs, how it rubs, bounces, holds and looks inside: a preset of "
-          "`pattern` and of most other parameters, each of which may still be given. See GET /patterns."};
+          "Preset of `pattern` and most other parameters: how it breaks, its density, friction, bounce and strength, and how cuts "
+          "look. Parameters that are given replace those of the preset. GET /patterns lists what each material sets."};
   for (const MaterialPreset& preset : material_presets()) spec.choices.emplace_back(preset.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const MaterialPreset& preset = material_presets()[std::get<std::uint64_t>(value)];
@@ -63,14 +63,16 @@ SitePattern pattern_at(std::size_t index, std::index_sequence<k...>) {
 }
 
 ParameterSpec pattern_row() {
-  ParameterSpec spec{.name = "pattern",
-                     .type = Type::kChoice,
-                     .doc = "Where the Voronoi sites go; see GET /patterns.",
-                     .decides = Decides::kSites};
+  ParameterSpec spec{
+      .name = "pattern",
+      .type = Type::kChoice,
+      .doc =
+          "Arrangement of the Voronoi sites, which decides where the cuts go. GET /patterns describes each pattern.",
+      .decides = Decides::kSites};
   for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto index = static_cast<std::size_t>(std::get<std::uint64_t>(value));
-    if (r.fracture.pattern.index() == index) return;  // keeps what a material has set
+    if (r.fracture.pattern.index() == index) return;  // keeps the values of a material
     r.fracture.pattern = default_pattern(index);
     // Relaxation moves single sites, and slices have directions of their own.
     if (!std::holds_alternative<ImpactPattern>(r.fracture.pattern) &&
@@ -100,18 +102,20 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 1,
            .max = max_sites,
            .doc =
-               "How many cells the pattern makes: Voronoi sites for uniform, impact and clustered, about so "
-               "many for the others; times `cells_per_fragment`, where these grow together. Each part of a mesh that a "
-               "cell meets gets a fragment of it, so that there may be more of those: see `fragments`."},
+               "Number of cells that the pattern makes: the number of Voronoi sites with `uniform`, `impact` and `clustered`, "
+               "approximate with the others. `cells_per_fragment` multiplies it. A cell that meets several parts of the mesh becomes a "
+               "fragment in each; use `fragments` to set the number of fragments."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
-  rows.push_back(
-      for_patterns({}, with_member(
-                           {.name = "seed",
-                            .type = Type::kInteger,
-                            .min = 0,
-                            .max = kMaxSeed,
-                            .doc = "Seed of everything random: the same seed gives the same bytes."},
-                           [](auto& r) -> auto& { return r.fracture.seed; })));
+  rows.push_back(for_patterns(
+      {},
+      with_member(
+          {.name = "seed",
+           .type = Type::kInteger,
+           .min = 0,
+           .max = kMaxSeed,
+           .doc =
+               "Seed of all random numbers. The same seed gives the same bytes, another gives other cuts."},
+          [](auto& r) -> auto& { return r.fracture.seed; })));
   rows.push_back(for_patterns(
       patterns_that(&PatternTraits::relaxed),
       with_member(
@@ -119,8 +123,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kInteger,
            .min = 0,
            .max = 50,
-           .doc = "Passes of relaxation: each moves every site to the middle of its piece, for pieces of "
-                  "more even size. A pass costs what cutting costs: mostly less than a tenth of the answer."},
+           .doc =
+               "Passes of relaxation. Each pass moves every site to the centre of its piece, so pieces become more even in size. A "
+               "pass costs as much as cutting, mostly less than a tenth of the answer."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   rows.push_back(for_patterns(
       {"uniform", "impact", "clustered"},
@@ -128,9 +133,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "Where it is painted to break: COLOR_0 (to COLOR_7), vertex colours whose white gets most sites and whose "
-               "black a 32nd of them, or a material by its name or number, whose surface gets most. Of sites that are "
-               "even without, and of the middles of clusters; those near an impact stay."},
+               "Paint that marks where the mesh breaks most: vertex colours (COLOR_0 to COLOR_7) or a material (name or number). "
+               "White, or the surface of the material, gets the most sites; black, or other surfaces, a 32nd as many. It affects "
+               "evenly spread sites and the centres of clusters, not sites near an impact."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -139,8 +144,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kNumber,
            .low = 0.01,
            .high = 100,
-           .doc = "How many times as long pieces are along the grain as across it. Lengths of the pattern "
-                  "are then those across the grain."},
+           .doc =
+               "How many times as long pieces are along the grain as across it. Use it for fibres (wood has 8) or, below 1, for "
+               "layers. Lengths of the pattern then count across the grain."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
   stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
@@ -152,7 +158,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
                .type = Type::kDirection,
                .low = -kFar,
                .high = kFar,
-               .doc = "Direction of the stretch, the same for all. Without it: as `grain_of` says."},
+               .doc = "Direction of the grain, the same for the whole mesh. Default: as `grain_of` says."},
               [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
   ParameterSpec grain_of = for_patterns(
       {},
@@ -161,10 +167,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kChoice,
            .choices = {"solid", "part", "node", "material"},
            .doc =
-               "What has a grain of its own, along its longest axis, where `grain` does not say it: the solid, "
-               "each connected part, or together the parts of each node, or those with the same material on "
-               "most of their surface. All but `solid` with patterns of scattered sites: uniform, impact, "
-               "clustered."},
+               "Bodies that have their own grain, along their longest axis, if `grain` is not given. All but `solid` need the pattern "
+               "`uniform`, `impact` or `clustered`. `solid`: the whole mesh. `part`: each connected part. `node`: the parts of a node "
+               "together. `material`: the parts with the same material on most of their surface together."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;
@@ -172,7 +177,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
   };
   grain_of.set = [set = grain_of.set](RequestParameters& r, const ParameterSpec& s,
                                       const ParameterValue& value) {
-    r.fracture.anisotropy.grain.reset();  // in the place of a material's
+    r.fracture.anisotropy.grain.reset();  // replaces the grain of a material
     set(r, s, value);
   };
   rows.push_back(std::move(grain_of));
@@ -183,7 +188,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kMatrix,
            .low = -1000,
            .high = 1000,
-           .doc = "Instead of `stretch` and `grain`: the matrix that every piece goes through, row by row."},
+           .doc =
+               "Use it instead of `stretch` and `grain`: the matrix, row by row, that every piece goes through."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.matrix; }));
   matrix.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& m = std::get<Matrix3>(value);
@@ -192,12 +198,12 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            "matrix is singular or nearly so";
   };
   matrix.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // in the place of a material's stretch
+    r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // replaces the stretch of a material
   };
   rows.push_back(std::move(matrix));
 }
 
-/// Fragments of several cells, with the patterns that know them.
+/// Fragments of several cells, for the patterns that support them.
 void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
   const std::vector<std::string> patterns{pattern_name<UniformPattern>(), pattern_name<ImpactPattern>(),
                                           pattern_name<ClusteredPattern>()};
@@ -210,12 +216,11 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "How many cells grow together into a fragment, on average: ragged chunks that are not convex, of the "
-               "sizes that `size_spread` says; after an impact longer on the way outwards. The pattern makes so many "
-               "times `sites` cells: with flat cuts 6 cost twice as much as 1, which makes each cell a fragment. stone "
-               "and concrete have 6."},
+               "Mean number of cells that grow together into a fragment. Use it for ragged chunks that are not convex; `size_spread` "
+               "sets their sizes. After an impact they are longer in the outward direction. 1: each cell is a fragment. The materials "
+               "stone, concrete and metal have 6, which costs twice as much as 1 with flat cuts."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
-  rows.back().matters = [](const RequestParameters& r) {  // 1 beside a material that has more says something
+  rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
     const MaterialPreset* preset = find_material_preset(r.material);
     return r.fracture.aggregation.cells > 1 || (preset && preset->aggregation.cells > 1);
   };
@@ -227,9 +232,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .low = 0,
            .high = kMostSpread,
            .doc =
-               "With `cells_per_fragment`: how uneven the volumes are. Of all fragments exp(-(v/s)^(1/size_spread)) are "
-               "larger than v (Weibull 1951). 0: all alike. 1: the exponential of Grady and Kipp (1985), as published "
-               "for blasted granitic gneiss (Astrom et al. 2004). 2: Mott and Linfoot (1943)."},
+               "How uneven the volumes of ragged chunks are: a share of exp(-(v/s)^(1/size_spread)) is larger than v, with a scale s "
+               "(Weibull 1951). 0: all alike. 1: the exponential of Grady and Kipp (1985), as published for blasted granitic gneiss "
+               "(Astrom et al. 2004). 2: Mott and Linfoot (1943)."},
           [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
   rows.push_back(for_patterns(
       patterns,
@@ -239,8 +244,8 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "With `cells_per_fragment`: most convex collision hulls of a fragment. They lie within it but for its "
-               "outer surface, so that those of neighbours do not overlap."},
+               "Most convex collision hulls of a ragged chunk. Hulls leave their fragment only at its outer surface, so those of "
+               "neighbours do not overlap."},
           [](auto& r) -> auto& { return r.fracture.most_hulls; })));
   rows.back().decides = Decides::kAnswer;
   for (std::size_t k = first + 1; k < rows.size(); ++k)
@@ -256,7 +261,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .max = max_sites,
        .low = -kFar,
        .high = kFar,
-       .doc = "The Voronoi sites themselves, in the frame of the answer (y up). Required by this pattern."}));
+       .doc = "The Voronoi sites, in the frame of the answer (y up). Required by this pattern."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -267,96 +272,100 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Where it was hit, in the frame of the answer (y up). radial: the first is the centre. brick: what is near is "
-           "crushed, around it bricks break in halves; without it none do. Without it: the middle of the box; of spokes "
-           "in all directions the middle of its side towards +z. With a material whose pattern knows of no hits the pattern "
-           "is `impact`."}));
+           "Places where the mesh is hit, in the frame of the answer (y up). Use them to break the whole mesh, with the smallest "
+           "pieces at the hit. Use `local_point` to break only what is near. `radial`: the first place is the centre. `brick`: "
+           "bricks at the hit are crushed, the next ones break in halves; without a hit none do. Default: the centre of the box; "
+           "for spokes in all directions the centre of its +z side. With a material of the pattern `uniform` or `clustered`, the "
+           "pattern becomes `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "How far from an impact, or about how far from the middle of a cluster, its sites lie. Without "
-              "it: a third of the box's longest side for an impact, 0.12 of the mean side for a cluster."}));
+       .doc =
+           "Reach of an impact, or approximate reach of a cluster, within which its sites are. Default: a third of the box's "
+           "longest side for an impact, 0.12 of its mean side for a cluster."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
        .low = 0,
        .high = 2.9,
        .doc =
-           "The density of sites falls as distance to the power of minus this: 0 is even within the radius. "
-           "Without it: 2 for impact, 1.5 for clustered."}));
+           "How fast the density of sites falls with distance: as distance to the power of minus this. 0: even within the radius. "
+           "Default: 2 for `impact`, 1.5 for `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
       {.name = "share",
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the sites that go near an impact or into a cluster; the others are uniform. Without it: "
-           "0.8 for impact, 0.88 for clustered."}));
+           "Share of the sites that are near an impact or in a cluster; the others are uniform. Default: 0.8 for `impact`, 0.88 "
+           "for `clustered`."}));
   rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
       {.name = "clusters",
        .type = Type::kInteger,
        .min = 1,
        .max = 10'000,
-       .doc = "How many clusters. Without it: one for forty sites."}));
+       .doc = "Number of clusters. Default: one for forty sites."}));
   rows.push_back(with_pattern_member<&RadialPattern::around>(
       {.name = "around",
        .type = Type::kChoice,
        .choices = {"axis", "point", "shape"},
        .doc =
-           "What rings and spokes go around. axis: of a pane. point: spokes in all directions, through a vessel or a "
-           "lump. shape: an axis where one is given or the solid is a plate (however it stands, at most a fifth as thick "
-           "as it is wide), else a point; of several parts, where neither axis nor spokes nor rings nor a stretch are given, each "
-           "for itself (of more than eight the seven largest), and what is four times as long as it is wide across; with "
-           "dual=barycenter or a region that is kept all as one."}));
+           "Centre of rings and spokes. `axis`: a line, for a pane. `point`: a point with spokes in all directions, for a vessel "
+           "or a lump. `shape`: an axis if `axis` is given or the mesh is a plate in any position (at most a fifth as thick as it "
+           "is wide), else a point. Without `axis`, `spokes`, `rings` and a stretch, each of several parts breaks by its own "
+           "shape, and parts four times as long as wide break across. If there are more than eight parts, only the seven largest "
+           "do so. With `dual=barycenter` or a kept region, all parts break as one."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
        .doc =
-           "The axis that rings and spokes go around. Without it: through a plate, else along the shortest side of the box; "
-           "with `crushed`, of what is no plate, from where it was hit to its middle."}));
-  rows.push_back(
-      with_pattern_member<&RadialPattern::spokes>({.name = "spokes",
-                                                   .type = Type::kInteger,
-                                                   .min = 3,
-                                                   .max = 720,
-                                                   .doc = "Without it: as `sites` needs, at least 14; in all "
-                                                          "directions at least 6."}));
-  rows.push_back(with_pattern_member<&RadialPattern::rings>({.name = "rings",
-                                                             .type = Type::kInteger,
-                                                             .min = 1,
-                                                             .max = 1000,
-                                                             .doc = "Without it: as `sites` needs."}));
+           "Axis that rings and spokes go around. Default: through a plate, else along the shortest side of the box. With "
+           "`crushed`, unless the mesh is a plate: from the hit to the centre of the box."}));
+  rows.push_back(with_pattern_member<&RadialPattern::spokes>(
+      {.name = "spokes",
+       .type = Type::kInteger,
+       .min = 3,
+       .max = 720,
+       .doc =
+           "Number of spokes. Default: as many as `sites` needs, at least 14, in all directions at least 6."}));
+  rows.push_back(with_pattern_member<&RadialPattern::rings>(
+      {.name = "rings",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 1000,
+       .doc = "Number of rings. Default: as many as `sites` needs."}));
   rows.push_back(with_pattern_member<&RadialPattern::growth>(
       {.name = "growth",
        .type = Type::kNumber,
        .low = 1,
        .high = 10,
-       .doc = "Each ring is so many times as wide as the one inside it."}));
+       .doc = "How many times as wide each ring is as the ring inside it."}));
   rows.push_back(with_pattern_member<&RadialPattern::merge>(
       {.name = "merge",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the ring cracks that stay away, which makes long shards."}));
+       .doc = "Share of the ring cracks that are left out, which makes long shards."}));
   rows.push_back(with_pattern_member<&RadialPattern::crushed>(
       {.name = "crushed",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the pieces that are crumbs where it was hit. Without it: none, with ice 0.4."}));
+       .doc = "Share of the pieces that are crumbs at the hit."}));
   rows.push_back(with_pattern_member<&RadialPattern::jitter, &GridPattern::jitter, &BrickPattern::jitter,
                                      &SlicePattern::jitter>(
       {.name = "jitter",
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
-       .doc = "How uneven it is. grid, brick, slice: whole planes move by up to this share of half their "
-              "spacing. Without it: 0.5 for radial, 0.2 for slice, else 0."}));
+       .doc =
+           "Unevenness. With `grid`, `brick` and `slice` whole planes move by up to this share of half their spacing. Default: 0.5 "
+           "for `radial`, 0.2 for `slice`, else 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,
@@ -364,23 +373,23 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "grid: the sides of a box along x, y and z. brick: length, height and depth of a brick with its joint, the length "
-           "along the longer horizontal side of the wall; each brick is a piece, and everything is a wall. Without it: as "
-           "`sites` needs; bricks of their real size (0.24 x 0.071 x 0.115), of which pieces are lumps, in proportion where "
-           "a piece would be less than one or more than six."});
+           "Size of a cell. `grid`: sides of a box along x, y and z. `brick`: length, height and depth of a brick with its joint, "
+           "with the length along the longer horizontal side of the wall. Each brick is then a piece, and everything counts as a "
+           "wall. Default: as `sites` needs. Bricks then have their real size (0.24 x 0.071 x 0.115 m), several in a piece, and "
+           "are scaled if a piece would have less than one or more than six."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
        .type = Type::kChoice,
        .choices = {"stack", "half", "third"},
-       .doc = "By how much of a brick each course is shifted against the one below."}));
+       .doc = "Shift of each course of bricks against the one below, in bricks."}));
   ParameterSpec mortar{
       .name = "mortar",
       .type = Type::kColor,
       .doc =
-          "Colour of the joints, sRGB as #rrggbb (lime and cement: #b9b4a8): cuts between bricks, or stones of rubble, that "
-          "parted where they were laid have a matt material of their own, whose name ends with _Mortar; what broke shows "
-          "its inside. Joints have no width, and there are none with dual=barycenter. Without it: all cuts look alike.",
+          "Colour of the joints, sRGB as #rrggbb (lime and cement: #b9b4a8). Cuts along joints get a matt material of their own, "
+          "whose name ends with _Mortar; cuts through a brick or a stone of rubble show its inside. Joints have no width. With "
+          "`dual=barycenter` there are none. Default: all cuts look alike.",
       .decides = Decides::kSites,
       .patterns = {pattern_name<BrickPattern>()}};
   mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -401,7 +410,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .max = 3,
        .low = -kFar,
        .high = kFar,
-       .doc = "One to three directions, each of a family of parallel planes."});
+       .doc =
+           "One to three linearly independent directions, each the normal of a family of parallel planes."});
   normals.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& given = std::get<std::vector<Vec3d>>(value);
     Matrix3 rows_of;
@@ -413,21 +423,20 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     return "be linearly independent directions: these lie in one plane or line, or nearly so";
   };
   rows.push_back(std::move(normals));
-  rows.push_back(
-      with_pattern_member<&SlicePattern::spacing>({.name = "spacing",
-                                                   .type = Type::kNumber,
-                                                   .unit = "m",
-                                                   .low = kLeastLength,
-                                                   .high = kFar,
-                                                   .doc = "Between planes of a family. Without it: as "
-                                                          "`sites` needs."}));
+  rows.push_back(with_pattern_member<&SlicePattern::spacing>(
+      {.name = "spacing",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc = "Distance between the planes of a family. Default: as `sites` needs."}));
   rows.push_back(with_pattern_member<&SlicePattern::tilt>(
       {.name = "tilt",
        .type = Type::kNumber,
        .unit = "degrees",
        .low = 0,
        .high = 45,
-       .doc = "By how much planes of a single family lean at random."}));
+       .doc = "How far planes lean at random, if there is a single family."}));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// One parameter of a request: what it may be, what it means, and where it goes.
+// One parameter of a request: its range, its meaning and its place in RequestParameters.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +22,12 @@ using ParameterValue =
     std::variant<std::uint64_t, double, std::string, std::vector<std::string>, Vec3d, std::vector<Vec3d>,
                  Matrix3, std::vector<std::uint64_t>, std::vector<double>>;
 
-/// Of one list.
+/// Most numbers in one list.
 inline constexpr std::size_t kMaxIntegers = 10'000;
-/// Bytes of a text, where its row says nothing else.
+/// Most bytes of a text, unless its row says otherwise.
 inline constexpr std::size_t kMaxText = 63;
 
-/// What a parameter decides: each cache key holds those that decide its value and no other.
+/// The result that a parameter decides. Each cache key contains the parameters that decide its value, and no others.
 enum class Decides { kSolid, kSites, kAnswer };
 
 struct ParameterSpec {
@@ -56,18 +56,16 @@ struct ParameterSpec {
   Decides decides = Decides::kAnswer;
   /// Names of the patterns it belongs to; empty: every request.
   std::vector<std::string> patterns{};
-  /// null: no default, or one that depends on the mesh or the pattern (the doc says).
+  /// null: there is no default, or it depends on the mesh or the pattern (see doc).
   nlohmann::json default_value{};
 
-  /// A further condition: what the value would have to be, as the end of the sentence "'name' must …", or nothing
-  /// when it holds. No error yet: to_value() makes one, with the name and the value.
+  /// A further condition. If it does not hold, it returns the end of the sentence "'name' must …", from which to_value() makes an
+  /// error with the name and the value.
   std::function<std::optional<std::string>(const ParameterValue&)> check{};
   std::function<void(RequestParameters&, const ParameterSpec&, const ParameterValue&)> set{};
-  /// The canonical value; null: as if not given. Not asked where the parameter does not belong to the
-  /// pattern.
+  /// The canonical value; null: as if not given. Not called if the parameter does not belong to the pattern.
   std::function<nlohmann::json(const RequestParameters&, const ParameterSpec&)> get{};
-  /// Does the value change anything in this request? Where not, the canonical form leaves it out. Empty:
-  /// always.
+  /// Whether the value changes anything in this request. If not, the canonical form leaves it out. Empty: always.
   std::function<bool(const RequestParameters&)> matters{};
 };
 

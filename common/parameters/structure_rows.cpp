@@ -1,4 +1,4 @@
-// Sizes, levels, what stays whole, what is held, what breaks further.
+// Rows of sizes, levels, kept regions, anchors, and fragments that break further.
 #include <algorithm>
 
 #include "common/parameters/fields.hpp"
@@ -19,7 +19,7 @@ nlohmann::json vectors(const std::vector<Vec3d>& list) {
   return json;
 }
 
-/// The rows from `first` on matter only where `matters` says so.
+/// The rows from `first` on matter only if `matters` returns true.
 void only_where(std::vector<ParameterSpec>& rows, std::size_t first,
                 const std::function<bool(const RequestParameters&)>& matters) {
   for (; first < rows.size(); ++first) rows[first].matters = matters;
@@ -32,11 +32,12 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "How many fragments the answer has, up to a tenth more or less, or else a warning says why. Separate "
-           "parts of the mesh share them by volume; small parts stay whole. What hits break off comes on top. "
-           "Without `sites`, or with as many, the pattern makes the cells it takes. 0: as many as come of `sites`."},
+           "Number of fragments in the answer. If it is off by more than a tenth, a warning says why. Separate parts share the "
+           "fragments by volume; small parts stay whole. Pieces that hits (`local_point`) break off come in addition. Without "
+           "`sites`, or with the same number, the pattern makes as many cells as it takes. 0: as many as come from `sites`. Not "
+           "with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
-  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as it takes
+  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number needs
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
   return spec;
 }
@@ -50,25 +51,25 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "min_volume", 1e18, "m³",
-      "Smaller fragments are united with the neighbour of largest shared area. 0: no limit.",
+      "Smaller fragments are merged with the neighbour that shares the largest area. The largest of `min_volume`, `min_fraction` "
+      "and `min_of_mean` counts. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
-      "min_fraction", 1, "",
-      "The same as a fraction of the solid; the largest of the three counts. 0: no limit.",
+      "min_fraction", 1, "", "`min_volume` as a fraction of the solid's volume. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "The same as a fraction of the fragments' mean volume; beside hits a hundredth of that, of the mean that the "
-      "pattern's sites give. Before cuts become rough pieces below twice that, up to 0.05, are united, too. With a "
-      "`material` 0.002; without one 0: no limit.",
+      "`min_volume` as a fraction of the fragments' mean volume. Use it against crumbs. Near a hit the limit is a hundredth of "
+      "this, and the mean is that of the pattern's sites. Before cuts become rough the limit is doubled, to at most 0.05. 0: no "
+      "limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
-  // With a material none is something else than what it sets.
+  // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {
     return r.fracture.size.min_of_mean > 0 || !r.material.empty();
   };
   size(
       "max_volume", 1e18, "m³",
-      "Cells with a larger piece get further sites. 0: no limit. Not for radial, grid, brick and slice.",
+      "Cells with a larger piece get more sites. 0: no limit. Not with `radial`, `grid`, `brick`, `slice`.",
       [](auto& r) -> auto& { return r.fracture.max_volume; });
   rows.back().decides = Decides::kSites;
   rows.push_back(with_member(
@@ -76,7 +77,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000,
-       .doc = "The smallest are united until no more are left. 0: no limit."},
+       .doc = "The smallest fragments are merged until no more than this are left. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
@@ -84,7 +85,9 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000'000,
-       .doc = "Of all fragments: the smallest are united until the answer has no more. 0: no limit."},
+       .doc =
+           "The smallest fragments are merged until all together have no more triangles than this. A limit below the triangles of "
+           "the uncut mesh merges nothing. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
@@ -96,8 +99,8 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
       .min = 1,
       .max = max_sites,
       .doc =
-          "Instead of `sites`: how many pieces each level of the hierarchy has, coarsest first. The last is "
-          "the number of sites, the others are clusters of fragments."};
+          "Use it instead of `sites` for a hierarchy: the number of pieces in each of at most eight levels, coarsest first. The "
+          "last number is the number of sites; the other levels are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -146,7 +149,7 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = -kFar,
        .high = kFar,
-       .doc = "Middle of a sphere in which nothing is cut, in the frame of the answer; with `keep_radius`."},
+       .doc = "Centre of a sphere in which nothing is cut. Needs `keep_radius`."},
       [](auto& r) -> auto& { return r.keep_center; }));
   rows.push_back(with_member(
       {.name = "keep_radius",
@@ -154,9 +157,11 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "Of the sphere in which nothing is cut; with `keep_center`."},
+       .doc = "Radius of the sphere in which nothing is cut. Needs `keep_center`."},
       [](auto& r) -> auto& { return r.keep_radius; }));
-  ParameterSpec box = box_row("keep_box", "Lowest and highest corner of a box in which nothing is cut.");
+  ParameterSpec box =
+      box_row("keep_box",
+              "Lowest and highest corner of a box in which nothing is cut. Use it instead of the sphere.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -169,15 +174,16 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
 }
 
 void add_anchor_rows(std::vector<ParameterSpec>& rows) {
-  ParameterSpec plane{.name = "anchor_plane",
-                      .type = Type::kVectors,
-                      .min = 2,
-                      .max = 2,
-                      .low = -kFar,
-                      .high = kFar,
-                      .doc =
-                          "A point and the normal of a plane: fragments that touch it or reach behind it "
-                          "are held. 0,0,0;0,1,0 is the ground at height 0."};
+  ParameterSpec plane{
+      .name = "anchor_plane",
+      .type = Type::kVectors,
+      .min = 2,
+      .max = 2,
+      .low = -kFar,
+      .high = kFar,
+      .doc =
+          "A point and the normal of a plane. Fragments that touch it or reach behind it are held. 0,0,0;0,1,0 is the ground at "
+          "height 0."};
   plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
     return "have a normal that is not zero";
@@ -192,7 +198,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
   };
   rows.push_back(std::move(plane));
   ParameterSpec box =
-      box_row("anchor_box", "Lowest and highest corner of a box: fragments that overlap it are held.");
+      box_row("anchor_box", "Lowest and highest corner of a box. Fragments that overlap it are held.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.anchors.boxes = {{corners[0], corners[1]}};
@@ -210,7 +216,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .max = 1000,
        .low = -kFar,
        .high = kFar,
-       .doc = "Fragments that one of these points lies in or on are held."},
+       .doc = "Fragments that contain one of these points, or touch it, are held."},
       [](auto& r) -> auto& { return r.fracture.anchors.points; }));
   const std::size_t support = rows.size();
   rows.push_back(with_member(
@@ -219,14 +225,15 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m/s²",
        .low = -1000,
        .high = 1000,
-       .doc = "For the support analysis, which every answer with anchors has."},
+       .doc = "Gravity in the support analysis, which every answer with anchors has."},
       [](auto& r) -> auto& { return r.gravity; }));
   rows.push_back(with_member(
       {.name = "broken",
        .type = Type::kIntegers,
        .min = 0,
        .max = kMaxSeed,
-       .doc = "Ids of fragments that are gone: report.support says what falls without them. Needs anchors."},
+       .doc =
+           "Ids of fragments that are gone. `report.support` says what falls without them. Needs anchors."},
       [](auto& r) -> auto& { return r.broken; }));
   only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
@@ -239,22 +246,21 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "Id of a fragment of the answer to the other parameters: it is fractured again, and its parts are "
-           "the answer."},
+           "Id of a fragment of the answer to the other parameters. It is fractured again, and its parts are the answer."},
       [](auto& r) -> auto& { return r.fragment; }));
   rows.push_back(with_member(
       {.name = "fragment_sites",
        .type = Type::kInteger,
        .min = 1,
        .max = 10'000,
-       .doc = "How many sites `fragment` is broken by."},
+       .doc = "Number of sites that break `fragment`."},
       [](auto& r) -> auto& { return r.fragment_sites; }));
   rows.push_back(with_member(
       {.name = "fragment_seed",
        .type = Type::kInteger,
        .min = 0,
        .max = kMaxSeed,
-       .doc = "Seed of these sites."},
+       .doc = "Seed of the sites that break `fragment`."},
       [](auto& r) -> auto& { return r.fragment_seed; }));
   only_where(rows, first, [](const RequestParameters& r) { return r.fragment.has_value(); });
 }
@@ -274,23 +280,30 @@ std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
 std::optional<Error> complete_structure(RequestParameters& r) {
   FractureParameters& f = r.fracture;
   if (std::optional<Error> wrong = complete_hits(r)) return wrong;
-  if (!r.of.empty()) return std::nullopt;  // the rest may be in the parameters of that answer
+  if (!r.of.empty()) return std::nullopt;  // missing parameters may be in that answer
   if (r.keep_center.has_value() != r.keep_radius.has_value())
-    return bad_parameter(r.keep_center ? "keep_radius" : "keep_center",
-                         "'keep_center' and 'keep_radius' say a sphere together; one of them is missing.");
+    return bad_parameter(
+        r.keep_center ? "keep_radius" : "keep_center",
+        "'keep_center' and 'keep_radius' define a sphere together, and one of them is missing. Give both.");
   if (r.keep_center && f.keep)
-    return bad_parameter("keep_box", "'keep_box' and 'keep_center' were both given; one region can be kept.");
+    return bad_parameter(
+        "keep_box",
+        "'keep_box' and 'keep_center' were both given: only one region can be kept. Leave one out.");
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
   r.selection.refracture.reset();
   if (r.fragment) r.selection.refracture = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
-    return bad_parameter("broken", "'broken' needs anchors: without any, everything falls.");
+    return bad_parameter(
+        "broken",
+        "'broken' needs anchors, because without them everything falls. Give 'anchor_plane', "
+        "'anchor_box' or 'anchor_points'.");
   if (f.dual == Dual::kBarycenter)
-    f.aggregation = {};  // its cells do not fill space, nor would groups of them
+    f.aggregation = {};  // barycentric cells do not fill space, and groups of them would not either
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
-    return bad_parameter("drop_above",
-                         "'drop_above' belongs to dual=barycenter; an exact partition leaves nothing out. "
-                         "'max_volume' breaks large fragments further.");
+    return bad_parameter(
+        "drop_above",
+        "'drop_above' needs dual=barycenter, because an exact partition leaves nothing out. Use "
+        "'max_volume' to break large fragments further.");
   if (f.max_volume > 0 && f.size.min_volume > f.max_volume)
     return bad_parameter("max_volume", "'max_volume' must be at least 'min_volume', which is " +
                                            nlohmann::json(f.size.min_volume).dump() + ".");

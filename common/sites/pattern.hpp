@@ -121,13 +121,14 @@ struct PatternTraits {
   bool relaxed;  ///< its sites may be moved one by one: SiteParameters::lloyd
 };
 inline constexpr PatternTraits kPatternTraits[] = {
-    {"uniform", "Sites uniform in the volume of the solid.", true, true},
-    {"points", "The sites are given by the caller.", false, true},
-    {"impact", "Most sites near the impacts, their density falling with distance.", true, true},
-    {"radial", "Rings and spokes around an axis or a point: a pane or a vessel that was hit.", true, false},
+    {"uniform", "Sites spread uniformly in the solid.", true, true},
+    {"points", "Sites that the caller gives.", false, true},
+    {"impact", "Most sites near the impacts; their density falls with distance.", true, true},
+    {"radial", "Rings and spokes, as in a pane or a vessel that was hit.", true, false},
     {"grid", "Boxes in rows.", true, false},
-    {"brick", "Masonry: lumps of bricks in courses along the axes of a wall; rubble of what is none.", true,
-     false},
+    {"brick",
+     "Masonry: lumps of bricks in courses along the axes of a wall; parts that are not walls become rubble.",
+     true, false},
     {"slice", "One to three families of parallel planes.", true, false},
     {"clustered", "Groups of small pieces between large ones.", true, true},
 };

@@ -23,7 +23,7 @@ from gallery_meshes import MESHES, box
 SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
 ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
 ASSET_BYTES = 400_000
-# What proto/parameters.md shows of each material and pattern: the mesh that suits it.
+# The mesh that proto/materials.md shows for each material and pattern, because it suits them.
 SHOWN = {"glass": "pane", "wood": "wall", "concrete": "column", "stone": "monkey", "brick": "wall", "ceramic": "vase",
          "metal": "monkey", "cast_iron": "column", "ice": "monkey", "plaster": "monkey", "terracotta": "vase",
          "sandstone": "column", "crystal": "monkey"}

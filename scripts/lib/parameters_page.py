@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes proto/parameters.md from the table of parameters that fracture-server holds (GET /limits, GET /patterns).
+"""Writes proto/parameters.md and proto/materials.md from the tables of fracture-server (GET /limits, GET /patterns).
 
-    parameters_page.py build/release/server/fracture-server             writes the page
-    parameters_page.py build/release/server/fracture-server --check     exits with 1 where the page says something else
-    parameters_page.py build/release/server/fracture-server --measure   prints COSTS, measured anew (needs valgrind)
+    parameters_page.py build/release/server/fracture-server             writes the pages
+    parameters_page.py build/release/server/fracture-server --check     exits with 1 if a page differs from the tables
+    parameters_page.py build/release/server/fracture-server --measure   prints new values of COSTS (needs valgrind)
 
-Every parameter stands under one subject: one that is under none, or under two, is an error.
+SUBJECTS must list every parameter exactly once; otherwise the script stops.
 """
 import argparse
 import contextlib
@@ -22,41 +22,38 @@ import time
 import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = ROOT / "proto/parameters.md"
+PAGES = {"parameters": ROOT / "proto/parameters.md", "materials": ROOT / "proto/materials.md"}
 MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
 
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
-    ("The mesh", "What the file means, and what is done to it before it breaks.",
+    ("The mesh", "How the file is read, and what is done to the mesh before it breaks.",
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball"]),
-    ("How it breaks", "Where the cuts go. [Patterns](#patterns) and [materials](#materials) have pictures below.",
+    ("Cuts", "[Patterns and materials](materials.md) has pictures.",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
-    ("Ragged chunks", "Cells grown together: fragments that are not convex, with `uniform`, `impact` and `clustered`.",
-     ["cells_per_fragment", "size_spread", "max_hulls"]),
-    ("Of single patterns", "Each belongs to the patterns that list it [below](#patterns), and is refused with any other.",
+    ("Ragged chunks", "Fragments that are made of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
+    ("Single patterns", "",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
       "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
-    ("Rough cuts", "Noise on the cut faces; both sides still match. `rough_amplitude=0` makes a material's cuts flat.",
-     ["rough_amplitude", "rough_frequency", "rough_octaves"]),
-    ("Sizes and budgets", "`report.size` of the answer says what was made, and how the volumes are distributed.",
+    ("Rough cuts", "Noise moves the cut faces; both sides of a cut still match.", ["rough_amplitude", "rough_frequency", "rough_octaves"]),
+    ("Number and size of fragments", "`report.size` of the answer shows the result and the distribution of volumes.",
      ["fragments", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
-    ("Where nothing is cut", "", ["keep_center", "keep_radius", "keep_box"]),
-    ("Hits", "Break only what is near, and name what changed "
-     "([how a game uses them](interface.md#what-is-hit-again)).",
+    ("Regions without cuts", "", ["keep_center", "keep_radius", "keep_box"]),
+    ("Local hits", "Hits that break only what is near ([how a game uses them](interface.md#hit-the-fragments-again)).",
      ["local_point", "local_radius", "local_sites", "local_rest", "of", "delta", "local_new"]),
-    ("A fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
-    ("What holds", "`report.support` says what each bond carries, which are too weak, and what falls.",
+    ("Break one fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
+    ("Anchors and support", "`report.support` shows the load of each bond, the bonds that are too weak, and the fragments that fall.",
      ["anchor_plane", "anchor_box", "anchor_points", "gravity", "broken"]),
     ("Look of the outside", "", ["exterior"]),
     ("Look of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
                                 "interior_roughness", "interior_metallic", "interior_material", "interior_name",
                                 "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
     ("Physics and engines", "", ["physics", "ue_collision", "pivot", "density", "mass", "friction", "restitution", "bond_strength"]),
-    ("The paper's cells", "", ["dual", "drop_above"]),
+    ("Barycentric cells", "The cells of the paper that this project began with.", ["dual", "drop_above"]),
 ]
 
-# Instructions of one `fracture-server bake` of the monkey with 50 sites on one thread (without reading the file, which an
-# import process does), divided by those of `pattern=uniform`. --measure prints them.
+# Instructions of one `fracture-server bake` of the monkey with 50 sites on one thread, divided by those of `pattern=uniform`. An import
+# process reads the file, so reading is not included. --measure prints the values.
 COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
     "pattern=brick": 2.1, "pattern=slice": 2.0, "pattern=clustered": 1.0,
@@ -64,6 +61,7 @@ COSTS = {
     "sites=500": 3.4, "sites=5000": 25.9, "cells_per_fragment=6": 2.0,
     "shell_fraction=0.05": 32.8,
 }
+COST_ON_A_WALL = 4  # pattern=brick on a wall, where a piece has six bricks; the monkey is not a wall
 
 
 def free_port():
@@ -99,142 +97,247 @@ def ask(program, *paths):
 
 def number(value):
     if isinstance(value, list):
-        return ", ".join(map(number, value))
+        return ",".join(map(number, value))
     if isinstance(value, float) and value == int(value) and abs(value) < 1e6:
         return str(int(value))
     if value == 2 ** 53 - 1:
         return "2^53 - 1"
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def span(spec):
-    return f"{number(spec['minimum'])} to {number(spec['maximum'])}"
-
-
-def values(spec):
-    """What may be given, in words."""
-    kind, text = spec["type"], spec.get("text", "")
-    if "enum" in spec:
-        return " ".join(f"`{choice}`" for choice in spec["enum"])
-    if kind in ("integer", "number"):
-        said = span(spec)
-    elif kind == "array":
-        said = f"`{text}`"
-        if text == "a,b,c":
-            said += f", each {span(spec['items'])}"
-    elif "pattern" in spec:
-        said = "`#rrggbb`"
-    else:
-        said = "text"
-    return said + (f", {spec['unit']}" if "unit" in spec else "")
+    return re.sub(r"e([+-])0*", lambda e: "e" + e[1].strip("+"), f"{value:g}") if isinstance(value, float) else str(value)
 
 
 def shown(value):
-    if value is None:
+    """A value as it is written in a query."""
+    if isinstance(value, list) and value and isinstance(value[0], list):
+        return ";".join(map(number, value))
+    return value if isinstance(value, str) else number(value)
+
+
+def span(spec):
+    ends = [number(spec["minimum"]), number(spec["maximum"])]
+    return ("–" if all(end.replace(".", "").isdigit() for end in ends) else " to ").join(ends)
+
+
+def count(spec):
+    return str(spec["minItems"]) if spec["minItems"] == spec["maxItems"] else f"{spec['minItems']}–{spec['maxItems']}"
+
+
+def described_choices(spec):
+    """The introduction and the meaning of each choice. A description gives the meanings as sentences that begin with "`choice`: "."""
+    parts = re.split(r"(?:^|(?<=\. ))`(" + "|".join(map(re.escape, spec["enum"])) + ")`: ", spec["description"])
+    return parts[0], dict(zip(parts[1::2], parts[2::2]))
+
+
+def kind(spec):
+    """Type and range in words."""
+    text = spec.get("text", "")
+    if "enum" in spec:
+        said = "Choice"
+        if len(described_choices(spec)[1]) < len(spec["enum"]) - 1:
+            said += ": " + " ".join(f"`{choice}`" for choice in spec["enum"])
+    elif spec["type"] in ("integer", "number"):
+        said = f"{spec['type'].capitalize()}, {span(spec)}"
+    elif text == "a,b,c":
+        said = f"List of {spec['items']['type']}s, {span(spec['items'])}"
+    elif text == "x,y,z;x,y,z":
+        said = f"{count(spec)} vectors"
+    elif text:
+        said = "Vector" if text == "x,y,z" else "Matrix"
+    else:
+        said = "Colour" if "pattern" in spec else "Text"
+    return said + (f", {spec['unit']}" if "unit" in spec else "")
+
+
+def with_patterns(spec, patterns):
+    """The patterns that a parameter belongs to; nothing if that is every pattern."""
+    names = [entry["name"] for entry in patterns]
+    own = [entry["name"] for entry in patterns if spec["name"] in (p["name"] for p in entry["parameters"])]
+    if not own or own == names:
         return ""
-    return f"`{value}`" if isinstance(value, str) else number(value[0] if value and isinstance(value[0], list) else value) \
-        if isinstance(value, list) else number(value)
+    other = [name for name in names if name not in own]
+    return f"not with `{other[0]}`" if len(other) == 1 else "only with " + ", ".join(f"`{name}`" for name in own)
 
 
-def cell(text):
-    return text.replace("|", "\\|").replace("\n", " ")
+def wrapped(text, indent=""):
+    text = re.sub(r"`[^`]+`", lambda code: code[0].replace(" ", "\0"), text)  # code stays on one line
+    lines = textwrap.wrap(text, 128, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\0", " ") for line in lines]
 
 
-def table(specs):
-    yield "| parameter | values | default | meaning |"
-    yield "|---|---|---|---|"
-    for spec in specs:
-        yield f"| `{spec['name']}` | {cell(values(spec))} | {cell(shown(spec.get('default')))} | {cell(spec['description'])} |"
+def section(spec, patterns):
+    facts = [kind(spec)]
+    if spec.get("default") is not None:
+        facts.append(f"default `{shown(spec['default'])}`")
+    facts.append(with_patterns(spec, patterns))
+    yield f"### `{spec['name']}`"
+    yield ""
+    yield from wrapped("; ".join(filter(None, facts)) + ".")
+    yield ""
+    words, choices = described_choices(spec) if "enum" in spec else (spec["description"], {})
+    if words:
+        yield from wrapped(words.strip())
+        yield ""
+    for name, meaning in choices.items():
+        yield from wrapped(f"- `{name}`: {meaning.strip()}", "  ")
+    if choices:
+        yield ""
+
+
+def by_cost(costs):
+    """`a`, `b` 1; `c` 2: the names of each cost, cheapest first."""
+    groups = {}
+    for name, cost in sorted(costs.items(), key=lambda item: item[1]):
+        groups.setdefault(cost, []).append(f"`{name}`")
+    return "; ".join(f"{', '.join(names)} {cost:g}" for cost, names in groups.items())
+
+
+def costs(patterns):
+    def of(*requests):
+        return "; ".join(f"{COSTS[request]:g}" for request in requests)
+    yield from wrapped(
+        "Instructions of one answer, as multiples of `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with `delta` costs "
+        "less than the whole answer, because only the cells near it are cut again.")
+    yield ""
+    yield "| request | cost |"
+    yield "|---|---|"
+    yield "| `pattern` | " + by_cost({name: COSTS[f"pattern={name}"] for name in (entry["name"] for entry in patterns["patterns"])}) + " |"
+    yield f"| `brick` on a wall, with six bricks in a piece | {COST_ON_A_WALL} |"
+    yield "| `material` (no walls) | " + by_cost({entry["name"]: entry["cost"] for entry in patterns["materials"]}) + " |"
+    yield f"| walls (`shell`, `shell_fraction`), once when the mesh is prepared | {of('shell_fraction=0.05')} |"
+    yield f"| 500 sites; 5,000 sites | {of('sites=500', 'sites=5000')} |"
+    yield f"| `rough_amplitude=0.05`, more with finer octaves | {of('rough_amplitude=0.05')} |"
+    yield f"| `cells_per_fragment=6` with flat cuts | {of('cells_per_fragment=6')} |"
+    yield f"| `dual=barycenter` | {of('dual=barycenter')} |"
+    yield f"| `lloyd=1`; `levels=5,20,50`; `physics=none` | {of('lloyd=1', 'levels=5,20,50', 'physics=none')} |"
     yield ""
 
 
-def times(request):
-    return f"{COSTS[request]:g}"
+def pattern_rows(patterns):
+    general = {p["name"] for entry in patterns if entry["name"] == "uniform" for p in entry["parameters"]}
+    yield "| | `pattern` | sites | own parameters |"
+    yield "|---|---|---|---|"
+    for entry in patterns:
+        name = entry["name"]
+        picture = "" if name == "points" else f"![{name}](pictures/pattern_{name}.png)"
+        own = " ".join(f"`{p['name']}`" for p in entry["parameters"] if p["name"] not in general)
+        yield f"| {picture} | `{name}` | {entry['description']} | {own} |"
+    yield ""
 
 
-def page(limits, patterns):
-    specs = {spec["name"]: spec for spec in limits["parameters"]}
+def material_rows(materials):
+    yield "| | `material` | how it breaks | for |"
+    yield "|---|---|---|---|"
+    for entry in materials:
+        name = entry["name"]
+        yield f"| ![{name}](pictures/material_{name}.png) | `{name}` | {entry['description']} | {entry['use']} |"
+    yield ""
+
+
+def material_values(materials):
+    values = {entry["name"]: {key: shown(value) for key, value in entry["parameters"].items()} for entry in materials}
+    shared = set.intersection(*(set(own.items()) for own in values.values()))
+    yield from wrapped("Every material sets " + " and ".join(f"`{key}={value}`" for key, value in sorted(shared)) + ". In addition:")
+    yield ""
+    for name, own in values.items():
+        ordered = sorted(own.items(), key=lambda item: (item[0] != "pattern", item[0]))
+        yield from wrapped(f"- `{name}`: " + ", ".join(f"`{key}={value}`" for key, value in ordered if (key, value) not in shared), "  ")
+    yield ""
+
+
+def check_tables(specs, patterns):
+    """Stops if a parameter, a cost or a picture is missing."""
     listed = [name for _, _, names in SUBJECTS for name in names]
     for name in specs:
         if listed.count(name) != 1:
-            sys.exit(f"parameters_page: '{name}' stands under {listed.count(name)} subjects of SUBJECTS instead of one")
+            sys.exit(f"parameters_page: SUBJECTS lists '{name}' {listed.count(name)} times; list it once")
     for name in set(listed) - set(specs):
-        sys.exit(f"parameters_page: there is no parameter '{name}' any more")
-    for kind, key in (("patterns", "pattern"), ("materials", "material")):
-        for entry in patterns[kind]:
+        sys.exit(f"parameters_page: SUBJECTS lists '{name}', which is not a parameter; remove it")
+    for entries, key in (("patterns", "pattern"), ("materials", "material")):
+        for entry in patterns[entries]:
             if key == "pattern" and f"{key}={entry['name']}" not in COSTS:
-                sys.exit(f"parameters_page: COSTS lacks {key}={entry['name']}; --measure prints them")
+                sys.exit(f"parameters_page: COSTS lacks {key}={entry['name']}; --measure prints it")
             if entry["name"] != "points" and not (ROOT / f"proto/pictures/{key}_{entry['name']}.png").exists():
                 sys.exit(f"parameters_page: proto/pictures/{key}_{entry['name']}.png is missing; `scripts/gallery --only page` draws it")
-    yield "# Parameters"
+
+
+def head(title):
+    yield f"# {title}"
     yield ""
-    yield "<!-- Written by scripts/lib/parameters_page.py from the table that the server holds; a test compares. -->"
+    yield "<!-- Written by scripts/lib/parameters_page.py from the server's tables; the test parameters_page compares them. -->"
     yield ""
-    yield "They stand in the query (`?fragments=80&seed=7`), in a form, or in JSON (`{\"fragments\": 80, \"seed\": 7}`), and as flags of"
-    yield "`fracture-server bake` (`--fragments 80`). Unknown ones, and those given twice, are refused by name. Vectors are `x,y,z` in a query"
-    yield "and `[x, y, z]` in JSON, lists of them `x,y,z;x,y,z` and `[[x, y, z], ...]`; lengths are metres, y is up. A server says the same"
-    yield "for programs at `GET /patterns` and `GET /limits`. [How requests and answers look](interface.md)."
+
+
+def parameters_page(limits, patterns):
+    specs = {spec["name"]: spec for spec in limits["parameters"]}
+    check_tables(specs, patterns)
+    yield from head("Parameters")
+    yield from wrapped(
+        "This page is for people who choose parameters. Give them in the query (`?fragments=80&seed=7`), in a form, in JSON "
+        "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are metres, y is up. A server "
+        "refuses unknown parameters, parameters that are given twice, and parameters of another pattern. `GET /limits` and `GET /patterns` "
+        "say the same for programs. [Requests and answers](interface.md).")
     yield ""
-    yield "## Start with these five"
+    yield "| type | in a query or flag | in JSON |"
+    yield "|---|---|---|"
+    yield "| vector | `x,y,z` | `[x, y, z]` |"
+    yield "| vectors | `x,y,z;x,y,z` | `[[x, y, z], [x, y, z]]` |"
+    yield "| matrix | `a,b,c;d,e,f;g,h,i` | `[[a, b, c], [d, e, f], [g, h, i]]` |"
+    yield "| list | `a,b,c` | `[a, b, c]` |"
+    yield "| colour | `#rrggbb` (in a query `%23rrggbb`) | `\"#rrggbb\"` |"
     yield ""
-    yield from table(specs[name] for name in FIRST)
-    yield "A material sets the pattern, the cuts and the physics at once; everything else may stay at its default. `impacts` goes with"
-    yield "the patterns `impact`, `radial` and `brick`; with a material that has another one it asks for `impact`."
+    yield "## Choose parameters"
     yield ""
-    yield "## What it costs"
+    yield from wrapped("Begin with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST) + ". A material sets the pattern, the cuts and the "
+                       "physics; everything else may stay at its default.")
     yield ""
-    yield from textwrap.wrap(
-        "The columns *cost* below count instructions of one answer, as multiples of `pattern=uniform` with 50 sites, on a mesh of 4,000 "
-        f"triangles. The number of pieces decides most: 500 sites cost {times('sites=500')}, 5,000 cost "
-        f"{times('sites=5000')}. Rough cuts (`rough_amplitude=0.05`) cost {times('rough_amplitude=0.05')}; their finest octave decides. "
-        f"Ragged chunks (`cells_per_fragment=6`) with flat cuts cost {times('cells_per_fragment=6')}. "
-        f"Walls (`shell`) are made once, when the mesh is prepared, which costs {times('shell_fraction=0.05')} then; the materials that make "
-        "walls are counted below without. "
-        f"One pass of `lloyd`: {times('lloyd=1')}, `levels`: {times('levels=5,20,50')}, `dual=barycenter`: {times('dual=barycenter')}, "
-        f"without hulls (`physics=none`): {times('physics=none')}. A hit that asks for `delta` is cheaper than the whole answer: only "
-        "the cells near it are cut again. On a wall, whose pieces are of six bricks each, brick costs 4.", 128)
+    yield from wrapped("- Hits: `impacts` breaks the whole mesh, `local_point` only what is near "
+                       "([both with commands](guides/more-pieces-where-it-is-hit.md)).", "  ")
+    yield from wrapped("- Bytes change only with the algorithm version. No parameter selects an older version "
+                       "([keep one](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).", "  ")
     yield ""
+    yield "## Cost"
+    yield ""
+    yield from costs(patterns)
     for title, words, names in SUBJECTS:
         yield f"## {title}"
         yield ""
         if words:
             yield words
             yield ""
-        yield from table(specs[name] for name in names)
+        for name in names:
+            yield from section(specs[name], patterns["patterns"])
+
+
+def materials_page(patterns):
+    yield from head("Patterns and materials")
+    yield from wrapped("This page is for people who choose a pattern or a material. In the pictures each fragment has a colour, and the fragments "
+                       "are drawn apart. [Parameters](parameters.md) explains each parameter and lists the [costs](parameters.md#cost).")
+    yield ""
     yield "## Patterns"
     yield ""
-    yield "A colour for each fragment; drawn apart."
-    yield ""
-    yield "| | `pattern` | where the sites go | its parameters (default) | cost |"
-    yield "|---|---|---|---|---|"
-    for entry in patterns["patterns"]:
-        name = entry["name"]
-        picture = "" if name == "points" else f"![{name}](pictures/pattern_{name}.png)"
-        own = ", ".join(f"`{p['name']}`" + (f" ({shown(p['default'])})" if p.get("default") is not None else "")
-                        for p in entry["parameters"])
-        yield f"| {picture} | `{name}` | {cell(entry['description'])} | {cell(own)} | {times('pattern=' + name)} |"
-    yield ""
+    yield from pattern_rows(patterns["patterns"])
     yield "## Materials"
     yield ""
-    yield "| | `material` | how it breaks | for | what it sets | cost |"
-    yield "|---|---|---|---|---|---|"
-    for entry in patterns["materials"]:
-        name = entry["name"]
-        sets = ", ".join(f"`{key}` {shown(value)}" for key, value in entry["parameters"].items())
-        yield (f"| ![{name}](pictures/material_{name}.png) | `{name}` | {cell(entry['description'])} | {entry['use']} | {cell(sets)} | "
-               f"{entry['cost']:g} |")
+    yield from material_rows(patterns["materials"])
+    yield "## Values of each material"
     yield ""
-    yield "How each breaks follows these descriptions; its figures come from those:"
+    yield from material_values(patterns["materials"])
+    yield "## Sources"
     yield ""
-    yield "| material | how it breaks | figures |"
-    yield "|---|---|---|"
+    yield "The literature on how each material breaks, and the origin of its figures:"
+    yield ""
     for entry in patterns["materials"]:
-        yield f"| `{entry['name']}` | {cell(entry['mechanics'])} | {cell(entry['source'])} |"
+        yield from wrapped(f"- `{entry['name']}`: {entry['mechanics']} Figures: {entry['source'].rstrip('.')}.", "  ")
+
+
+def pages(limits, patterns):
+    """{path: text}"""
+    lines = {"parameters": parameters_page(limits, patterns), "materials": materials_page(patterns)}
+    return {PAGES[name]: re.sub(r"\s+\Z", "\n", re.sub(r" +\n", "\n", "\n".join(page) + "\n")) for name, page in lines.items()}
 
 
 def measure(program):
-    """Prints COSTS, and those of materials (common/materials/notes.cpp). Counts instructions, which do not depend on how busy the
-    machine is."""
+    """Prints COSTS, and the costs of materials for common/materials/notes.cpp. It counts instructions, because times depend on how busy
+    the machine is."""
     counted = {}
     (patterns,) = ask(program, "/patterns")
     for name in [*COSTS, *(f"material={entry['name']}" for entry in patterns["materials"])]:
@@ -258,16 +361,17 @@ def main():
     options = parser.parse_args()
     if options.measure:
         return measure(options.program)
-    text = "\n".join(page(*ask(options.program, "/limits", "/patterns"))) + "\n"
-    text = re.sub(r" +\n", "\n", text)
-    if not options.check:
-        PAGE.write_text(text, encoding="utf-8")
-        return 0
-    written = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
-    sys.stdout.writelines(difflib.unified_diff(written.splitlines(True), text.splitlines(True), str(PAGE), "the server's table"))
-    if written != text:
+    differ = False
+    for path, text in pages(*ask(options.program, "/limits", "/patterns")).items():
+        if not options.check:
+            path.write_text(text, encoding="utf-8")
+            continue
+        written = path.read_text(encoding="utf-8") if path.exists() else ""
+        differ = differ or written != text
+        sys.stdout.writelines(difflib.unified_diff(written.splitlines(True), text.splitlines(True), str(path), "the server's tables"))
+    if differ:
         print(f"\n  repair: python3 scripts/lib/parameters_page.py {options.program}")
-    return 0 if written == text else 1
+    return 1 if differ else 0
 
 
 if __name__ == "__main__":

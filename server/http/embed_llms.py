@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""embed_llms.py PROTO_FOLDER OUT.cpp: interface.md, the operations of openapi.yaml and parameters.md as one plain text, /llms.txt,
-from which a program or a person can write a client without looking anywhere else; and that as a C++ function."""
+"""embed_llms.py PROTO_FOLDER OUT.cpp: writes a C++ function that returns the text of /llms.txt.
+
+The text joins interface.md, the operations of openapi.yaml, parameters.md and materials.md. It is enough to write a client."""
 import pathlib
 import re
 import sys
@@ -9,24 +10,24 @@ import yaml
 
 SUMMARY = """# fracture-server
 
-> POST a mesh, get exact, watertight Voronoi fragments of it back as one GLB with hulls, masses and bonds. The same request gives the
-> same bytes. Everything that can be asked stands in this file.
+> POST a mesh and get its exact, watertight Voronoi fragments as one GLB with hulls, masses and bonds. The same request gives the
+> same bytes. This file describes the whole interface.
 
-The least that works:
+The smallest request:
 
     curl --fail-with-body -T mesh.glb -X POST -H 'Content-Type: model/gltf-binary' \\
          'http://SERVER/fracture?material=stone&fragments=40&seed=1' -o fragments.glb
 
-The same for programs: `GET /openapi.json` (every status and header), `GET /limits`, `GET /patterns`.
+Programs read the same from `GET /openapi.json` (every status and header), `GET /limits` and `GET /patterns`.
 """
 
 
 def plain(text):
-    """Without what leads out of this file: pictures, comments and links to the repository keep their words."""
+    """The text without pictures and comments. Links to files of the repository become their words, because the files are not there."""
     text = re.sub(r"<!--.*?-->\n*", "", text, flags=re.S)
     text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
     text = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", text)
-    return re.sub(r"^\|  \|", "|", text, flags=re.M)
+    return re.sub(r"^\| +\|", "|", text, flags=re.M)  # the empty cells of pictures
 
 
 def operations(document):
@@ -38,16 +39,16 @@ def operations(document):
                 statuses = ", ".join(str(status) for status in operation["responses"] if status != "default")
                 lines.append(f"- `{method.upper()} {path}`{where}: {operation['summary']}. {statuses}")
     problems = document["components"]["schemas"]["Problem"]["properties"]["type"]["enum"]
-    return "\n".join([*lines, "", "Any of them may be answered with a problem: " + ", ".join(f"`{p}`" for p in problems) + "."])
+    return "\n".join([*lines, "", "Any operation may be answered with a problem: " + ", ".join(f"`{p}`" for p in problems) + "."])
 
 
 proto, out = pathlib.Path(sys.argv[1]), sys.argv[2]
 parts = [SUMMARY, plain((proto / "interface.md").read_text(encoding="utf-8")),
          operations(yaml.safe_load((proto / "openapi.yaml").read_text(encoding="utf-8"))),
-         plain((proto / "parameters.md").read_text(encoding="utf-8"))]
+         plain((proto / "parameters.md").read_text(encoding="utf-8")), plain((proto / "materials.md").read_text(encoding="utf-8"))]
 text = "\n\n".join(part.strip("\n") for part in parts) + "\n"
 
-# String literals have a length limit in some compilers: pieces are joined by the compiler.
+# Some compilers limit the length of a string literal, so the text is split into adjacent literals.
 pieces = "\n".join(f'R"llms({text[i:i + 4000]})llms"' for i in range(0, len(text), 4000))
 with open(out, "w", encoding="utf-8") as f:
     f.write('// Generated from proto/.\n#include "server/http/api.hpp"\n\n')

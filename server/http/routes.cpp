@@ -18,9 +18,11 @@ using enum Operation;
 using enum Listener;
 
 constexpr Route kRoutes[] = {
-    {kGetIndex, kPublic, "GET", "/", Carries::kNothing, kIndexTypes, "What this is; the page"},
+    {kGetIndex, kPublic, "GET", "/", Carries::kNothing, kIndexTypes,
+     "The server's name and addresses; the page"},
     {kGetDocs, kPublic, "GET", "/docs", Carries::kNothing, kHtmlTypes, "This interface for people"},
-    {kGetPageFile, kPublic, "GET", "/page/{file}", Carries::kNothing, kAnyTypes, "What the page loads"},
+    {kGetPageFile, kPublic, "GET", "/page/{file}", Carries::kNothing, kAnyTypes,
+     "A file that the page loads"},
     {kGetVersion, kPublic, "GET", "/version", Carries::kNothing, kJsonTypes,
      "Versions of the server and of the algorithm"},
     {kGetLimits, kPublic, "GET", "/limits", Carries::kNothing, kJsonTypes, "Limits, parameters and formats"},
@@ -31,7 +33,7 @@ constexpr Route kRoutes[] = {
     {kGetLlms, kPublic, "GET", "/llms.txt", Carries::kNothing, kTextTypes,
      "This interface as one plain text"},
     {kGetProblem, kPublic, "GET", "/problems/{name}", Carries::kNothing, kPageTypes,
-     "What a problem type means and what to do"},
+     "Meaning of a problem type, and the remedy"},
     {kPostFracture, kPublic, "POST", "/fracture", Carries::kMeshOrName, kResultTypes, "Fracture a mesh"},
     {kGetFracture, kPublic, "GET", "/fractures/{id}", Carries::kNothing, kResultTypes,
      "A result that is still in the cache"},
@@ -42,7 +44,7 @@ constexpr Route kRoutes[] = {
     {kPostMeshFracture, kPublic, "POST", "/meshes/{id}/fracture", Carries::kParameters, kResultTypes,
      "Fracture a stored mesh", Priority::kRealtime},
     {kGetJobs, kPublic, "GET", "/jobs", Carries::kQuery, kJsonTypes, "The client's jobs, the newest first"},
-    {kGetJob, kPublic, "GET", "/jobs/{id}", Carries::kNothing, kJsonTypes, "How far a job is"},
+    {kGetJob, kPublic, "GET", "/jobs/{id}", Carries::kNothing, kJsonTypes, "Progress of a job"},
     {kDeleteJob, kPublic, "DELETE", "/jobs/{id}", Carries::kNothing, kJsonTypes, "Cancel or forget a job"},
     {kGetJobEvents, kPublic, "GET", "/jobs/{id}/events", Carries::kNothing, kEventTypes,
      "The changes of a job as server-sent events"},
