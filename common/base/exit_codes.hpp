@@ -1,4 +1,4 @@
-// What every program of this project exits with. There is one table, so that a script need not know which program it ran.
+// The exit codes of all programs of this project. One table, so that a script need not know which program it ran.
 #pragma once
 
 namespace fracture {
@@ -15,8 +15,8 @@ inline constexpr int kExitInterrupted = 130;  ///< stopped by SIGINT or SIGTERM 
 
 /// The table for the end of a command's help.
 inline constexpr const char* kExitCodesInWords =
-    "Exit codes, the same for every command: 0 done (health: healthy; inspect: a closed solid as it is), 1 a file, a port or a server "
-    "stood in the way (health: not healthy), 2 the command line, a manifest, rules or settings are wrong, 3 the mesh or a parameter is "
-    "refused, 4 a bug, lack of memory, or a result that does not prove itself, 5 usable after repair (inspect), 130 stopped.";
+    "Exit codes of every command. 0: done (health: healthy; inspect: a closed solid without repair). 1: a file, a port or a server is "
+    "not available (health: not healthy). 2: the command line, a manifest, rules or settings are wrong. 3: the mesh or a parameter is "
+    "refused. 4: a bug, lack of memory, or a result that fails its check. 5: usable after repair (inspect). 130: stopped.";
 
 }  // namespace fracture

@@ -28,8 +28,8 @@ Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries,
     nlohmann::json known = nlohmann::json::array();
     for (std::size_t k = 0; k < std::min(names.size(), kListedNames); ++k) known.push_back(names[k]);
     return fail(ErrorCode::kBadParameter,
-                "Nothing in '" + std::string(parameter) + "' of this mesh is called '" + entry.substr(0, 80) +
-                    "', and it is no index below " + std::to_string(names.size()) +
+                "'" + entry.substr(0, 80) + "' is neither a name in '" + std::string(parameter) +
+                    "' of this mesh nor an index below " + std::to_string(names.size()) +
                     ". The member 'known' lists the names.",
                 parameter, {{"known", std::move(known)}});
   }
@@ -100,7 +100,8 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
     count += selected[t];
   }
   if (count == 0)
-    return fail(ErrorCode::kBadParameter, "No triangle of this mesh is in the nodes and materials asked for.",
+    return fail(ErrorCode::kBadParameter,
+                "No triangle of this mesh is in the given nodes and materials: choose others.",
                 selection.nodes.empty() ? "materials" : "nodes");
   if (count == selected.size()) return {};
   auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false));

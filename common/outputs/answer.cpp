@@ -13,7 +13,7 @@ std::uint64_t number_at(const json& object, const char* key, std::uint64_t fallb
   const auto at = object.find(key);
   if (at == object.end() && fallback != kHasToBeThere) return fallback;
   if (at == object.end() || !at->is_number_unsigned() || at->get<std::uint64_t>() > kMost)
-    throw Broken{std::string("a '") + key + "' is no number up to 2^32"};
+    throw Broken{std::string("a '") + key + "' is not a number up to 2^32"};
   return at->get<std::uint64_t>();
 }
 
@@ -58,12 +58,12 @@ class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> glb) {
     if (u32_at(glb, 0) != 0x46546c67 || u32_at(glb, 4) != 2 || u32_at(glb, 8) != glb.size())
-      throw Broken{"it is no GLB of its length"};
+      throw Broken{"it is not a GLB of its length"};
     const std::size_t length = u32_at(glb, 12);
     if (glb.size() < kGlbText || length > glb.size() - kGlbText) throw Broken{"its text is cut off"};
     const std::uint8_t* const text = glb.data() + kGlbText;
     document_ = json::parse(text, text + length, Wanted(), /*allow_exceptions=*/false);
-    if (!document_.is_object()) throw Broken{"its text is no JSON"};
+    if (!document_.is_object()) throw Broken{"its text is not JSON"};
     if (const std::size_t behind = kGlbText + length; behind < glb.size()) {
       buffer_ = glb.subspan(std::min(glb.size(), behind + 8));
       if (u32_at(glb, behind) > buffer_.size()) throw Broken{"its buffer is cut off"};
@@ -104,7 +104,7 @@ class Reader {
   void walk(std::uint64_t index, Vec3f place, int depth = 0) {
     constexpr int kDeepest = 64;
     const json& node = element(document_, "nodes", index);
-    if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are no tree"};
+    if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are not a tree"};
     seen_[index] = true;
     for (const char* moved : {"rotation", "scale", "matrix"})
       if (node.contains(moved)) throw Broken{"node " + std::to_string(index) + " has a " + moved};
@@ -194,7 +194,7 @@ class Reader {
     const json& accessor = element(document_, "accessors", index);
     static const char* const kTypes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     if (accessor.at("componentType") != component_type::kFloat || accessor.at("type") != kTypes[width])
-      throw Broken{"accessor " + std::to_string(index) + " is no " + kTypes[width] + " of floats"};
+      throw Broken{"accessor " + std::to_string(index) + " is not a " + kTypes[width] + " of floats"};
     std::size_t stride = 0;
     const std::uint8_t* const first = place_of(accessor, width * sizeof(float), stride);
     return {first, number_at(accessor, "count", 0), width, stride};

@@ -70,8 +70,8 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     if (more.sites > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
                   "For " + std::to_string(wanted) + " fragments this pattern needs " +
-                      std::to_string(more.sites) + " sites; at most " +
-                      std::to_string(parameters.most_sites) + " may be made.",
+                      std::to_string(more.sites) + " sites, and the limit is " +
+                      std::to_string(parameters.most_sites) + ". Ask for fewer fragments.",
                   "fragments");
   }
   Expected<SitePlan> plan = plan_sites(solid, more, execution);

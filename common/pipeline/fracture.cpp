@@ -69,7 +69,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (!plan->groups.empty())
         return fail(
             ErrorCode::kBadParameter,
-            "'lloyd' moves sites to the middle of their piece, but a piece of this pattern has several.",
+            "'lloyd' moves each site to the middle of its piece, but a piece of this pattern has several sites: leave it out.",
             "lloyd");
       const StageProgress::Part part(execution.within, 0.9);
       if (auto relaxed = relax(seen, *plan, parameters.lloyd, execution); !relaxed)
@@ -80,7 +80,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.of_pattern = plan->points.size();
     if (parameters.max_volume > 0 && !plan->groups.empty())
       return fail(ErrorCode::kBadParameter,
-                  "'max_volume' divides cells, but a piece of this pattern is several cells.", "max_volume");
+                  "'max_volume' divides cells, but a piece of this pattern has several cells: leave it out.",
+                  "max_volume");
     if (!parameters.hits.empty()) {
       if (aggregated || parameters.max_volume > 0) {
         const Expected<SplitFigures> split = aggregated
@@ -127,7 +128,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     if (diagram.map)
       return fail(
           ErrorCode::kBadParameter,
-          "dual=barycenter knows no stretched or turned cells: leave out 'stretch', slices of several families, or bricks.",
+          "dual=barycenter does not work with stretched or turned cells: leave out 'stretch', slices of several families, or bricks.",
           "dual");
     cut.barycentric =
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
@@ -163,9 +164,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   }
   execution.poll();
   if (cut.set.fragments.empty())
-    return fail(ErrorCode::kNoFragments, cut.barycentric.dropped > 0
-                                             ? "'drop_above' leaves nothing: all pieces are larger"
-                                             : "none of the pieces has a volume");
+    return fail(ErrorCode::kNoFragments,
+                cut.barycentric.dropped > 0
+                    ? "'drop_above' removes all pieces, because all are larger: raise it"
+                    : "no piece has a volume");
   return cut;
 }
 

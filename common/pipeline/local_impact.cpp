@@ -89,8 +89,8 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
         all > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
                   "With hit " + std::to_string(k + 1) + " there would be " + std::to_string(all) +
-                      " sites; at most " + std::to_string(parameters.most_sites) +
-                      " may be made of the pattern and all hits together.",
+                      " sites. The limit for the pattern and all hits together is " +
+                      std::to_string(parameters.most_sites) + ".",
                   "local_sites");
     if (const std::uint32_t cells = cells_per_fragment(near); cells > 1)
       group_hit(hit, *further, cells, plan, execution);

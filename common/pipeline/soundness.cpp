@@ -66,21 +66,21 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
     reach = std::fmax(reach, std::fmax(std::fabs(solid.box.min[a]), std::fabs(solid.box.max[a])));
   const double size = solid.box.longest_side(), rounding = 0x1.0p-48 * reach;
   compare("the fragments' volumes before rounding add up to", c.volume_out, c.volume_in,
-          kTolerance * solid.report.absolute_volume + rounding * solid.report.area, "m3", verdict);
+          kTolerance * solid.report.absolute_volume + rounding * solid.report.area, "m³", verdict);
   const double h = std::fmax(set.lattice_step.x, std::fmax(set.lattice_step.y, set.lattice_step.z));
   const double height = h + std::ldexp(size, -24);
   // How the pieces of a triangle are triangulated is decided on rounded positions (invariant I5): beside an
   // edge a strip of the height of the rounding may be covered three times.
   double bound = kTolerance * c.area_in;
   if (!(std::fabs(c.area_out - c.area_in) <= bound)) bound += 2 * height * surface_edges(set, size);
-  compare("the fragments cover", c.area_out, c.area_in, bound, "m2 of the surface", verdict);
+  compare("the fragments cover", c.area_out, c.area_in, bound, "m² of the surface", verdict);
   compare("the fragments' volumes in the file add up to", c.volume_file, c.volume_in - c.pocket_volume,
-          height * (c.area_out - c.pocket_area) + kTolerance * solid.report.absolute_volume, "m3", verdict);
+          height * (c.area_out - c.pocket_area) + kTolerance * solid.report.absolute_volume, "m³", verdict);
   for (std::uint32_t k = 0; k < set.fragments.size(); ++k) {
     const MassProperties& mass = set.fragments[k].mass;
     if (mass.volume >= -height * mass.area) continue;
     verdict.violations.push_back("fragment " + std::to_string(set.fragments[k].id) + " has the volume " +
-                                 text_of(mass.volume) + " m3");
+                                 text_of(mass.volume) + " m³");
     verdict.fragments.push_back(k);
   }
   std::sort(verdict.fragments.begin(), verdict.fragments.end());
@@ -90,13 +90,13 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
 }
 
 Error unsound(const Verdict& verdict, const Certificate& certificate) {
-  std::string detail = "The answer is not given, because it does not prove itself: ";
+  std::string detail = "The answer failed its check and is not given: ";
   constexpr std::size_t kMost = 5;
   for (std::size_t k = 0; k < std::min(verdict.violations.size(), kMost); ++k)
     detail += (k > 0 ? "; " : "") + verdict.violations[k];
   if (verdict.violations.size() > kMost)
     detail += "; and " + std::to_string(verdict.violations.size() - kMost) + " more";
-  detail += ". This is a fault of the program: please report the mesh and the parameters.";
+  detail += ". This is a bug of the program. Please report the mesh and the parameters.";
   return {ErrorCode::kUnsound,
           std::move(detail),
           {},

@@ -92,10 +92,10 @@ std::string edges_in_words(const SolidReport& report) {
 /// What repair=strict does not repair.
 Expected<void> accept_strictly(bool open, const EdgeFaults& faults, const SolidReport& report) {
   if (open)
-    return refuse("The mesh is not closed and repair=strict fills nothing: " + edges_in_words(report) + ".",
+    return refuse("The mesh is not closed, and repair=strict fills no holes: " + edges_in_words(report) + ".",
                   faults, report);
   if (report.flipped > 0)
-    return refuse("The mesh is closed but not consistently oriented and repair=strict turns nothing: " +
+    return refuse("The mesh is closed but not consistently oriented, and repair=strict turns no triangles: " +
                       counted(report.flipped, "triangle faces", "triangles face") + " the other way.",
                   faults, report);
   return {};
@@ -124,9 +124,9 @@ Expected<void> accept_reach(const Box& box) {
     if (reach >= kLeastReach) continue;
     const std::string name(1, "xyz"[axis]);
     return fail(ErrorCode::kNotFinite,
-                "The solid is too small: on the " + name + " axis no coordinate is farther than " +
-                    number(reach) + " m from 0; the farthest has to be at least " + number(kLeastReach) +
-                    " m away. Say with 'unit' what a unit of the file is, or scale the mesh up.",
+                "The solid is too small: on the " + name + " axis its farthest coordinate is " +
+                    number(reach) + " m from 0, and the least is " + number(kLeastReach) +
+                    " m. Give the unit of the file with 'unit', or scale the mesh up.",
                 {}, {{"axis", name}, {"reach", reach}});
   }
   return {};
@@ -150,14 +150,14 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
     inside_out += shells.list[s].triangles;
   });
   if (solid.parts.empty())
-    return refuse("The mesh bounds no volume: closed at its holes it is flat in " +
-                      counted(report.shells_dropped, "piece", "pieces") + " (" + edges_in_words(report) +
-                      ").",
+    return refuse("The mesh has no volume: with closed holes " +
+                      counted(report.shells_dropped, "piece is flat", "pieces are flat") + " (" +
+                      edges_in_words(report) + "). Use 'thickness' to give sheets a volume.",
                   faults, report);
   if (inside_out == 0) return part_of_shell;
   if (repair == Repair::kStrict) {
     report.flipped = inside_out;
-    return refuse("The mesh is closed but inside out and repair=strict turns nothing: " +
+    return refuse("The mesh is closed but inside out, and repair=strict turns no triangles: " +
                       counted(inside_out, "triangle faces", "triangles face") + " inwards.",
                   faults, report);
   }
@@ -236,8 +236,8 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
                            const Execution& execution) {
   if (mesh->triangles.size() > kMostTriangles)
     return fail(ErrorCode::kTooLarge, "The mesh has " + std::to_string(mesh->triangles.size()) +
-                                          " triangles; no solid is made of more than " +
-                                          std::to_string(kMostTriangles) + ".");
+                                          " triangles; the limit of a solid is " +
+                                          std::to_string(kMostTriangles) + ". Simplify the mesh.");
   Solid solid;
   SolidReport& report = solid.report;
   execution.reaches(0.4);

@@ -151,7 +151,7 @@ void check_parts(const Solid& s) {
     if (!(part.volume > 0)) broken(name("part", p) + " has no positive volume");
     for (const std::uint32_t shell : part.shells) {
       if (part_of_shell.size() <= shell) part_of_shell.resize(shell + 1, kNoIndex);
-      if (part_of_shell[shell] != kNoIndex) broken(name("shell", shell) + " stands in two parts");
+      if (part_of_shell[shell] != kNoIndex) broken(name("shell", shell) + " is in two parts");
       part_of_shell[shell] = p;
     }
   }

@@ -15,7 +15,7 @@ with open(headers_path, encoding="latin-1") as f:
 
 number = lambda value: f"{value:.12g}"
 print(f"   fragments   {certificate['fragments']} (open edges: {certificate['open_edges']})")
-print(f"   volume in   {number(certificate['volume_in'])} m3")
-print(f"   volume out  {number(certificate['volume_out'])} m3 (relative error {certificate['relative_error']:.1e})")
+print(f"   volume in   {number(certificate['volume_in'])} m³")
+print(f"   volume out  {number(certificate['volume_out'])} m³ (relative error {certificate['relative_error']:.1e})")
 print(f"   timings     {timing}")
 print(f"   wrote       {glb} ({os.path.getsize(glb)} bytes)")

@@ -20,12 +20,13 @@ Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url, 
   constexpr std::string_view kPlain = "http://", kTls = "https://";
   std::string_view rest = url;
   const bool tls = rest.starts_with(kTls);
-  if (!tls && !rest.starts_with(kPlain)) return wrong("begins with neither");
-  if (!tls && !ca_file.empty()) return wrong("is no https, and --ca-file says whom to believe there");
+  if (!tls && !rest.starts_with(kPlain)) return wrong("begins with another scheme");
+  if (!tls && !ca_file.empty()) return wrong("is not https, but --ca-file is for https only");
   rest.remove_prefix(tls ? kTls.size() : kPlain.size());
   if (rest.ends_with('/')) rest.remove_suffix(1);
   if (rest.find_first_of("/?#") != std::string_view::npos) return wrong("has a path");
-  if (rest.find('@') != std::string_view::npos) return wrong("has a user; a token goes into FRACTURE_TOKEN");
+  if (rest.find('@') != std::string_view::npos)
+    return wrong("has a user name; give the token in FRACTURE_TOKEN");
   protocol::ConnectionSettings settings;
   settings.port = tls ? 443 : 80;
   std::string_view port;
@@ -34,7 +35,7 @@ Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url, 
     if (close == std::string_view::npos) return wrong("has a bracket that is not closed");
     settings.host = rest.substr(1, close - 1);
     rest.remove_prefix(close + 1);
-    if (!rest.empty() && rest.front() != ':') return wrong("has something behind its bracket");
+    if (!rest.empty() && rest.front() != ':') return wrong("has text after its bracket");
     port = rest;
   } else {
     const std::size_t colon = rest.find(':');
@@ -47,7 +48,7 @@ Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url, 
     port.remove_prefix(1);
     const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), settings.port);
     if (error != std::errc() || end != port.data() + port.size() || settings.port == 0)
-      return wrong("has no port from 1 to 65535 behind its colon");
+      return wrong("has no port from 1 to 65535 after its colon");
   }
   if (tls) {
     Expected<std::shared_ptr<protocol::TlsTrust>> trust = protocol::trust_in(ca_file);

@@ -40,9 +40,9 @@ Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byt
     if (const auto format = format_from_extension(ending.substr(1))) return *format;
   if (const auto format = format_from_content(bytes)) return *format;
   const std::string what = path == kStandardStream
-                               ? "What came through standard input has no typical beginning"
+                               ? "The first bytes of standard input do not show its format"
                                : "The name '" + path + "' has no known ending";
-  return fail(ErrorCode::kUnknownFormat, what + "; say --format.", "format");
+  return fail(ErrorCode::kUnknownFormat, what + "; give its format with --format.", "format");
 }
 
 }  // namespace
@@ -64,9 +64,9 @@ std::optional<std::string> read_bytes(const std::string& path, const std::stop_t
 Expected<InputFile> to_input(const std::string& path, std::string bytes,
                              const RequestParameters& parameters) {
   if (bytes.empty())
-    return fail(
-        ErrorCode::kEmptyBody,
-        (path == kStandardStream ? std::string("Standard input") : "'" + path + "'") + " has 0 bytes.");
+    return fail(ErrorCode::kEmptyBody,
+                (path == kStandardStream ? std::string("Standard input") : "'" + path + "'") +
+                    " has 0 bytes: give a mesh file.");
   const Expected<MeshFormat> format = format_of(path, std::as_bytes(std::span(bytes)), parameters);
   if (!format) return tl::unexpected(format.error());
   InputFile input{std::move(bytes), *format};

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
   const auto read = read_json(line, {});
   if (!read && read.error().kind != JsonFault::Kind::kSyntax) return wrong("it " + to_text(read.error()));
-  if (!read) return wrong("it is no JSON object (column " + std::to_string(read.error().byte) + ")");
-  if (!read->value.is_object()) return wrong("it is no JSON object");
+  if (!read) return wrong("it is not a JSON object (column " + std::to_string(read.error().byte) + ")");
+  if (!read->value.is_object()) return wrong("it is not a JSON object");
   const nlohmann::json& json = read->value;
   BakeJob job{.input = {}, .output = {}, .parameters = source.parameters};
   for (const auto& [key, value] : json.items()) {
@@ -42,7 +42,7 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
       for (const auto& [name, given] : value.items()) job.own.push_back({name, given, false});
       put_over(job.own, job.parameters);
     } else {
-      return wrong("'" + shortened(key) + "' is none of input, output and parameters");
+      return wrong("'" + shortened(key) + "' is not known; only input, output and parameters are allowed");
     }
   }
   if (job.input.empty()) return wrong("'input' is missing");

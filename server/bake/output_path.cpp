@@ -42,19 +42,19 @@ Expected<OutputKind> kind_of_output(const std::string& path) {
   if (format == MeshFormat::kPly) return OutputKind::kPly;
   if (format == MeshFormat::kStl) return OutputKind::kStl;
   if (format != MeshFormat::kObj)
-    return fail(
-        ErrorCode::kBadParameter,
-        "'" + ending + "' is not written: the output '" + path +
-            "' must end in .glb, .gltf (one JSON text), .obj (with .mtl and textures beside it), .ply or "
-            ".stl, or have no ending (GLB).",
-        {}, {{"known", {".glb", ".gltf", ".obj", ".ply", ".stl"}}});
+    return fail(ErrorCode::kBadParameter,
+                "'" + ending + "' is not written: the output '" + path +
+                    "' must end in .glb, .gltf (one JSON text), .obj (with .mtl and textures), .ply or "
+                    ".stl, or have no ending (GLB).",
+                {}, {{"known", {".glb", ".gltf", ".obj", ".ply", ".stl"}}});
   const std::string name = fs::path(path).filename().string();
   const bool breaks = std::any_of(name.begin(), name.end(),
                                   [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; });
   if (breaks || name.front() == ' ' || name.front() == '-')
-    return fail(ErrorCode::kBadParameter,
-                "An OBJ cannot name the materials of '" + path +
-                    "': its name must not begin with a blank or '-', nor have control characters.");
+    return fail(
+        ErrorCode::kBadParameter,
+        "An OBJ cannot name the materials of '" + path +
+            "': the name of the OBJ must not begin with a space or '-', nor contain control characters.");
   return OutputKind::kObj;
 }
 

@@ -57,7 +57,7 @@ Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, cons
     if (answered && (exchange.status == 401 || exchange.status == 403))
       return tl::unexpected(give_up(server_ + " refuses the token (" + std::to_string(exchange.status) +
                                     "): " + problem_of(exchange).detail +
-                                    " Say --token or set FRACTURE_TOKEN."));
+                                    " Give --token or set FRACTURE_TOKEN."));
     if (answered && !busy) {
       heard();
       return exchange;
@@ -73,8 +73,8 @@ Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, cons
              : exchange.detail;
     const Milliseconds left = hope(begun, busy, trouble);
     if (left.count() <= 0)
-      return tl::unexpected(give_up(trouble + " Nothing else was heard for " + seconds_text(patience_.total) +
-                                    " (--patience)."));
+      return tl::unexpected(give_up(trouble + " The server gave no other answer for " +
+                                    seconds_text(patience_.total) + " (--patience)."));
     const Milliseconds wait = std::max(
         backoff.pause(), protocol::parse_retry_after(exchange.retry_after).value_or(backoff.pause()));
     backoff.lengthen();

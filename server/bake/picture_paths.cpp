@@ -48,12 +48,12 @@ Expected<void> give_pictures(const BakeSource& source, bool single, std::vector<
   if (source.preview.empty() && source.html.empty()) return {};
   if (source.preview == kStandardStream || source.html == kStandardStream)
     return not_possible(
-        "--preview and --html are names of files: '-' is for the fragments, and a page stands beside its pictures.");
+        "--preview and --html need the name of a file or folder: '-' is standard output, for the fragments.");
   std::error_code error;
   const bool png = fs::path(source.preview).extension() == kEnding;
   if (single && !source.preview.empty()) {
     if (!png)
-      return not_possible("--preview is a PNG for one mesh: '" + source.preview + "' must end in .png.");
+      return not_possible("For one mesh --preview is a PNG: '" + source.preview + "' must end in .png.");
     jobs.front().picture = source.preview;
     return {};
   }
@@ -62,8 +62,8 @@ Expected<void> give_pictures(const BakeSource& source, bool single, std::vector<
     folder = source.html;
     folder.replace_extension(".pictures");
   } else if (png || (fs::exists(folder, error) && !fs::is_directory(folder, error))) {
-    return not_possible("--preview is a folder for several meshes, or those of a folder; '" + source.preview +
-                        "' is a file.");
+    return not_possible("For several meshes, or a folder of meshes, --preview is a folder, but '" +
+                        source.preview + "' is a file.");
   }
   const fs::path outputs = single || !source.manifest.empty()
                                ? fs::path(single ? source.output : source.manifest).parent_path()

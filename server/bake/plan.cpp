@@ -59,7 +59,9 @@ class Search {
     if (looked && found_.size() == before) {
       const std::size_t results = skipped_.size() - skipped_before;
       return wrong("There is no mesh in '" + input + "'" +
-                   (results > 0 ? " but " + std::to_string(results) + " that earlier bakes made." : "."));
+                   (results > 1    ? ", only " + std::to_string(results) + " results of earlier bakes."
+                    : results == 1 ? ", only one result of an earlier bake."
+                                   : "."));
     }
     return looked;
   }
@@ -123,13 +125,14 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
              file = there && !fs::is_directory(source.output, error);
   const bool named_as_one = fs::path(source.output).has_extension() && kind_of_output(source.output);
   if (file || (!there && named_as_one))
-    return wrong("'" + source.output + "' is " + (file ? "no folder" : "the name of a file") +
-                 ": several meshes, or those of a folder, need a folder (a new one may end in '/').");
+    return wrong(
+        "'" + source.output + "' is " + (file ? "not a folder" : "the name of a file") +
+        ": several meshes, or the meshes of a folder, need an output folder (end the name of a new one with '/').");
   Search search(source);
   for (const std::string& input : source.inputs) {
     if (input == kStandardStream)
       return wrong(
-          "Standard input ('-') is one mesh, and goes alone to one file: give it a name with --output.");
+          "Standard input ('-') is one mesh and must be the only input: give the name of one file with --output.");
     if (const auto looked = search.look_into(input); !looked) return tl::unexpected(looked.error());
   }
   skipped = search.take_skipped();
@@ -177,18 +180,18 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
   BakeSource source = given;
   std::error_code error;
   if (source.manifest.empty() == source.inputs.empty())
-    return wrong("Give files, folders or globs, or a --manifest; one of the two.");
+    return wrong("Give either files, folders or globs, or a --manifest.");
   if (source.manifest.empty()) {
     if (source.output.empty())
-      return wrong("--output is missing: a file for one mesh, a folder for several.");
+      return wrong("--output is missing: give a file for one mesh, or a folder for several.");
     const std::string& only = source.inputs.front();
     plan.single = source.inputs.size() == 1 && !fs::is_directory(only, error) &&
                   (!is_glob(only) || fs::exists(only, error)) && source.output.back() != '/' &&
                   !fs::is_directory(source.output, error);
     if (!plan.single && source.output == kStandardStream)
-      return wrong("Standard output ('-') takes the fragments of one mesh.");
+      return wrong("Standard output ('-') is for the fragments of one mesh: give a folder with --output.");
   } else if (!source.output.empty()) {
-    return wrong("A manifest names its outputs itself; leave out --output.");
+    return wrong("A manifest names its own outputs: leave out --output.");
   }
   if (!source.depfile.empty() && !plan.single) return wrong("--depfile is for one mesh to one file.");
   if (!source.stages.empty() && !plan.single) return wrong("--dump-stages is for one mesh to one file.");
@@ -236,7 +239,7 @@ Expected<Shard> parse_shard(const std::string& text) {
   const std::optional<std::size_t> index = first == "auto" ? index_of_orchestrator() : number_of(first);
   if (first == "auto" && !index)
     return wrong(
-        "--shard auto/N: none of FRACTURE_SHARD, JOB_COMPLETION_INDEX and SLURM_ARRAY_TASK_ID says which.");
+        "--shard auto/N: none of FRACTURE_SHARD, JOB_COMPLETION_INDEX and SLURM_ARRAY_TASK_ID is a shard number.");
   const std::size_t count = number_of(std::string_view(text).substr(slash + 1)).value_or(0);
   if (!index || *index >= count) return bad();
   return Shard{*index, count};

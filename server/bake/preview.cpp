@@ -148,9 +148,9 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
       output != kStandardStream && kind && (*kind == OutputKind::kGlb || *kind == OutputKind::kGltf);
   if (!is_drawn_itself && bytes.empty())
     return fail(ErrorCode::kUnsupportedFeature,
-                "The picture of an OBJ, PLY or STL is drawn when that is made: --force makes it again.");
+                "The picture of an OBJ, PLY or STL is drawn only when the file is made: use --force.");
   if (folder_.empty())
-    return fail(ErrorCode::kNoProgram, "There is no folder for temporary files, which pictures need.");
+    return fail(ErrorCode::kNoProgram, "Pictures need a folder for temporary files, and there is none.");
   std::size_t number = 0;
   {
     const std::lock_guard lock(mutex_);

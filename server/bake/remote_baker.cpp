@@ -129,9 +129,9 @@ class Conversation {
   static Step again(std::string trouble) { return {.trouble = std::move(trouble)}; }
   static Step otherwise(const std::string& key) {
     return {.next = Next::kWhole,
-            .trouble = "The server made " + key +
-                       " of this request, which here is called otherwise: is the mesh "
-                       "stored there in another format, or the server of another version?"};
+            .trouble = "The server gave the answer the address " + key +
+                       ", but this program expects another one. Perhaps the server has the mesh in another "
+                       "format, or has another version."};
   }
 
   std::vector<std::pair<std::string, std::string>> fields() const {
@@ -180,7 +180,8 @@ class Conversation {
       if (result->status == 404) return again("The server has forgotten the result of a job.");
       return refused(*result);
     }
-    if (state != "failed" || !job.contains("error")) return again("A job ended without a word.");
+    if (state != "failed" || !job.contains("error"))
+      return again("A job ended without a result or an error.");
     const nlohmann::json& error = job.at("error");
     const int status = error.is_object() ? error.value("status", 500) : 500;
     const ProblemDocument problem = protocol::problem_in(error);
@@ -195,7 +196,7 @@ class Conversation {
 
   Expected<Step> file_of(const Exchange& exchange) {
     if (!protocol::digest_matches(exchange.repr_digest, exchange.body))
-      return again("An answer has another digest than its Repr-Digest says.");
+      return again("The digest of an answer differs from its Repr-Digest.");
     if (!exchange.content_location.empty() && exchange.content_location != result_)
       return otherwise(exchange.content_location);
     auto file = std::make_shared<const std::vector<std::uint8_t>>(exchange.body.begin(), exchange.body.end());
@@ -220,13 +221,13 @@ class Conversation {
   }
 
   Expected<Step> put_mesh(Clock::time_point asked) {
-    if (!puts_.begin(mesh_, asked, stop_)) return again("Another job's mesh did not stay with the server.");
+    if (!puts_.begin(mesh_, asked, stop_)) return again("The server did not keep the mesh of another job.");
     const Expected<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());
     if (put->status == 504) return late(problem_of(*put));
     if (put->status != 200 && put->status != 201) return refused(*put);
-    return again("The server does not keep the mesh that was put.");
+    return again("The server did not keep the mesh that was uploaded.");
   }
 
   Expected<Exchange> send_mesh() {
@@ -278,12 +279,13 @@ class RemoteBaker : public Baker {
       return fail(ErrorCode::kUnavailable, server + " " + std::move(why));
     };
     if (version->status != 200 || !document.is_object() || document.value("name", "") != "fracture-server")
-      return fail_with("answers, but is no fracture-server: GET /version gave status " +
+      return fail_with("answers, but is not a fracture-server: GET /version gave status " +
                        std::to_string(version->status) + ".");
     const int algorithm = document.value("algorithm", 0);
     if (algorithm != kAlgorithmVersion)
-      return fail_with("has version " + std::to_string(algorithm) + " of the algorithm, this program " +
-                       std::to_string(kAlgorithmVersion) + ": the files would have other bytes.");
+      return fail_with("has algorithm version " + std::to_string(algorithm) +
+                       ", and this program has version " + std::to_string(kAlgorithmVersion) +
+                       ", so the files would have other bytes. Use equal versions.");
     const Expected<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
     if (!limits) return tl::unexpected(limits.error());
     const nlohmann::json list = json_or_null(limits->body, kOfAServer);
@@ -304,8 +306,8 @@ class RemoteBaker : public Baker {
     // In better words than those of its refusal of the parameter `format`.
     if (const std::string format = extension_of(request.format);
         !formats_.empty() && !formats_.contains(format))
-      return fail(ErrorCode::kUnknownFormat, "The server does not read '" + format +
-                                                 "'; one started with --enable-format " + format + " does.");
+      return fail(ErrorCode::kUnknownFormat,
+                  "The server does not read '" + format + "': start it with --enable-format " + format + ".");
     return Conversation(caller_, puts_, request, stop)();
   }
 

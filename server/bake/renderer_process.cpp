@@ -90,7 +90,7 @@ struct Spawn {
 Expected<std::string> find_renderer(const std::string& named) {
   if (!named.empty()) {
     if (is_program(named)) return fs::absolute(named).string();
-    return fail(ErrorCode::kNoProgram, "--renderer '" + named + "' is no program that can be started.");
+    return fail(ErrorCode::kNoProgram, "--renderer '" + named + "' is not an executable program.");
   }
   const fs::path here = folder_of_this_program();
   std::vector<fs::path> places{here / kRenderer, here / "../client/cli" / kRenderer};
@@ -102,8 +102,8 @@ Expected<std::string> find_renderer(const std::string& named) {
   for (const fs::path& place : places)
     if (is_program(place)) return place.lexically_normal().string();
   return fail(ErrorCode::kNoProgram,
-              "There is no fracture-render, neither beside this program nor in PATH: build the client "
-              "(scripts/install-deps client), or name it with --renderer PATH.");
+              "There is no fracture-render next to this program or in PATH: build the client "
+              "(scripts/install-deps client), or give its path with --renderer PATH.");
 }
 
 Expected<RendererProcess> RendererProcess::start(const std::string& program, int threads) {
@@ -174,7 +174,7 @@ std::string RendererProcess::last_words() {
   pid_t reaped = 0;
   const auto until = Clock::now() + kGrace;
   while ((reaped = ::waitpid(pid_, &status, WNOHANG)) == 0 && Clock::now() < until) ::usleep(2000);
-  std::string words = "closed its end";
+  std::string words = "closed its connection";
   if (reaped == pid_) {
     ::kill(-pid_, SIGKILL);  // what it left behind
     pid_ = 0;
@@ -228,18 +228,18 @@ Expected<void> RendererProcess::draw(const nlohmann::json& line, std::chrono::mi
       if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return tl::unexpected(died({}));
       if (got > 0) heard_.append(text, static_cast<std::size_t>(got));
       if (heard_.size() > kMaxAnswerBytes)
-        return tl::unexpected(died("does not answer as fracture-render does"));
+        return tl::unexpected(died("does not answer like fracture-render"));
     }
   }
   const std::string text = heard_.substr(0, heard_.find('\n'));
   heard_.erase(0, text.size() + 1);
   const nlohmann::json answer = json_or_null(text);
   if (!answer.is_object() || !answer.contains("output"))
-    return tl::unexpected(died("does not answer as fracture-render does"));
+    return tl::unexpected(died("does not answer like fracture-render"));
   const auto problem = answer.find("problem");
   if (problem == answer.end()) return {};
   const std::string detail = problem->is_object() ? problem->value("detail", "") : std::string();
-  return fail(ErrorCode::kBadImage, detail.empty() ? "The renderer does not say why." : detail);
+  return fail(ErrorCode::kBadImage, detail.empty() ? "The renderer gave no reason." : detail);
 }
 
 }  // namespace fracture::bake

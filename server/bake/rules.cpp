@@ -34,8 +34,8 @@ Expected<std::vector<std::string>> patterns_of(const std::string& name, const js
       return wrong("a pattern of '" + name + "' must have 1 to " + std::to_string(kMaxPatternBytes) +
                    " bytes; it had " + std::to_string(text.size()));
     if (text.find('\0') != std::string::npos)
-      return wrong("a pattern of '" + name +
-                   "' has a NUL character in it, which may stand in none: " + text_of(pattern));
+      return wrong("a pattern of '" + name + "' must not contain a NUL character; it was " +
+                   text_of(pattern));
     patterns.push_back(text);
   }
   return patterns;
@@ -50,7 +50,7 @@ Expected<void> add_match(const json& match, Rule& rule) {
                                      : name == "material" ? &rule.materials
                                                           : nullptr;
     if (!list)
-      return wrong("'match' has '" + shortened(name) + "', which is none of path, node and material");
+      return wrong("'match' has '" + shortened(name) + "'; only path, node and material are allowed");
     Expected<std::vector<std::string>> patterns = patterns_of(name, value);
     if (!patterns) return tl::unexpected(patterns.error());
     *list = std::move(*patterns);
@@ -59,7 +59,7 @@ Expected<void> add_match(const json& match, Rule& rule) {
 }
 
 Expected<Rule> rule_of(const json& value) {
-  if (!value.is_object()) return wrong("it is no object");
+  if (!value.is_object()) return wrong("it must be an object");
   for (const char* needed : {"match", "parameters"})
     if (!value.contains(needed)) return wrong(std::string("'") + needed + "' is missing");
   Rule rule;
@@ -71,7 +71,7 @@ Expected<Rule> rule_of(const json& value) {
       for (const auto& [parameter, given] : member.items())
         rule.parameters.push_back({parameter, given, false});
     } else {
-      return wrong("'" + shortened(name) + "' is none of match and parameters");
+      return wrong("'" + shortened(name) + "' is not known; only match and parameters are allowed");
     }
   }
   return rule;
@@ -158,7 +158,7 @@ Expected<RuleFile> read_rules(const std::string& path) {
     return wrong("The rules '" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kMaxRuleFileBytes)
-    return in_file("the file has more than " + std::to_string(kMaxRuleFileBytes) + " bytes");
+    return in_file("the file has more than the limit of " + std::to_string(kMaxRuleFileBytes) + " bytes");
   const auto read = read_json(text, {});
   if (!read) {
     if (read.error().kind != JsonFault::Kind::kSyntax) return in_file("the file " + to_text(read.error()));
@@ -169,13 +169,13 @@ Expected<RuleFile> read_rules(const std::string& path) {
     return in_file(
         "line " + std::to_string(1 + std::count(good.begin(), good.end(), '\n')) + ", column " +
         std::to_string(line_end == std::string_view::npos ? good.size() + 1 : good.size() - line_end) +
-        ": no JSON");
+        ": not valid JSON");
   }
   const json& document = read->value;
   if (!document.is_object() || !document.contains("rules") || !document["rules"].is_array())
     return in_file("it must be an object with the list 'rules'");
   for (const auto& [name, value] : document.items())
-    if (name != "rules") return in_file("'" + shortened(name) + "' is not known; there is only 'rules'");
+    if (name != "rules") return in_file("'" + shortened(name) + "' is not known; only 'rules' is allowed");
   RuleFile file{.path = path};
   const json& list = document["rules"];
   if (list.empty() || list.size() > kMaxRules)
@@ -254,7 +254,7 @@ std::vector<std::string> RuleTally::warnings() const {
     if (!seen_[k].decided)
       lines.push_back(name_of_rule(k, file_) + " (" + patterns_in_words(file_.rules[k]) + ") " +
                       (seen_[k].matched
-                           ? "decides nothing: an earlier rule matches every mesh that it matches."
+                           ? "is never applied: an earlier rule matches every mesh that it matches."
                            : "matches no mesh."));
   return lines;
 }

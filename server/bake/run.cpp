@@ -127,7 +127,7 @@ class Run {
     line.erase("preview");
     json preview;
     if (const std::optional<Error> loss = loss_of(job.picture))
-      preview = {{"file", job.picture}, {"warning", "It is not written over: " + loss->detail + "."}};
+      preview = {{"file", job.picture}, {"warning", "The file is not overwritten: " + loss->detail + "."}};
     else
       preview = options_.previews->of(job.output, job.picture, fresh, bytes, stop_);
     if (preview.is_null()) return;
@@ -254,7 +254,7 @@ class Run {
       show(job, line, false, {});
       report(number, std::move(line));
       count(&RunFigures::kept);
-      conclude(name_of_output(job.output) + ": is right already, kept");
+      conclude(name_of_output(job.output) + ": up to date, kept");
       return progress_->done(true, false);
     }
     if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);

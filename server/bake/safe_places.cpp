@@ -31,7 +31,7 @@ class Places {
     if (std::optional<Error> refused = refuse_output(path)) return tl::unexpected<Error>(std::move(*refused));
     const FileIdentity identity = identity_of(path);
     if (const auto at = read_.find(identity); at != read_.end())
-      return wrong("'" + path + "' would be written over " + at->second + ".");
+      return wrong("Writing '" + path + "' would overwrite " + at->second + ": choose another place.");
     if (const auto [at, fresh] = written_.emplace(identity, whose); !fresh)
       return wrong(at->second + " and " + whose + " would both be written to '" + path + "'.");
     return {};
@@ -49,8 +49,8 @@ Expected<void> check_output(const BakeJob& job, Places& places) {
   if (materials.empty()) return {};
   if (auto place = places.write(materials, "the materials of '" + job.output + "'"); !place) return place;
   if (is_foreign_mtl(materials))
-    return wrong("'" + materials + "' is there, and no bake made it: the materials of '" + job.output +
-                 "' would be written over it.");
+    return wrong("'" + materials + "' was not made by a bake, and the materials of '" + job.output +
+                 "' would overwrite it: move it or choose another output.");
   return {};
 }
 
@@ -69,27 +69,29 @@ Expected<void> check_places(const BakePlan& plan, const BakeSource& source, Line
   if (!plan.html.empty()) {
     if (auto place = places.write(plan.html, "the page"); !place) return place;
     if (!may_be_html_report(plan.html))
-      return wrong("'" + plan.html + "' is there and is no page of a bake; as one it would be written anew.");
+      return wrong("'" + plan.html +
+                   "' exists and is not a page of a bake: move it or choose another --html.");
   }
   if (!plan.report.empty()) {
     if (plan.report == kStandardStream)
-      return wrong("--report needs a file: it is read again by the next bake.");
+      return wrong("--report needs a file, not '-', because the next bake reads it.");
     if (auto place = places.write(plan.report, "the report"); !place) return place;
     if (!BakeReport::may_be(plan.report))
       return wrong("'" + plan.report +
-                   "' is there and is no report of a bake; as one it would be written anew.");
+                   "' exists and is not a report of a bake: move it or choose another --report.");
   }
   if (!source.depfile.empty()) {
     if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||
         plan.jobs.front().input == kStandardStream)
-      return wrong("--depfile is a file that names files: it does not go with '-'.");
+      return wrong("--depfile needs files: it cannot be used with '-' as input, output or depfile.");
     if (auto place = places.write(source.depfile, "the depfile"); !place) return place;
   }
   if (source.stages.empty()) return {};
   for (const std::string& path : stage_files(source.stages)) {
     std::error_code error;
     if (fs::exists(fs::symlink_status(path, error)))
-      return wrong("'" + path + "' is there already, and --dump-stages writes over nothing.");
+      return wrong("'" + path +
+                   "' exists, and --dump-stages overwrites no file: move it or choose another folder.");
     if (auto place = places.write(path, "a stage"); !place) return place;
   }
   return {};

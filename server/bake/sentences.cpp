@@ -19,14 +19,14 @@ std::string name_of_output(const std::string& path) {
 std::string sentence_of(std::span<const WrittenFile> written, const Baked& baked, double seconds) {
   const Certificate& c = baked.summary.certificate;
   char text[300];
-  std::snprintf(
-      text, sizeof text,
-      ": %u fragments, volume in %.9g m3, out %.9g m3, relative error %.2g, %llu open edges, %llu bytes",
-      c.fragments, c.volume_in, c.volume_out, c.relative_error, static_cast<unsigned long long>(c.open_edges),
-      static_cast<unsigned long long>(written.front().bytes));
+  std::snprintf(text, sizeof text,
+                ": %u %s, volume in %.9g m³, out %.9g m³, relative error %.2g, %llu open edges, %llu bytes",
+                c.fragments, c.fragments == 1 ? "fragment" : "fragments", c.volume_in, c.volume_out,
+                c.relative_error, static_cast<unsigned long long>(c.open_edges),
+                static_cast<unsigned long long>(written.front().bytes));
   std::string sentence = name_of_output(written.front().path) + text;
   if (const std::size_t beside = written.size() - 1; beside > 0)
-    sentence += ", " + std::to_string(beside) + (beside > 1 ? " files" : " file") + " beside it";
+    sentence += ", and " + std::to_string(beside) + (beside > 1 ? " more files" : " more file");
   std::snprintf(text, sizeof text, ", %.3f s", seconds);
   sentence += text;
   const char* separator = " (";

@@ -12,9 +12,9 @@ namespace fracture::bake {
 std::string name_of_input(const std::string& path);
 std::string name_of_output(const std::string& path);
 
-/// "fragments.glb: 50 fragments, volume in 1 m3, out 1 m3, relative error 2.2e-16, 0 open edges, 51372 bytes,
+/// "fragments.glb: 50 fragments, volume in 1 m³, out 1 m³, relative error 2.2e-16, 0 open edges, 51372 bytes,
 /// 0.006 s (import 0.1 ms, ...)"
-/// `written`: the output, and what was written beside it.
+/// `written`: the output, and the files that were written with it.
 std::string sentence_of(std::span<const WrittenFile> written, const Baked& baked, double seconds);
 
 }  // namespace fracture::bake

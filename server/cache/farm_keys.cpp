@@ -68,10 +68,10 @@ Expected<FarmKeys> FarmKeys::parse(std::string_view text) {
       return wrong(where + " has fewer than " + std::to_string(kMinCharacters) +
                    " characters (openssl rand -hex 32 makes a key)");
     if (keys.keys_.size() == kMaxKeys)
-      return wrong(where + " is a third key: one that signs, and one that is still taken");
+      return wrong(where + " is a third key; the limit is two: the first signs, and both are accepted");
     keys.keys_.emplace_back(line);
   }
-  if (keys.empty()) return wrong("it holds no key");
+  if (keys.empty()) return wrong("it contains no key");
   return keys;
 }
 

@@ -109,8 +109,9 @@ void tell_of(const FailureKeeper& failures) {
   const KeptFailures f = failures.figures();
   if (const std::size_t kept = f.kept + f.known; kept > 0)
     say("kept " + std::to_string(kept) + (kept > 1 ? " failures" : " failure") + " in " + failures.folder() +
-        "; \"command\" in request.json shows it again");
-  if (f.dropped > 0) say("no room for " + std::to_string(f.dropped) + " more in " + failures.folder());
+        "; \"command\" in request.json repeats one");
+  if (f.dropped > 0)
+    say("no room for " + std::to_string(f.dropped) + " more failures in " + failures.folder());
 }
 
 /// Null where the server cannot be asked, which has been said.
@@ -179,7 +180,7 @@ Expected<Pictured> pictured(const BakeOptions& options, bool single, int jobs) {
   const bool asked = !options.source.preview.empty();
   if (!asked && options.source.html.empty()) {
     if (!options.renderer.empty())
-      return fail(ErrorCode::kBadParameter, "--renderer draws for --preview or --html: give one of them.");
+      return fail(ErrorCode::kBadParameter, "--renderer needs --preview or --html: give one of them.");
     return Pictured{};
   }
   const Expected<std::string> renderer = bake::find_renderer(options.renderer);
@@ -268,7 +269,7 @@ int bake(const BakeOptions& options) {
   FILE* const words = words_of(*plan);
   if (!options.explain && words == stderr && ::isatty(STDOUT_FILENO))
     return wrong_command_line(
-        "'-' is standard output, which is a terminal: a GLB is nothing to look at there.");
+        "'-' is standard output, which is a terminal and cannot show a GLB: redirect it, or give a file.");
   if (const std::size_t results = plan->skipped.size(); results > 0 && !options.quiet)
     say("skipped " + std::to_string(results) +
         (results > 1 ? " results of earlier bakes, such as " : " result of an earlier bake: ") +
@@ -277,7 +278,7 @@ int bake(const BakeOptions& options) {
   const bool remote = !options.server.empty();
   const Watched watched(options);
   if (remote && (watched.flips || watched.dump))
-    return wrong_command_line("--insertion and --dump-stages are of bakes on this machine, not of --server.");
+    return wrong_command_line("--insertion and --dump-stages work on this machine only: leave out --server.");
   const int cores = available_cores();
   const int jobs = plan->single ? 1 : options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : cores;
   ServiceConfig service = options.service;
@@ -330,7 +331,8 @@ int bake(const BakeOptions& options) {
     if (!summary.empty() && !plan->html.empty()) summary += "; page in " + plan->html;
     if (!summary.empty()) std::fprintf(words, "%s\n", printable_lines(summary).c_str());
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
-    if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command goes on from there.\n");
+    if (f.cancelled > 0 && !run.report.empty())
+      std::fprintf(words, "The same command continues from there.\n");
   }
   const int code = exit_code(f, options.allow_refused);
   return code == kExitDone && watched.dump && watched.dump->failed() ? kExitSystem : code;

@@ -52,7 +52,8 @@ std::optional<Probe> probe_of_settings(const std::string& config_file, const std
   ServeOptions serve;
   const std::vector<Setting> settings = serve_settings(serve);
   read_settings(serve, settings, {}, config_file, errors);
-  if (serve.server.admin_port == 0) errors.push_back("admin-port is 0, any free one: give the URL");
+  if (serve.server.admin_port == 0)
+    errors.push_back("admin-port is 0, so the port is not known: give the URL");
   if (!errors.empty()) return std::nullopt;
   std::string host = serve.server.admin_address;
   if (host == "0.0.0.0") host = "127.0.0.1";  // every address: this machine's own is one of them

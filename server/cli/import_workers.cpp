@@ -31,8 +31,8 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
   for (const auto& [layer, in_force] : layers)
     writer.gauge(
         "fracture_import_sandbox",
-        "1 where files are read in processes behind this layer of the sandbox. Without seccomp there "
-        "is none to speak of; Landlock is a second one, for files.",
+        "1 if this layer of the sandbox of import processes is in force. seccomp is the main layer; Landlock is a "
+        "second one, for files.",
         in_force, {{"layer", layer}});
   const ImportCounters counters = imports.counters();
   const std::pair<const char*, std::uint64_t> outcomes[] = {
@@ -43,8 +43,8 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
   for (const auto& [outcome, count] : outcomes)
     writer.counter(
         "fracture_imports_total",
-        "Imports by their end: a mesh, an error of the file, the death of the worker, a limit of its "
-        "sandbox, given up, refused for one of these as the file is remembered, or no room for a reader.",
+        "Imports by their end: imported, refused (error of the file), crashed, limited (by the sandbox), interrupted, "
+        "remembered (refused without a reader, because the file is known), no-room (no reader for it).",
         static_cast<double>(count), {{"outcome", outcome}});
   writer.counter("fracture_import_workers_started_total", "Import processes forked, one for each file.",
                  static_cast<double>(counters.started));

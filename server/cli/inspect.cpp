@@ -26,7 +26,7 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   std::printf("  size       %.6g x %.6g x %.6g m (%.9g m in one unit: %s; %s up: %s)\n", size.x, size.y,
               size.z, mesh.frame.metres_per_unit, name_of(mesh.frame.unit_from), mesh.frame.z_up ? "z" : "y",
               name_of(mesh.frame.up_from));
-  std::printf("  volume     %.9g m3, area %.9g m2\n", r.volume, r.area);
+  std::printf("  volume     %.9g m³, area %.9g m²\n", r.volume, r.area);
   std::printf("  solid      %" PRIu64 " parts, %" PRIu64 " shells, %" PRIu64 " cavities\n", r.parts, r.shells,
               r.cavities);
   std::printf("  source     %" PRIu64 " triangles, %" PRIu64
@@ -37,7 +37,7 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
     std::printf("  passed through whole: %zu triangles\n", source.passed_through->triangles.size());
   if (mended)
     std::printf("  repaired   %" PRIu64 " open edges, %" PRIu64 " non-manifold edges, %" PRIu64
-                " holes filled with %.6g m2\n",
+                " holes filled with %.6g m²\n",
                 r.open_edges, r.nonmanifold_edges, r.holes_filled, r.filled_area);
   for (const std::string& warning : source.warnings) std::printf("  - %s\n", warning.c_str());
   for (const std::string& note : r.notes) std::printf("  - %s\n", note.c_str());

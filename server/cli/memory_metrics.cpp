@@ -34,24 +34,25 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
       {"job_results", api.jobs().figures().result_bytes},
       {"answer_ledger", api.ledger().held_bytes()}};
   writer.gauge("fracture_memory_limit_bytes",
-               "What this server may have resident: --memory, or the limit of its control group or machine.",
+               "Most resident memory of this server: --memory, or the limit of its control group or machine.",
                static_cast<double>(options.memory));
-  writer.gauge("fracture_memory_base_bytes", "What of it is set aside for a server that holds nothing.",
+  writer.gauge("fracture_memory_base_bytes",
+               "Part of the limit that is reserved for a server that holds nothing.",
                static_cast<double>(base_memory(options)));
   for (const MemoryShare& share : memory_shares(options)) {
     const ops::MetricWriter::Labels labels = {{"part", share.part}};
-    writer.gauge("fracture_memory_budget_bytes", "What each part may hold.", static_cast<double>(share.bytes),
-                 labels);
-    writer.gauge("fracture_memory_reserved_bytes", "What each part holds, by its own count.",
+    writer.gauge("fracture_memory_budget_bytes", "Bytes that each part may hold.",
+                 static_cast<double>(share.bytes), labels);
+    writer.gauge("fracture_memory_reserved_bytes", "Bytes that each part holds, by its own count.",
                  static_cast<double>(reserved.at(share.part)), labels);
   }
   std::uint64_t workers = 0;
   // A worker shares with the zygote what neither has written to since the fork: counted twice, at most 11 MiB.
   for (const pid_t worker : imports.pids()) workers += resident_bytes(worker);
   if (const pid_t zygote = imports.zygote_pid(); zygote > 0) workers += resident_bytes(zygote);
-  writer.gauge("fracture_memory_resident_bytes", "What the system says is resident, by process.",
+  writer.gauge("fracture_memory_resident_bytes", "Resident memory by process, as the system reports it.",
                static_cast<double>(resident_bytes(::getpid())), {{"process", "server"}});
-  writer.gauge("fracture_memory_resident_bytes", "What the system says is resident, by process.",
+  writer.gauge("fracture_memory_resident_bytes", "Resident memory by process, as the system reports it.",
                static_cast<double>(workers), {{"process", "import"}});
 }
 

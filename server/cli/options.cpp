@@ -14,7 +14,7 @@
 namespace fracture::cli {
 namespace {
 
-/// What the command line of `serve` holds beside the settings.
+/// The options of `serve` that are not settings.
 struct ServeCommand {
   std::string config_file;
   bool print_config = false;
@@ -23,9 +23,10 @@ struct ServeCommand {
 /// The flags of `serve`, from the table of settings. Values are taken as text here and checked with those
 /// from the environment and the file.
 void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& flags, ServeCommand& command) {
-  app.add_option("--config", command.config_file, "File of settings (TOML: name = value)")->type_name("FILE");
+  app.add_option("--config", command.config_file, "Read settings from this file (TOML: name = value)")
+      ->type_name("FILE");
   app.add_flag("--print-config", command.print_config,
-               "Print a config file of what is given and exit; all others are in it as comments");
+               "Print the given settings as a config file, with all others as comments, and exit");
   std::map<std::string, CLI::Option_group*> groups;
   for (const Setting& setting : settings) {
     CLI::Option_group*& group = groups[setting.group];
@@ -57,12 +58,12 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
     }
   }
   app.footer(
-      "Every setting may also be given as an environment variable (FRACTURE_MAX_BODY for --max-body) or in "
-      "the file of --config; flags come before variables, and variables before the file.\n\n" +
+      "Each setting can also be an environment variable (FRACTURE_MAX_BODY for --max-body) or a line of the "
+      "--config file. A flag overrides the variable, and the variable overrides the file.\n\n" +
       std::string(kExitCodesInWords));
 }
 
-constexpr const char* kParameterGroup = "Parameters, those of a request to the server (with - or _)";
+constexpr const char* kParameterGroup = "Parameters, as in a request to the server (written with - or _)";
 
 /// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
 void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service) {
@@ -73,7 +74,7 @@ void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const 
         [&parameters, name = spec.name](const std::string& value) {
           parameters.push_back({name, value, true});
         },
-        spec.name == "format" ? "Format of the mesh, where its name does not say it" : spec.doc);
+        spec.name == "format" ? "Format of the mesh, if its name does not show it" : spec.doc);
     option->group(kParameterGroup)->type_name("");
     if (!spec.default_value.is_null()) option->default_str(as_text(spec.default_value).value_or(""));
   }
@@ -107,96 +108,98 @@ std::string not_empty(const std::string& text) { return text.empty() ? "a name i
 
 void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_option("input", o.source.inputs,
-                 "Mesh files, folders (every mesh below them), or globs in quotes; - is standard input")
+                 "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input")
       ->type_name("");
   app.add_option(
          "-o,--output", o.source.output,
-         "File to write for one mesh: GLB by the ending .glb or without one, one JSON text by .gltf, without "
-         "physics and figures .obj (with .mtl and textures), .ply and .stl; - is standard output. A folder for several, where sub/barrel.obj becomes sub/barrel.obj.glb")
+         "For one mesh: the file to write. .glb or no ending: GLB. .gltf: one JSON text. .obj (with .mtl and "
+         "textures), .ply, .stl: without physics and figures. - is standard output. For several meshes: a "
+         "folder, in which sub/barrel.obj becomes sub/barrel.obj.glb")
       ->type_name("PATH");
   app.add_option("--manifest", o.source.manifest,
-                 "Instead of both: a file of lines {\"input\": ..., \"output\": ..., \"parameters\": {...}}, "
-                 "paths relative to it")
+                 "Instead of input and --output: a file of lines {\"input\": ..., \"output\": ..., "
+                 "\"parameters\": {...}}, with paths relative to the file")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_option(
          "--rules", o.source.rules,
-         "JSON with parameters for the meshes whose path, nodes or materials are called so: {\"rules\": "
-         "[{\"match\": {\"path\": \"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}; the first "
-         "that matches decides. They go over the command line, a manifest's line over them")
+         "JSON file with parameters for meshes by path, node or material: {\"rules\": [{\"match\": {\"path\": "
+         "\"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}. The first rule that matches applies. "
+         "It overrides the command line; a line of the manifest overrides the rule")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_flag("--explain", o.explain,
-               "Say for each mesh which rule matches, and why, and its parameters; make nothing");
-  app.add_option("-j,--jobs", o.jobs, "Meshes at the same time, 0: one for each core, or 8 with --server")
+               "Only print which rule matches each mesh and why, and the parameters of the mesh");
+  app.add_option("-j,--jobs", o.jobs,
+                 "Meshes computed at the same time, 0: one for each core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   add_threads(app, o.threads,
-              "Threads for one mesh to one file, 0: one for each core; of several meshes each has one");
-  add_bytes(
-      app, "--memory", o.memory,
-      "Memory for all meshes at work together, shared evenly among -j of them; without it three quarters of "
-      "what this machine or its control group has");
+              "Threads if there is one mesh, 0: one for each core; several meshes have one thread each");
+  add_bytes(app, "--memory", o.memory,
+            "Memory for all meshes computed at the same time, divided evenly among -j meshes; default: three "
+            "quarters of the memory of this machine or its control group");
   app.add_option("--shard", o.shard,
-                 "I/N: every N-th mesh from the I-th (0 to N - 1); auto/N: I from FRACTURE_SHARD, "
-                 "JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
+                 "I/N: every N-th mesh, beginning with mesh I (0 to N - 1); auto/N: take I from "
+                 "FRACTURE_SHARD, JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
       ->type_name("I/N");
   app.add_option("--report", o.source.report,
-                 "A JSON line for each mesh; what it says and what still is so is kept by the next run. Else "
-                 "bake.ndjson in the output folder, or MANIFEST.report")
+                 "File with one JSON line for each mesh; the next run keeps the outputs that still match it. "
+                 "Default: bake.ndjson in the output folder, or MANIFEST.report")
       ->type_name("FILE")
       ->check(not_empty);
-  app.add_flag("--force", o.force, "Make outputs again that are right already");
-  app.add_option("--allow-refused", o.allow_refused, "Exit with 0 although so many meshes were refused")
+  app.add_flag("--force", o.force, "Make all outputs again, also those that are up to date");
+  app.add_option("--allow-refused", o.allow_refused, "Exit with 0 if at most this many meshes were refused")
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--depfile", o.source.depfile,
-                 "For one mesh: what it was made of, as a rule for make or Ninja")
+                 "For one mesh: write the files that it was made from, as a rule for make or Ninja")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_option("--keep-failures", o.source.failures,
-                 "What fails by a bug of ours, or does not prove itself, goes into this folder with all that "
-                 "is needed to see it again: mesh, parameters, versions and command; at most 100 of them and "
-                 "1 GiB")
+                 "Save each failure by a bug of this program, and each result that fails its check, to this "
+                 "folder: mesh, parameters, versions and the command that repeats it; at most 100 failures "
+                 "and 1 GiB")
       ->type_name("FOLDER")
       ->check(not_empty);
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
 
-  constexpr const char* kLookGroup = "To look at what was made, with fracture-render of the client";
+  constexpr const char* kLookGroup = "Pictures of the results, drawn by fracture-render of the client";
   app.add_option(
          "--preview", o.source.preview,
-         "A picture of the fragments, a little apart: a PNG for one mesh, a folder for several, where "
-         "sub/barrel.obj.glb becomes sub/barrel.obj.glb.png; drawn again where it is missing or older")
+         "Draw the fragments a little apart. For one mesh: a PNG file. For several: a folder, in which "
+         "sub/barrel.obj.glb becomes sub/barrel.obj.glb.png. Missing and outdated pictures are drawn again")
       ->type_name("PATH")
       ->group(kLookGroup);
   app.add_option(
          "--html", o.source.html,
-         "A page of all meshes, the slowest first, with what was refused and why; with pictures where "
-         "there is a renderer (in FILE's name with .pictures, or where --preview says)")
+         "Write a page of all meshes, the slowest first, with refusals and their reasons. If there is a "
+         "renderer, with pictures from the folder of --preview (default: FILE's name with .pictures)")
       ->type_name("FILE")
       ->group(kLookGroup);
   app.add_option("--preview-size", o.preview_size,
-                 "Pixels of each side, 64 to 2048; else 512 for one mesh, 256 for several")
+                 "Width and height in pixels, 64 to 2048; default: 512 for one mesh, 256 for several")
       ->check(CLI::Range(64, 2048))
       ->type_name("N")
       ->group(kLookGroup);
-  app.add_option("--preview-timeout", o.preview_timeout_s, "Seconds that one picture may take")
+  app.add_option("--preview-timeout", o.preview_timeout_s, "Longest time for one picture in seconds")
       ->check(CLI::Range(1, 3600))
       ->type_name("S")
       ->capture_default_str()
       ->group(kLookGroup);
   app.add_option(
          "--renderer", o.renderer,
-         "The program fracture-render; else it is looked for beside this one, in the client's folder of "
-         "the build tree and in PATH")
+         "Path of fracture-render; default: next to this program, in the client's folder of the build tree, "
+         "or in PATH")
       ->type_name("FILE")
       ->group(kLookGroup);
 
-  constexpr const char* kWatchGroup = "To watch it at work; the bytes stay the same";
-  app.add_option("--insertion", o.insertion,
-                 "How sites come into the Delaunay tetrahedralization: cavity, or flips, as in the source "
-                 "paper, and what was flipped is said")
+  constexpr const char* kWatchGroup = "To examine the algorithm; the bytes stay the same";
+  app.add_option(
+         "--insertion", o.insertion,
+         "How sites are inserted into the Delaunay tetrahedralization: by cavities, or by flips as in "
+         "the source paper, with a report on the flips")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Insertion>{{"cavity", Insertion::kCavity},
                                                                            {"flips", Insertion::kFlips}})
                       .description(""))
@@ -204,30 +207,31 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->default_str("cavity")
       ->group(kWatchGroup);
   app.add_option("--dump-stages", o.source.stages,
-                 "For one mesh, which is made again: what each stage made (mesh, solid, sites, tetrahedra, "
-                 "fragments moved apart) as OBJ in this folder, where none of them may lie yet")
+                 "For one mesh, which is made again: write the result of each stage (mesh, solid, sites, "
+                 "tetrahedra, fragments moved apart) as OBJ to this folder; no file is overwritten")
       ->type_name("FOLDER")
       ->group(kWatchGroup)
       ->check(not_empty);
 
   constexpr const char* kServerGroup =
-      "Through a server, or a farm behind a proxy: the same files and report";
+      "To bake on a server, or on a farm behind a proxy; files and report are the same";
   app.add_option("--server", o.server, "http://host:port or https://host:port")
       ->type_name("URL")
       ->group(kServerGroup)
       ->check(not_empty);
-  app.add_option("--ca-file", o.ca_file,
-                 "Who may have signed the certificate of an https server (PEM); without it: whom this system "
-                 "trusts")
+  app.add_option(
+         "--ca-file", o.ca_file,
+         "Certificate authorities to trust for an https server (PEM); default: those that this system "
+         "trusts")
       ->type_name("FILE")
       ->group(kServerGroup);
   app.add_option("--token", o.token,
-                 "Token for the server. In the variable it does not show in lists of processes")
+                 "Token for the server; use the variable, because lists of processes show flags")
       ->type_name("TOKEN")
       ->envname("FRACTURE_TOKEN")
       ->group(kServerGroup);
   app.add_option("--patience", o.patience_s,
-                 "Seconds that the server may be absent or busy before the bake stops")
+                 "Time in seconds for which the server may be absent or busy before the bake stops")
       ->check(CLI::Range(0, 86400))
       ->type_name("S")
       ->capture_default_str()
@@ -238,26 +242,28 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "fracture-server bake assets/ -o broken/ -j 8\n"
       "fracture-server bake --manifest night.ndjson --shard 3/16\n"
       "fracture-server bake assets/ -o broken/ --html broken.html\n"
-      "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - --sites 80 > fragments.glb\n\n" +
+      "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - > fragments.glb\n\n" +
       std::string(kExitCodesInWords) +
-      " With 3 more meshes than --allow-refused were refused; after 130 what is made stays, and the same "
-      "command goes on.");
+      " bake exits with 3 if more meshes than --allow-refused were refused. After 130 the finished files "
+      "stay, and the same command continues.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_option("input", o.input, "Mesh file; - is standard input")->required();
   app.add_flag("--json", o.json, "The report as JSON");
-  add_threads(app, o.threads, "Threads that compute, 0: one for each core");
+  add_threads(app, o.threads, "Computing threads, 0: one for each core");
   add_parameters(app, o.parameters, o.service);
   app.footer(kExitCodesInWords);
 }
 
 void add_health(CLI::App& app, HealthOptions& o) {
-  app.add_option("url", o.url,
-                 "http://host[:port][/path]; without it the admin listener that the environment and --config "
-                 "name, on this machine");
+  app.add_option(
+      "url", o.url,
+      "http://host[:port][/path]; default: the admin listener of this machine, from the environment "
+      "and --config");
   app.add_option("--config", o.config_file, "The server's file of settings")->type_name("FILE");
-  app.add_flag("--ready", o.ready, "Ask whether it takes requests (/readyz), not whether it lives (/livez)");
+  app.add_flag("--ready", o.ready,
+               "Ask whether it accepts requests (/readyz) instead of whether it runs (/livez)");
   app.add_option("--timeout", o.timeout, "Seconds to wait")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
@@ -267,14 +273,14 @@ void add_health(CLI::App& app, HealthOptions& o) {
 }  // namespace
 
 int run(int argc, char** argv) {
-  CLI::App app("Exact, watertight mesh fracture: as a service (serve) or for one file (bake).",
+  CLI::App app("Exact, watertight mesh fracture: as a server (serve) or for files (bake).",
                "fracture-server");
   app.formatter(help_formatter());
   app.set_version_flag("--version",
                        "fracture-server " FRACTURE_VERSION " algorithm " + std::to_string(kAlgorithmVersion));
   app.require_subcommand(1);
 
-  // Each has its options only when it is the one that is meant: two hundred of them take longer than a small bake's cuts.
+  // Only the command that is given gets its options, because two hundred options take longer than the cuts of a small bake.
   ServeOptions serve_options;
   serve_options.drain_delay = std::chrono::milliseconds(::isatty(STDERR_FILENO) ? 0 : 5'000);
   std::vector<Setting> settings;
@@ -295,12 +301,12 @@ int run(int argc, char** argv) {
   InspectOptions inspect_options;
   inspect_options.service.formats = FormatSet::all();
   CLI::App& inspect_command =
-      *app.add_subcommand("inspect", "Say what a mesh is worth without fracturing it: by the exit code, too");
+      *app.add_subcommand("inspect", "Report whether a mesh can be fractured, also by the exit code");
   inspect_command.preparse_callback([&](std::size_t) { add_inspect(inspect_command, inspect_options); });
 
   HealthOptions health_options;
-  CLI::App& health_command =
-      *app.add_subcommand("health", "Ask a server whether it is alive: by the exit code, too");
+  CLI::App& health_command = *app.add_subcommand(
+      "health", "Ask a server whether it is healthy, and report it also by the exit code");
   health_command.preparse_callback([&](std::size_t) { add_health(health_command, health_options); });
 
   try {
@@ -311,7 +317,7 @@ int run(int argc, char** argv) {
       const std::vector<CLI::App*> commands = app.get_subcommands();
       const std::string program =
           "fracture-server" + (commands.empty() ? "" : " " + commands.front()->get_name());
-      std::fprintf(stderr, "%s: %s\n%s --help lists what there is.\n", program.c_str(), unknown->c_str(),
+      std::fprintf(stderr, "%s: %s\nRun %s --help for a list.\n", program.c_str(), unknown->c_str(),
                    program.c_str());
     } else if (app.exit(e) == 0) {
       return kExitDone;

@@ -45,10 +45,10 @@ sigset_t handled_signals() {
 
 /// SIGHUP: the token file is read again. A file that is wrong changes nothing.
 void reload_tokens(const std::string& path, http::HttpServer& server) {
-  if (path.empty()) return spdlog::info("SIGHUP: there is no token file to read again");
+  if (path.empty()) return spdlog::info("SIGHUP: this server has no token file to read again");
   auto tokens = tenants::TokenFile::load(path);
   if (!tokens) {
-    spdlog::error("token-file {}: refused, the old one stays in force", tokens.error().detail);
+    spdlog::error("token-file {}; the old tokens stay in force", tokens.error().detail);
     return;
   }
   const std::size_t names = tokens->size();
@@ -79,7 +79,7 @@ void take_folder(http::Api& api, const std::string& folder, std::string& trouble
     const Expected<bool> taken = api.take_folder();
     if (taken && !*taken) return;
     if (taken) {
-      spdlog::info("cache-dir {} was let go by the other server and is in use here: ready", folder);
+      spdlog::info("cache-dir {} was released by the other server and is used by this one: ready", folder);
       return tell_of_jobs(api);
     }
     why = taken.error().detail;
@@ -135,8 +135,8 @@ int serve_until_stopped(const ServeOptions& options) {
   }
   if (api.waits_for_folder())
     spdlog::warn(
-        "cache-dir {} is in use by another server: this one is not ready until that server lets it go, and answers "
-        "requests without it meanwhile",
+        "cache-dir {} is in use by another server: this server is not ready until the other one ends, and answers "
+        "requests without the folder until then",
         options.service.tiers.folder);
   else
     tell_of_jobs(api);
@@ -144,9 +144,10 @@ int serve_until_stopped(const ServeOptions& options) {
   if (failures.any())
     api.metrics().add_source([&failures](ops::MetricWriter& writer) {
       const KeptFailures figures = failures.figures();
-      writer.counter("fracture_failures_kept_total", "Failures kept to be seen again.",
+      writer.counter("fracture_failures_kept_total", "Failures saved to repeat them.",
                      static_cast<double>(figures.kept));
-      writer.counter("fracture_failures_not_kept_total", "Failures for which there was no room.",
+      writer.counter("fracture_failures_not_kept_total",
+                     "Failures that were not saved, for lack of room or by an error.",
                      static_cast<double>(figures.dropped + figures.unwritten));
     });
   api.metrics().add_source([&imports](ops::MetricWriter& writer) { write_import_metrics(*imports, writer); });

@@ -52,23 +52,24 @@ std::optional<std::string> first_line(const std::string& path) {
   return line.empty() ? std::nullopt : std::optional(line);
 }
 
-/// What is said about Redis and about signatures.
+/// Refuses inconsistent settings of Redis and of signatures.
 void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& refuse) {
   const TiersConfig& tiers = o.service.tiers;
   const RedisConfig& redis = tiers.redis;
   const bool password = !redis.password.empty() || !o.redis_password_file.empty();
   if (redis.address.empty() && (password || !redis.user.empty() || redis.tls.on))
-    refuse("redis-user, redis-password and redis-tls say how to speak with a Redis: give --redis too");
+    refuse("redis-user, redis-password and redis-tls need a Redis: give its address with --redis");
   if (!redis.user.empty() && !password) refuse("redis-user needs a redis-password or redis-password-file");
   if (!redis.password.empty() && !o.redis_password_file.empty())
-    refuse("redis-password and redis-password-file are both given; one of them is enough");
+    refuse("redis-password and redis-password-file are both given: give one of them");
   if (!o.redis_password_file.empty() && !first_line(o.redis_password_file))
     refuse("redis-password-file " + o.redis_password_file + " cannot be read, or its first line is empty");
   if (redis.tls.cert_file.empty() != redis.tls.key_file.empty())
-    refuse("redis-cert-file and redis-key-file belong together");
+    refuse("redis-cert-file and redis-key-file must be given together");
   if (!redis.tls.on && !(redis.tls.ca_file.empty() && redis.tls.cert_file.empty()))
-    refuse("redis-ca-file and redis-cert-file are of use with --redis-tls only");
-  if (redis.tls.on && redis.address.starts_with('/')) refuse("redis-tls needs a redis at host:port");
+    refuse("redis-ca-file and redis-cert-file need --redis-tls");
+  if (redis.tls.on && redis.address.starts_with('/'))
+    refuse("redis-tls needs a redis at host:port, not at the path of a socket");
   if (redis.tls.on)
     if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error().detail);
   if (!o.farm_key_file.empty())
@@ -103,63 +104,65 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
       {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
        number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
        text("admin-address", "ADDRESS", o.server.admin_address,
-            "Numeric address of the admin listener, which asks for no token"),
+            "Numeric address of the admin listener, which needs no token"),
        number("admin-port", "PORT", o.server.admin_port, 0, kPort,
               "Port of /livez, /readyz and /metrics, 0: any free one"),
        text("token-file", "FILE", o.token_file,
-            "Who may ask, and how much: a JSON file of names, or lines 'name token'; read again on SIGHUP"),
+            "Names, tokens and shares of the clients that may use this server: a JSON file, or lines 'name "
+            "token'; read again on SIGHUP"),
        list("trusted-proxy", "CIDR", o.trusted_proxies,
-            "Believe proxies of this network in what Forwarded and the PROXY protocol say of their clients"),
-       flag("no-page", o.no_page, "Show browsers no page: they get JSON, as programs do"),
+            "Trust proxies of this network to name their clients by Forwarded and the PROXY protocol"),
+       flag("no-page", o.no_page, "Send no page to browsers; they get JSON, as programs do"),
        list("page-sample", "FILE", o.page_samples,
-            "A mesh that the page offers to everybody who gets it, beside the shapes that it makes"),
-       flag("insecure-bind", o.insecure_bind, "Listen beyond this machine without tokens"),
+            "A mesh that the page offers to every visitor, in addition to the shapes that it makes"),
+       flag("insecure-bind", o.insecure_bind, "Accept clients of other machines without tokens"),
        list("cors-origin", "ORIGIN", o.server.cors_origins,
-            "Web pages of this origin may ask (https://example.org), or '*': of any"),
+            "Accept requests of web pages from this origin (https://example.org), or '*': from any origin"),
        list("allow-host", "NAME", o.server.allowed_hosts,
-            "Where no token is asked for, clients may call this server by this name, or '*': by any; by "
-            "address or as localhost they always may")});
+            "Without tokens: accept requests to this host name, or '*': to any name; requests to an address "
+            "or to localhost are always accepted")});
   group(
       "Work",
       {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
-       number("threads", "N", o.threads, 0, 1024, "Threads that compute, 0: one for each core"),
-       number(
-           "memory", "BYTES", o.memory, 0, kTiB,
-           "What server and import processes may have resident, 0: the limit of their control group, or the "
-           "machine's memory; budgets below that nobody gives are lowered until all fits"),
+       number("threads", "N", o.threads, 0, 1024, "Computing threads, 0: one for each core"),
+       number("memory", "BYTES", o.memory, 0, kTiB,
+              "Resident memory of server and import processes, 0: the limit of their control group, or the "
+              "machine's memory; memory budgets that are not given are lowered until all fit"),
        number("max-queue", "N", o.max_queue, 0, 1'000'000,
-              "Requests of one client that may wait for a computing thread; of all together up to four times "
-              "as many"),
+              "Requests of one client that may wait for a computing thread; all clients together may have up "
+              "to four times as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
-              "Sandboxed processes that read files, at a time"),
+              "Sandboxed processes that read files at the same time"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,
-              "Bytes that an import process may take for a file beyond what it begins with, 0: no limit"),
+              "Bytes that an import process may use for a file, above its size at the start, 0: no limit"),
        choice("require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
-              "Refuse to start where import processes cannot be sandboxed; auto: beyond this machine"),
+              "Refuse to start if import processes cannot be sandboxed; auto: if other machines can reach "
+              "this server"),
        list("enable-format", "FORMAT", o.enabled_formats,
             "Also read this format (blend, fbx and others): their parsers are large and off by default"),
-       flag("all-formats", o.all_formats, "Read every format there is")});
+       flag("all-formats", o.all_formats, "Read all formats")});
   group("Logs",
         {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
-                "Least important lines that are written"),
+                "Lowest level of the lines that are written"),
          choice("log-format", o.log_format, {"auto", "json", "text"},
                 "Form of the lines; auto: text on a terminal, else JSON"),
          text("keep-failures", "FOLDER", o.keep_failures,
-              "Keep here what is needed to see an answer again that did not prove itself, or a bug")});
+              "Save to this folder what is needed to repeat a bug, or an answer that failed its check")});
   group("Limits",
-        {number("max-body", "BYTES", l.max_body, 1, kTiB, "Bytes of a request body as it is sent"),
+        {number("max-body", "BYTES", l.max_body, 1, kTiB, "Bytes of a request body before decompression"),
          number("max-bodies", "BYTES", l.max_bodies, 1, kTiB,
-                "Bytes of all request bodies held at the same time, those of at most 64 KiB not counted"),
+                "Bytes of all request bodies over 64 KiB that are held at the same time"),
          number("max-small-bodies", "BYTES", l.max_small_bodies, 1, kTiB,
-                "Bytes of all request bodies of at most 64 KiB held at the same time"),
+                "Bytes of all request bodies up to 64 KiB that are held at the same time"),
          number("max-bodies-per-address", "BYTES", l.max_bodies_per_address, 0, kTiB,
-                "Share of them for one client address, 0: a quarter; a single body may exceed it"),
+                "Bytes of bodies of one client address, 0: a quarter of all; a single body may exceed it"),
          number("max-answers", "BYTES", l.max_answers, 1, kTiB,
                 "Bytes of all answers that are being written at the same time"),
          number("max-answers-per-address", "BYTES", l.max_answers_per_address, 0, kTiB,
-                "Share of them for one client address, 0: a quarter; a single answer may exceed it"),
+                "Bytes of answers of one client address, 0: a quarter of all; a single answer may exceed it"),
          number("answer-ledger", "BYTES", l.answer_ledger, 0, kTiB,
-                "Bytes of the ledger of which name of the token file may see which answer, 512 for each"),
+                "Bytes of the ledger of the answers that each name of the token file may see, 512 for each "
+                "entry"),
          number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2, "Bytes of a request header"),
          number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Bytes of a request target"),
          number("max-sites", "N", s.max_sites, 1, kMostSitesAnywhere, "Sites of one request"),
@@ -169,60 +172,65 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          number("max-connections", "N", l.max_connections, 1, 1'000'000, "Open connections"),
          number("max-connections-per-address", "N", l.max_connections_per_address, 1, 1'000'000,
                 "Open connections of one client address"),
-         seconds("deadline", l.deadline, "Longest computation, with its time in the queue"),
-         seconds("realtime-deadline", l.realtime_deadline, "The same for realtime work"),
+         seconds("deadline", l.deadline, "Longest time of a computation, including its time in the queue"),
+         seconds("realtime-deadline", l.realtime_deadline,
+                 "Longest time of a realtime computation, including its time in the queue"),
          number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
-                "Bytes that computations may work in at the same time, by estimate"),
+                "Bytes of working memory of all computations, by estimate"),
          seconds("header-timeout", l.header_timeout, "Time for a whole header"),
-         seconds("body-grace", l.body_grace, "Time before a body must keep up its rate"),
-         number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Bytes a second that a body must keep up"),
-         seconds("body-timeout", l.body_timeout, "Time for a whole body, however fast it is"),
+         seconds("body-grace", l.body_grace, "Time before --body-rate applies to a body"),
+         number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Slowest speed of a request body"),
+         seconds("body-timeout", l.body_timeout, "Time for a whole body"),
          number("answer-rate", "BYTES/S", l.answer_rate, 1, kTiB,
-                "Bytes a second at which a client must take its answer, after write-stall"),
-         seconds("write-stall", l.write_stall, "Longest time without the client taking a byte"),
+                "Slowest speed at which a client may take its answer, after --write-stall"),
+         seconds("write-stall", l.write_stall, "Longest time in which a client takes no byte of its answer"),
          seconds("idle", l.idle, "Longest time between requests of a connection")});
-  group(
-      "Caches",
-      {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
-       number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
-              "Bytes of tetrahedralizations, and of answers kept for hits on them"),
-       number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
-       text("cache-dir", "FOLDER", s.tiers.folder, "Keep finished answers in this folder too"),
-       number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB, "Bytes of that folder"),
-       text("redis", "HOST:PORT", s.tiers.redis.address,
-            "Share finished answers through this Redis; or the path of its socket"),
-       text("redis-user", "NAME", s.tiers.redis.user,
-            "Its user (Redis 6 ACL); without one: the default user"),
-       secret("redis-password", "TEXT", s.tiers.redis.password,
-              "Its password, better given in the environment or a file than as a flag, which others can see"),
-       text("redis-password-file", "FILE", o.redis_password_file,
-            "Its password: the first line of this file"),
-       flag("redis-tls", s.tiers.redis.tls.on, "Speak TLS with it, and check its certificate"),
-       text("redis-ca-file", "FILE", s.tiers.redis.tls.ca_file,
-            "Who may have signed that certificate (PEM); without it: whom this machine trusts"),
-       text("redis-cert-file", "FILE", s.tiers.redis.tls.cert_file,
-            "Our own certificate, where it asks for one"),
-       text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "The key of our own certificate"),
-       text("farm-key-file", "FILE", o.farm_key_file,
-            "Sign what goes to Redis and believe only what is signed: a key a line, the first signs, the "
-            "second is still taken"),
-       flag("sign-disk-cache", s.tiers.sign_disk, "The same for the folder of --cache-dir")});
+  group("Caches",
+        {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
+         number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
+                "Bytes of tetrahedralizations, and of answers kept for hits on them"),
+         number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
+         text("cache-dir", "FOLDER", s.tiers.folder, "Also keep finished answers in this folder"),
+         number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB,
+                "Bytes of answers in the folder of --cache-dir"),
+         text("redis", "HOST:PORT", s.tiers.redis.address,
+              "Share finished answers through the Redis at this address or socket path"),
+         text("redis-user", "NAME", s.tiers.redis.user,
+              "User of Redis (ACL of Redis 6); default: the default user"),
+         secret("redis-password", "TEXT", s.tiers.redis.password,
+                "Password of Redis; use the environment or a file, because other users can see flags"),
+         text("redis-password-file", "FILE", o.redis_password_file,
+              "File whose first line is the password of Redis"),
+         flag("redis-tls", s.tiers.redis.tls.on, "Use TLS to Redis and check its certificate"),
+         text("redis-ca-file", "FILE", s.tiers.redis.tls.ca_file,
+              "Certificate authorities to trust for Redis (PEM); default: those that this machine trusts"),
+         text("redis-cert-file", "FILE", s.tiers.redis.tls.cert_file,
+              "Client certificate of this server, if Redis asks for one"),
+         text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "Key of the client certificate"),
+         text("farm-key-file", "FILE", o.farm_key_file,
+              "Sign answers in Redis and accept only signed ones: one key in each line; the first key signs, "
+              "and both are accepted"),
+         flag("sign-disk-cache", s.tiers.sign_disk,
+              "Also sign answers and jobs in the folder of --cache-dir")});
   group("Stores",
         {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Bytes of all stored meshes"),
-         seconds("mesh-ttl", o.store.ttl, "A stored mesh is forgotten when nobody used it for so long"),
-         number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000, "Jobs known at the same time"),
-         number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of results kept for jobs"),
-         seconds("job-ttl", o.jobs.ttl, "A finished job is forgotten after this"),
+         seconds("mesh-ttl", o.store.ttl, "Time after which an unused stored mesh is deleted"),
+         number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000,
+                "Jobs at the same time, including finished ones"),
+         number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of results of jobs"),
+         seconds("job-ttl", o.jobs.ttl, "Time after which a finished job is deleted"),
          seconds("job-deadline", o.jobs.deadline,
-                 "Longest time of a job, from when it is asked for, or goes on after a restart, to its end"),
+                 "Longest time of a job from its request, or from a restart of the server, to its end"),
          number("job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
-                "Bytes of meshes and requests of jobs in the folder of --cache-dir, where they survive a "
-                "restart, 0: they do not")});
+                "Bytes of meshes and requests of jobs in the folder of --cache-dir, so that jobs survive a "
+                "restart; 0: they do not survive it")});
   group(
       "Stopping",
-      {seconds("drain-delay", o.drain_delay,
-               "After SIGTERM, keep accepting for this long with /readyz at 503; 0 by default on a terminal"),
-       seconds("grace", o.grace, "Then finish what is in progress for at most this long")});
+      {seconds(
+           "drain-delay", o.drain_delay,
+           "Time after SIGTERM in which the server still accepts requests, with /readyz at 503; 0 by default "
+           "on a terminal"),
+       seconds("grace", o.grace, "Longest time after --drain-delay to finish requests in progress")});
   return settings;
 }
 
@@ -239,14 +247,14 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   if (reach == Reach::kNetwork && o.token_file.empty() && !o.insecure_bind)
     refuse(
         "address " + o.server.address +
-        " can be reached from other machines, and anybody there could use this server: give a --token-file, "
-        "or --insecure-bind if something in front of it (a proxy, a firewall) decides who may");
+        " can be reached from other machines, so anybody there could use this server: give --token-file, or "
+        "--insecure-bind if a proxy or a firewall in front of the server controls access");
 
   const http::HttpLimits& l = o.limits;
   const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b) {
     if (a > b)
       refuse(std::string(small) + " (" + std::to_string(a) + ") is over " + large + " (" + std::to_string(b) +
-             "): the first could never be reached");
+             "), so it could never be reached: lower the first or raise the second");
   };
   at_most("max-uri", l.max_uri, "max-header", l.max_header);
   at_most("max-body", l.max_body, "max-bodies", l.max_bodies);
@@ -271,7 +279,8 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   }
   judge_tiers(o, refuse);
   for (const std::string& name : o.enabled_formats)
-    if (!format_from_extension(name)) refuse("enable-format: there is no format '" + name + "'");
+    if (!format_from_extension(name))
+      refuse("enable-format: '" + name + "' is not a known format, such as blend or fbx");
   for (const std::string& origin : o.server.cors_origins)
     if (origin != "*" && !is_origin(origin))
       refuse("cors-origin must be '*' or scheme://host[:port] without a path; it was '" + origin + "'");
@@ -292,7 +301,9 @@ void read_settings(ServeOptions& options, const std::vector<Setting>& settings, 
   std::vector<std::string> unknown;
   std::vector<GivenSettings> sources = {flags, from_environment(environ, settings, unknown)};
   for (const std::string& name : unknown)
-    options.warnings.push_back("the environment variable " + name + " is no setting of this server");
+    options.warnings.push_back(
+        "the environment variable " + name +
+        " is not a setting of this server and is ignored (--print-config lists the settings)");
   if (!config_file.empty()) sources.push_back(from_file(config_file, settings, errors));
   apply(settings, sources, errors);
   if (!given) return;
@@ -332,8 +343,8 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
   if (tiers.sign_disk) options.jobs.keys = tiers.keys;
   if (!tiers.redis.address.empty() && tiers.keys.empty())
     options.warnings.push_back(
-        "Redis without --farm-key-file: who can write to it can put false answers in, which all servers "
-        "believe");
+        "Redis without --farm-key-file: anybody who can write to this Redis can insert false answers, which all "
+        "servers would send; give a key");
   if (!options.token_file.empty()) {
     auto tokens = tenants::TokenFile::load(options.token_file);
     if (tokens)

@@ -82,7 +82,7 @@ std::optional<std::uint64_t> detail::parse_number(const std::string& text, bool 
 
 std::string detail::requirement(bool bytes, std::uint64_t low, std::uint64_t high) {
   return "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
-         (bytes ? " (64MiB and the like also do)" : "");
+         (bytes ? " (or with a unit, such as 64MiB)" : "");
 }
 
 Setting seconds(std::string name, std::chrono::milliseconds& target, std::string doc) {
@@ -181,7 +181,7 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
     const std::string where = path + ": " + item.fullname();
     const Setting* const setting = item.parents.empty() ? find(settings, item.name) : nullptr;
     if (!setting)
-      errors.push_back(where + " is no setting (--print-config lists them)");
+      errors.push_back(where + " is not a setting (--print-config lists them)");
     else if (given.contains(item.name) ||  // the parser joins neighbours of the same name
              (setting->kind != Setting::Kind::kList && item.inputs.size() != 1))
       errors.push_back(where + " must be given once, with one value");

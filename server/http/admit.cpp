@@ -49,11 +49,11 @@ Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
   if (reservation.over_share())
     return Problem(ErrorCode::kOverShare,
                    "Other requests of this client hold its share of the memory for "
-                   "bodies; there is no room for this one beside them.")
+                   "bodies, so there is no room for this one. Ask again when they are finished.")
         .with("Retry-After", "2");
   return Problem(ErrorCode::kOverloaded, "The requests in progress hold " +
                                              std::to_string(bodies_.whole().used()) +
-                                             " bytes; there is no room for this body now.")
+                                             " bytes, so there is no room for this body now.")
       .with("Retry-After", "2");
 }
 
@@ -82,7 +82,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
                              : tl::unexpected<Problem>(
                                    Problem(HttpProblem::kMethodNotAllowed, "This path answers " + allow + ".")
                                        .with("Allow", allow));
-    return refuse(HttpProblem::kNotImplemented, "The method is not known here.");
+    return refuse(HttpProblem::kNotImplemented, "This server does not know the method.");
   }
   admission.head_only = is_head;
   const Carries carries = admission.route->carries;
@@ -112,13 +112,14 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
     std::string list;
     for (const std::string_view offer : admission.route->offers)
       list += (list.empty() ? "" : ", ") + std::string(offer);
-    return refuse(HttpProblem::kNotAcceptable, "This path can answer with " + list + ".");
+    return refuse(HttpProblem::kNotAcceptable,
+                  "This path answers with " + list + "; Accept must allow one of them.");
   }
   admission.representation = *representation;
 
   if (head.content_length.value_or(0) > admission.max_body)
     return refuse(HttpProblem::kBodyTooLarge, "The body has " + std::to_string(*head.content_length) +
-                                                  " bytes; the limit here is " +
+                                                  " bytes; the limit of this path is " +
                                                   std::to_string(admission.max_body) + ".");
   if (auto problem = refuse_body(head, admission, payer)) return tl::unexpected<Problem>(std::move(*problem));
   return admission;
@@ -139,7 +140,8 @@ std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission
   const std::string type = head.field("content-type");
   if (carries == Carries::kParameters) {
     if (is_json(type)) return std::nullopt;
-    return Problem(HttpProblem::kUnsupportedMediaType, "Parameters come as Content-Type: application/json.")
+    return Problem(HttpProblem::kUnsupportedMediaType,
+                   "Send parameters as JSON, with Content-Type: application/json.")
         .with("Accept-Post", "application/json");
   }
   if (carries == Carries::kMeshOrName && is_json(type)) return std::nullopt;

@@ -124,8 +124,8 @@ OrProblem<Response> Api::get_readyz() const {
             .with("Retry-After", "5"));
   if (waits_for_folder())
     return tl::unexpected<Problem>(to_problem(overloaded(
-        "Another server has the folder of --cache-dir. This server takes it over, with its jobs, when that server lets "
-        "it go; requests are answered meanwhile, without what is in it.",
+        "Another server uses the folder of --cache-dir. This server takes over the folder and its jobs when the other "
+        "server ends. Until then it answers requests without the folder.",
         std::chrono::seconds(2))));
   return Response::text(200, "text/plain", "ready\n");
 }

@@ -40,12 +40,12 @@ OrProblem<Page> page_of(const std::vector<std::pair<std::string, std::string>>& 
         return wrong(name, "'limit' must be a whole number from 1 to " + std::to_string(kLongestPage) + ".");
     } else if (name == "before") {
       const auto time = time_in(value);
-      if (!time) return wrong(name, "'before' must be the 'created' of a job, as it stands in this list.");
+      if (!time) return wrong(name, "'before' must be the value of 'created' of a job in this list.");
       page.filter.before = *time;
     } else {
       return tl::unexpected<Problem>(to_problem(
           {ErrorCode::kUnknownParameter,
-           "There is no parameter '" + name.substr(0, 100) + "' here; there are state, limit and before.",
+           "'" + name.substr(0, 100) + "' is not a parameter of this path; state, limit and before are.",
            name.substr(0, 100)}));
     }
   }

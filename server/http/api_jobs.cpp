@@ -115,9 +115,9 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
       if (job->error) return refusal(*job->error, request->id);
       if (!job->answer)
         return refusal(
-            overloaded("The result was made, and had to make room for others (--job-results) before it could "
-                       "be sent.",
-                       std::chrono::seconds(1)),
+            overloaded(
+                "The result was deleted to make room for others (--job-results) before it could be sent.",
+                std::chrono::seconds(1)),
             request->id);
       return answer_fracture(request, *job->answer, terms, reply,
                              "wait=" + std::to_string(preferences.wait->count()));

@@ -102,15 +102,16 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   const MeshStore::Put put = meshes_.put(stored, owner);
   if (put == MeshStore::Put::kOverShare)
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
-                                                  " bytes; all stored meshes of '" + owner.name +
-                                                  "' together may take " + std::to_string(owner.share) + ".");
+                                                  " bytes; the limit of all stored meshes of '" + owner.name +
+                                                  "' is " + std::to_string(owner.share) + ".");
   if (put == MeshStore::Put::kOverQuota)
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
-                                                  " bytes; all stored meshes together may take " +
-                                                  std::to_string(meshes_.config().quota_bytes) + ".");
+                                                  " bytes; the limit of all stored meshes is " +
+                                                  std::to_string(meshes_.config().quota_bytes) +
+                                                  " (--mesh-store).");
   if (put == MeshStore::Put::kNoRoom)
     return tl::unexpected<Problem>(
-        Problem(ErrorCode::kOverloaded, "Meshes that are being fractured hold most of the " +
+        Problem(ErrorCode::kOverloaded, "Meshes in use by requests hold most of the " +
                                             std::to_string(meshes_.config().quota_bytes) +
                                             " bytes for stored meshes. Try again after Retry-After.")
             .with("Retry-After", "2"));
@@ -165,7 +166,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
           if (mesh == given.end() || !mesh->value.is_string())
             return tl::unexpected<Problem>(to_problem(
                 {ErrorCode::kBadParameter,
-                 "A JSON body has to name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. A glTF "
+                 "A JSON body must name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. A glTF "
                  "file has Content-Type: model/gltf+json.",
                  "mesh"}));
           id = mesh->value.get<std::string>();
@@ -173,8 +174,8 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
         }
         if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
           return tl::unexpected<Problem>(
-              to_problem({ErrorCode::kBadParameter,
-                          "The format of a stored mesh is known: leave 'format' out.", "format"}));
+              to_problem({ErrorCode::kBadParameter, "A stored mesh has a format already: leave 'format' out.",
+                          "format"}));
         // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
         const std::uint64_t earlier = service_.earlier_bytes(given);
         return with_parameters(earlier, kEarlierInline, request, terms, reply,
@@ -187,11 +188,10 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
 Problem Api::mesh_is_not_held(HeldBuffers::Refusal refusal) const {
   const bool share = refusal == HeldBuffers::Refusal::kOverShare;
   return Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                 (share ? "This client's requests that wait or run" : "Requests that wait or run") +
-                     std::string(" use as many bytes of stored meshes as ") +
-                     (share ? "one client" : "all together") +
-                     " may (--mesh-store: " + std::to_string(meshes_.config().quota_bytes) +
-                     "). Ask again when some of them are finished.")
+                 (share ? std::string("The requests of this client use its share of the ")
+                        : std::string("The requests in progress use all of the ")) +
+                     std::to_string(meshes_.config().quota_bytes) +
+                     " bytes for stored meshes (--mesh-store). Ask again when some of them are finished.")
       .with("Retry-After", "2");
 }
 

@@ -18,14 +18,13 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_jobs_running", "Jobs that are being computed.", static_cast<double>(pool.running()));
   writer.counter("fracture_jobs_escaped_total", "Jobs that ended with an exception: a bug.",
                  static_cast<double>(pool.escaped()));
-  writer.gauge("fracture_compute_threads", "Threads that compute.", pool.threads());
+  writer.gauge("fracture_compute_threads", "Computing threads.", pool.threads());
   constexpr std::pair<Priority, const char*> kClasses[] = {
       {Priority::kRealtime, "realtime"}, {Priority::kBatch, "batch"}, {Priority::kBackground, "background"}};
   for (const auto& [priority, name] : kClasses)
-    writer.gauge(
-        "fracture_predicted_wait_seconds",
-        "How long a new job of a client that has used more than all others would be queued, by class.",
-        pool.backlog(priority).count(), {{"class", name}});
+    writer.gauge("fracture_predicted_wait_seconds",
+                 "Time in the queue for a new job of the client with the most past use, by class.",
+                 pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {
@@ -34,12 +33,12 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   count("fracture_results_computed_total", "Results computed to the end.", work.computed);
   count("fracture_requests_collapsed_total", "Requests that waited for the computation of another one.",
         work.collapsed);
-  count("fracture_waiters_left_total", "Waiters who left: closed, cancelled or past their deadline.",
-        work.abandoned);
+  count("fracture_waiters_left_total",
+        "Requests that left before their result: closed, cancelled or past their deadline.", work.abandoned);
   count("fracture_jobs_expired_total", "Jobs whose deadline had passed when their turn came.", work.expired);
   count("fracture_requests_not_admitted_total", "Requests refused at once for lack of time or memory.",
         work.refused);
-  writer.gauge("fracture_flights", "Results that are being computed or wait for it.",
+  writer.gauge("fracture_flights", "Results that are being computed or wait for a thread.",
                static_cast<double>(work.flights));
 
   const auto cache = [&writer](const char* name, const CacheFigures& figures, std::size_t budget) {
@@ -50,12 +49,11 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                  labels);
     writer.gauge("fracture_cache_entries", "Entries of each cache.", static_cast<double>(figures.entries),
                  labels);
-    writer.counter("fracture_cache_evictions_total", "Entries that made room for others.",
+    writer.counter("fracture_cache_evictions_total", "Entries deleted to make room for others.",
                    static_cast<double>(figures.evictions), labels);
   };
   const FractureService::Figures caches = service_.figures();
-  count("fracture_unsound_total", "Answers that did not prove themselves and were not given.",
-        caches.unsound);
+  count("fracture_unsound_total", "Answers that failed their check and were not sent.", caches.unsound);
   const ServiceConfig& config = service_.config();
   cache("mesh", caches.meshes, config.mesh_cache_bytes);
   cache("diagram", caches.diagrams, config.diagram_cache_bytes);
@@ -63,40 +61,36 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
 
   const StoreFigures store = meshes_.figures();
   writer.gauge("fracture_stored_meshes", "Meshes in the store.", static_cast<double>(store.meshes));
-  count("fracture_meshes_stored_total", "Meshes that were put into the store.", store.stored);
-  count("fracture_meshes_expired_total", "Stored meshes forgotten because nobody used them.", store.expired);
-  count("fracture_meshes_evicted_total", "Stored meshes forgotten because others needed their room.",
-        store.evicted);
+  count("fracture_meshes_stored_total", "Meshes that were stored.", store.stored);
+  count("fracture_meshes_expired_total", "Stored meshes deleted because nobody used them.", store.expired);
+  count("fracture_meshes_evicted_total", "Stored meshes deleted to make room for others.", store.evicted);
 
   const JobFigures jobs = jobs_.figures();
-  writer.gauge("fracture_jobs", "Jobs that are known, finished ones included.",
-               static_cast<double>(jobs.jobs));
+  writer.gauge("fracture_jobs", "Jobs, including finished ones.", static_cast<double>(jobs.jobs));
   writer.gauge("fracture_jobs_unfinished", "Jobs that wait or run.", static_cast<double>(jobs.unfinished));
-  count("fracture_jobs_started_total", "Jobs begun by Prefer: respond-async.", jobs.started);
-  count("fracture_jobs_forgotten_total", "Finished jobs that nobody asked for in time.", jobs.expired);
-  count("fracture_jobs_resumed_total", "Jobs that went on after a restart.", jobs.resumed);
+  count("fracture_jobs_started_total", "Jobs started by Prefer: respond-async.", jobs.started);
+  count("fracture_jobs_forgotten_total", "Finished jobs deleted after --job-ttl.", jobs.expired);
+  count("fracture_jobs_resumed_total", "Jobs that continued after a restart.", jobs.resumed);
   if (const auto disk = jobs_.disk_figures()) {
-    writer.gauge("fracture_jobs_durable", "Jobs on the disk, finished ones included.",
+    writer.gauge("fracture_jobs_durable", "Jobs on the disk, including finished ones.",
                  static_cast<double>(disk->jobs));
     writer.gauge("fracture_job_store_bytes", "Bytes of jobs on the disk.", static_cast<double>(disk->bytes));
-    count("fracture_job_store_failures_total", "Files of jobs that the system did not read or write.",
+    count("fracture_job_store_failures_total", "Files of jobs that could not be read or written.",
           disk->failures);
-    count("fracture_job_store_damaged_total", "Files of jobs that were found damaged and put aside.",
+    count("fracture_job_store_damaged_total", "Damaged files of jobs that were put aside.",
           disk->quarantined);
   }
-  count("fracture_jobs_evicted_total", "Finished jobs forgotten because others needed their room.",
-        jobs.evicted);
-  count(
-      "fracture_job_results_evicted_total",
-      "Results of finished jobs that made room for others (--job-results); the jobs are known all the same.",
-      jobs.results_evicted);
+  count("fracture_jobs_evicted_total", "Finished jobs deleted to make room for others.", jobs.evicted);
+  count("fracture_job_results_evicted_total",
+        "Results of finished jobs deleted to make room for others (--job-results). The jobs stay.",
+        jobs.results_evicted);
 
   const TiersFigures tiers = service_.tiers().figures();
   const auto up = [&](const char* tier, bool is_up) {
     writer.gauge(
         "fracture_cache_tier_up",
-        "1 where a configured tier can be used; 0: a folder that cannot or that another server has, or a Redis that "
-        "did not answer.",
+        "1 if a configured tier can be used. 0: the folder cannot be used or belongs to another server, or Redis does "
+        "not answer.",
         is_up, {{"cache", "result"}, {"tier", tier}});
   };
   if (tiers.disk || tiers.disk_unusable)
@@ -108,21 +102,21 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                  labels);
     writer.gauge("fracture_cache_entries", "Entries of each cache.", static_cast<double>(tiers.disk->entries),
                  labels);
-    writer.counter("fracture_cache_evictions_total", "Entries that made room for others.",
+    writer.counter("fracture_cache_evictions_total", "Entries deleted to make room for others.",
                    static_cast<double>(tiers.disk->evictions), labels);
-    writer.counter("fracture_cache_damaged_total", "Entries that were found damaged and put aside.",
+    writer.counter("fracture_cache_damaged_total", "Damaged entries that were put aside.",
                    static_cast<double>(tiers.disk->quarantined), labels);
     writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
                    static_cast<double>(tiers.disk->failures), labels);
   }
   if (tiers.redis) {
     const ops::MetricWriter::Labels labels = {{"cache", "result"}, {"tier", "redis"}};
-    writer.counter("fracture_cache_damaged_total", "Entries that were found damaged and put aside.",
+    writer.counter("fracture_cache_damaged_total", "Damaged entries that were put aside.",
                    static_cast<double>(tiers.redis->damaged), labels);
     writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
                    static_cast<double>(tiers.redis->failures), labels);
     writer.counter("fracture_cache_skipped_total",
-                   "Times the tier was not asked because it had not answered before.",
+                   "Requests that skipped the tier because it had not answered before.",
                    static_cast<double>(tiers.redis->skipped), labels);
   }
   count("fracture_results_unwritten_total",

@@ -15,9 +15,8 @@ namespace fracture::http {
 namespace {
 
 Problem no_result() {
-  return Problem(
-      HttpProblem::kNotFound,
-      "This result is not (or no longer) in the cache. Asking for the same fracture makes it again.");
+  return Problem(HttpProblem::kNotFound,
+                 "This result is not (or no longer) in the cache. Send the same fracture again to make it.");
 }
 
 struct Range {
@@ -224,8 +223,8 @@ Answered Api::found_result(const std::shared_ptr<Request>& request,
   const std::string_view offers[] = {stored, "application/json"};
   const auto chosen = negotiate(request->head.field("accept"), std::span(offers).first(glb ? 2 : 1));
   if (!chosen)
-    return refuse(HttpProblem::kNotAcceptable,
-                  "This result can be had as " + std::string(stored) + (glb ? " or application/json." : "."));
+    return refuse(HttpProblem::kNotAcceptable, "This result is available as " + std::string(stored) +
+                                                   (glb ? " or application/json." : "."));
   const OrProblem<Representation> representation = represent(request->head, *result, *chosen == 1);
   if (!representation) return tl::unexpected<Problem>(representation.error());
   const auto describe = [status = std::string(cache_status),

@@ -87,11 +87,11 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
   constexpr std::string_view kScheme = "Bearer ";
   if (given.size() <= kScheme.size() ||
       !equals_ignoring_case(std::string_view(given).substr(0, kScheme.size()), kScheme))
-    return tl::unexpected<Problem>(
-        unauthorized("This server asks for 'Authorization: Bearer <token>'.", "Bearer realm=\"fracture\""));
+    return tl::unexpected<Problem>(unauthorized(
+        "This server needs a token: send 'Authorization: Bearer <token>'.", "Bearer realm=\"fracture\""));
   tenants::Accounts::Found found = accounts.find(std::string_view(given).substr(kScheme.size()));
   if (!found.account)
-    return tl::unexpected<Problem>(unauthorized("The token is not one of this server's.", kInvalid));
+    return tl::unexpected<Problem>(unauthorized("This server does not know the token.", kInvalid));
   if (found.expires &&
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) >= *found.expires)
     return tl::unexpected<Problem>(unauthorized("The token has expired.", kInvalid));
@@ -124,7 +124,7 @@ std::optional<Problem> refuse_by_now(const tenants::Accounts& accounts, const Re
   if (!account) return std::nullopt;
   const OrProblem<AccountPointer> now = authenticate(accounts, head, false);
   if (!now) return now.error();
-  if (*now != account) return unauthorized("The token is another name's by now.", kInvalid);
+  if (*now != account) return unauthorized("The token now belongs to another name.", kInvalid);
   return refuse_scope(*account, head);
 }
 

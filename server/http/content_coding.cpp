@@ -93,7 +93,7 @@ OrProblem<ContentCoding> content_coding(std::string_view field) {
   if (equals_ignoring_case(field, "zstd")) return ContentCoding::kZstd;
   return tl::unexpected<Problem>(
       Problem(HttpProblem::kUnsupportedCoding, "Content-Encoding '" + std::string(field.substr(0, 100)) +
-                                                   "' is not read here; gzip and zstd are, one at a time.")
+                                                   "' is not supported. Use gzip or zstd, not both.")
           .with("Accept-Encoding", "gzip, zstd"));
 }
 
@@ -132,11 +132,11 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
   if (outcome == Outcome::kWindow)
     return {Problem(
         HttpProblem::kMalformedCoding,
-        "The zstd body needs a window of more than 8 MiB, which is the most that a Content-Encoding may "
-        "have (RFC 9659): compress it without --long or --ultra.")};
+        "The zstd body needs a window of more than 8 MiB, the limit of a Content-Encoding (RFC 9659). Compress "
+        "it without --long and --ultra.")};
   if (outcome == Outcome::kDamaged)
-    return {Problem(HttpProblem::kMalformedCoding, std::string("The body is no whole ") + name +
-                                                       " stream: it is damaged or ends early after " +
+    return {Problem(HttpProblem::kMalformedCoding, std::string("The body is not a complete ") + name +
+                                                       " stream: it is damaged or ends early, after " +
                                                        std::to_string(size) + " decoded bytes.")};
   if (!reservation.grow_to(body.size() + size)) return {.no_room = true};
   std::string decoded;

@@ -45,7 +45,7 @@ std::optional<Problem> check_content_digest(std::string_view field, std::string_
     if (found != one.value)
       return Problem(HttpProblem::kContentDigestMismatch,
                      "The " + std::to_string(body.size()) + " bytes of the body have the digest " +
-                         std::string(one.name) + "=" + found + ", and another one was announced.");
+                         std::string(one.name) + "=" + found + ", but the request announces another digest.");
   }
   return std::nullopt;
 }

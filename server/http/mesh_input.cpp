@@ -31,12 +31,12 @@ std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string
 Problem unknown_format(const FormatSet& formats, std::string_view given) {
   std::string names;
   for (const std::string& name : formats.names()) names += (names.empty() ? "" : ", ") + name;
-  std::string detail = "The request does not say what format the mesh has.";
+  std::string detail = "The request does not name the format of the mesh.";
   if (!given.empty())
-    detail = std::string(given).insert(0, 1, '\'') + "' names no mesh format that this server reads.";
+    detail = std::string(given).insert(0, 1, '\'') + "' is not a mesh format that this server reads.";
   return to_problem(
       {ErrorCode::kUnknownFormat,
-       detail + " Say it in Content-Type (for example model/gltf-binary) or as ?format= with one of " +
+       detail + " Name it in Content-Type (for example model/gltf-binary), or as ?format= with one of " +
            names + ".",
        "format"});
 }
@@ -71,12 +71,14 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
         if (name.empty())
           return refuse(HttpProblem::kMalformedMultipart, "A file part has an empty filename.");
         if (std::any_of(files.begin(), files.end(), [&](const ImportFile& f) { return f.name == name; }))
-          return refuse(HttpProblem::kMalformedMultipart,
-                        "Two file parts have the same filename: which one the mesh names cannot be known.");
+          return refuse(
+              HttpProblem::kMalformedMultipart,
+              "Two file parts have the same filename. Give each a filename of its own, as the mesh names it.");
         files.push_back({name, std::as_bytes(std::span(part.body.data(), part.body.size()))});
       } else if (part.body.size() > kMaxField) {
         return refuse(HttpProblem::kMalformedMultipart,
-                      "A form field without a filename is over " + std::to_string(kMaxField) + " bytes.");
+                      "A form field without a filename has more than the limit of " +
+                          std::to_string(kMaxField) + " bytes.");
       } else {
         given.push_back({part.name, std::string(part.body), true});  // a field of its own: sites=50
       }

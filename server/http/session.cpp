@@ -316,9 +316,11 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     if (!refusal) return;
     const bool share = *refusal == HeldBuffers::Refusal::kOverShare;
     response = Response::problem(
-        Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                share ? "Other answers that this client has not read hold its share; read those first."
-                      : "Answers that their clients have not read hold all the room there is for them.")
+        Problem(
+            share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
+            share
+                ? "Answers that this client has not read yet use all of its share. Read them first."
+                : "Answers that clients have not read yet use all of the memory for answers (--max-answers).")
             .with("Retry-After", "2"),
         id_);
   }
@@ -350,14 +352,16 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
 
   Problem turned_away() const {
     if (verdict_ == Connections::Verdict::kFull)
-      return Problem(ErrorCode::kOverloaded, "All connections of this server are in use.")
+      return Problem(
+                 ErrorCode::kOverloaded,
+                 "All connections of this server are in use (--max-connections). Try again after Retry-After.")
           .with("Retry-After", "2");
     return too_many_connections();
   }
   Problem too_many_connections() const {
     return Problem(HttpProblem::kTooManyConnections,
                    "This address has more connections open than the limit of " +
-                       std::to_string(api_.limits().max_connections_per_address) + ".")
+                       std::to_string(api_.limits().max_connections_per_address) + ". Close some.")
         .with("Retry-After", "2");
   }
 

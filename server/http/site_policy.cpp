@@ -56,9 +56,9 @@ std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
   const bool known = name && (is_address(*name) || is_ours(*name));
   if (!host.empty() && !known && !any_host())
     return Problem(HttpProblem::kForeignHost,
-                   host.substr(0, 100) +
-                       " is no name of this server that it knows, and it asks for no token: it answers to "
-                       "addresses, to localhost and to the names given as --allow-host.");
+                   "The host '" + host.substr(0, 100) +
+                       "' is not a name of this server. Without tokens it answers only to addresses, to "
+                       "localhost and to the names of --allow-host.");
   if (origin.empty() || cors_.allows(origin)) return std::nullopt;
   const std::size_t scheme = origin.find("://");
   const std::optional<std::string_view> site =
@@ -66,8 +66,8 @@ std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
   if (site && (is_ours(*site) || is_loopback_address(*site) || (name && equals_ignoring_case(*site, *name))))
     return std::nullopt;
   return Problem(HttpProblem::kForeignOrigin,
-                 "A page of '" + origin.substr(0, 100) +
-                     "' sent this; pages of other sites may ask where --cors-origin names their origin.");
+                 "This request comes from a page of '" + origin.substr(0, 100) +
+                     "'. Pages of other sites may send requests only if --cors-origin names their origin.");
 }
 
 }  // namespace fracture::http

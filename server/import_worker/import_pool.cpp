@@ -125,9 +125,9 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     const bool no_room = !result && result.error().code == ErrorCode::kOverloaded;
     if (lacked_memory(result) && attempt.memory_bytes > 0)
       result.error().detail =
-          "The importer needed more than the " + std::to_string(attempt.memory_bytes) +
-          " bytes of memory that it may have for this file: --import-memory, and half of what one "
-          "computation may have of --max-working. Send a smaller mesh, or raise them.";
+          "The importer needed more than " + std::to_string(attempt.memory_bytes) +
+          " bytes of memory for this file. That is the limit by --import-memory, or half of what one computation "
+          "may have of --max-working. Send a smaller mesh, or raise the settings.";
     if (lacked_memory(result))
       memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
     else if (over_limit || death == WorkerDeath::kCrash)

@@ -111,8 +111,9 @@ json read_json(ByteReader& in, const ImportLimits& limits) {
 
 json read_objects(ByteReader& in, const ImportLimits& limits) {
   json list = read_json(in, limits);
-  require(list.is_array(), "a list of the material library is no array");
-  for (const json& object : list) require(object.is_object(), "a material, texture or sampler is no object");
+  require(list.is_array(), "a list of the material library is not an array");
+  for (const json& object : list)
+    require(object.is_object(), "a material, texture or sampler is not an object");
   return list;
 }
 
@@ -208,13 +209,13 @@ bool is_import_error(ErrorCode code) {
 
 Error read_error(ByteReader& in, const ImportLimits& limits) {
   Error error{static_cast<ErrorCode>(in.value<std::uint32_t>()), in.text(), in.text(), {}};
-  require(in.good() && is_import_error(error.code), "the error has a code that no import ends with");
+  require(in.good() && is_import_error(error.code), "the error has a code that imports do not use");
   require(!error.detail.empty() && error.detail.size() + error.pointer.size() <= kMaxDetail,
           "the text of the error is empty or too long");
   error.detail = name_as_utf8(error.detail);
   error.pointer = name_as_utf8(error.pointer);
   error.extra = Figures(read_json(in, limits));
-  require(error.extra->is_object() && in.at_end(), "the figures of the error are no object");
+  require(error.extra->is_object() && in.at_end(), "the figures of the error are not an object");
   return error;
 }
 

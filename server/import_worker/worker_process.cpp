@@ -58,7 +58,7 @@ std::chrono::microseconds processor_time_of(const rusage& used) {
 Error no_room_to_read(const std::string& why) {
   return {.code = ErrorCode::kOverloaded,
           .detail = "There is no room now for the process that reads the file: " + why +
-                    ". Nothing is said about the file.",
+                    ". This is not a fault of the file.",
           .retry_after = std::chrono::seconds(5)};
 }
 
@@ -74,7 +74,7 @@ WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& c
   else if (config.require_sandbox && hello_.seccomp == 0)
     problem = "the sandbox of the import workers is required, and this machine allows no seccomp filter (" +
               std::generic_category().message(hello_.seccomp_errno) +
-              "): allow seccomp and prctl in the container's own filter, or take hostile files unprotected "
+              "): allow seccomp and prctl in the container's own filter, or read files without protection, "
               "with --require-sandbox no";
   if (problem.empty()) return;
   kill_and_reap();
@@ -159,7 +159,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     case WorkerDeath::kCpuLimit:
       return fail(ErrorCode::kImporterLimit,
                   "The importer needed more than the " + std::to_string(cpu_.count()) +
-                      " seconds of processor time that one import may have.",
+                      " seconds of processor time that one import may have. Send a smaller mesh.",
                   {}, {{"limit", "cpu"}, {"seconds", cpu_.count()}});
     case WorkerDeath::kMemoryLimit:
       return fail(
@@ -168,15 +168,16 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
           "raise the server's --import-memory.",
           {}, {{"limit", "memory"}});
     case WorkerDeath::kSizeLimit:
-      return fail(ErrorCode::kImporterLimit, "The file unfolds to more than a mesh may have.", {},
+      return fail(ErrorCode::kImporterLimit,
+                  "The decoded file is larger than a mesh may be (--max-decoded). Send a smaller mesh.", {},
                   {{"limit", "size"}});
     case WorkerDeath::kNoRoom:
       return tl::unexpected<Error>(
-          no_room_to_read("the system refused it memory that one import may have (--import-memory)"));
+          no_room_to_read("the system refused memory within the limit of one import (--import-memory)"));
     case WorkerDeath::kKilled:
-      return tl::unexpected<Error>(no_room_to_read(
-          "it ended with " + last_words_ +
-          ", which comes from outside: from an operator, or from the system because it is short of memory"));
+      return tl::unexpected<Error>(
+          no_room_to_read("it was ended from outside with " + last_words_ +
+                          ", by an operator or by a system that is short of memory"));
     default:
       return fail(ErrorCode::kImporterCrashed,
                   "The process that read the file ended with " + last_words_ +

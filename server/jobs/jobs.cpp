@@ -129,22 +129,22 @@ std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, 
       break;
     }
     case JobFolder::Room::kFull:
-      return overloaded("The jobs on the disk take all of the " + std::to_string(config_.max_disk_bytes) +
-                            " bytes that they may.",
+      return overloaded("The jobs on the disk use all of the " + std::to_string(config_.max_disk_bytes) +
+                            " bytes of --job-store.",
                         std::chrono::seconds(10));
     case JobFolder::Room::kOverShare:
       return Error{.code = ErrorCode::kOverShare,
-                   .detail = "The unfinished jobs of '" + job->view.owner + "' take " +
+                   .detail = "The unfinished jobs of '" + job->view.owner + "' use " +
                              std::to_string(folder_->bytes_of(job->view.owner)) +
-                             " bytes on the disk; with this one it would be over its share of " +
-                             std::to_string(share) + ".",
+                             " bytes on the disk. With this job they would exceed the share of " +
+                             std::to_string(share) + " bytes. Ask again when one of them is finished.",
                    .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kOverPart:
-      return Error{.code = ErrorCode::kOverShare,
-                   .detail = "The jobs of this client take its part of the " +
-                             std::to_string(config_.max_disk_bytes) +
-                             " bytes that jobs may take on the disk. Ask again when one of them is finished.",
-                   .retry_after = std::chrono::seconds(10)};
+      return Error{
+          .code = ErrorCode::kOverShare,
+          .detail = "The jobs of this client use its share of the " + std::to_string(config_.max_disk_bytes) +
+                    " bytes for jobs on the disk (--job-store). Ask again when one of them is finished.",
+          .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kTooLarge:
     case JobFolder::Room::kUnfit:
       break;  // computed all the same; that it would not survive stands in the answer

@@ -104,10 +104,11 @@ std::optional<Error> Jobs::make_place_for(const std::string& holder) {
   if (first ? unfinished >= config_.max_jobs
             : !unfinished_share(config_.max_jobs).allows(own.unfinished + 1, unfinished + 1, others, false)) {
     const std::string all = std::to_string(unfinished) + " unfinished jobs";
-    if (first) return overloaded("There are " + all + ", as many as there may be.", std::chrono::seconds(10));
+    if (first)
+      return overloaded("There are " + all + ", which is the limit (--max-jobs).", std::chrono::seconds(10));
     return Error{.code = ErrorCode::kOverShare,
-                 .detail = "There are " + all + ", and " + std::to_string(own.unfinished) +
-                           " of them are this client's: its part. Ask again when one of them is finished.",
+                 .detail = "There are " + all + ". This client has " + std::to_string(own.unfinished) +
+                           " of them, which is its share. Ask again when one of them is finished.",
                  .retry_after = std::chrono::seconds(10)};
   }
   if (jobs_.size() < config_.max_jobs) return std::nullopt;
@@ -118,10 +119,11 @@ std::optional<Error> Jobs::make_place_for(const std::string& holder) {
     if (has_finished && may && (!most || entry.second.jobs > most->second.jobs)) most = &entry;
   }
   if (!most)
-    return Error{.code = own.jobs > 0 ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                 .detail = "There are " + std::to_string(jobs_.size()) +
-                           " jobs, as many as there may be, and none that could be forgotten for this one.",
-                 .retry_after = std::chrono::seconds(10)};
+    return Error{
+        .code = own.jobs > 0 ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
+        .detail = "There are " + std::to_string(jobs_.size()) +
+                  " jobs, which is the limit (--max-jobs), and none of them can be deleted for this one.",
+        .retry_after = std::chrono::seconds(10)};
   forget(oldest_of(most->first, [](const Job& known) { return known.view.finished(); }));
   ++figures_.evicted;
   return std::nullopt;

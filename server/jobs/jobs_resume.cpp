@@ -85,9 +85,9 @@ void Jobs::restore() {
       job->finished = Clock::now() -
                       std::clamp<std::chrono::microseconds>(ago, std::chrono::microseconds(0), config_.ttl);
     } else if (found.begun >= kMostEnds) {
-      fail_locked(job,
-                  {ErrorCode::kJobLost, "The server ended " + std::to_string(found.begun) +
-                                            " times while it computed this job, which is not tried again."});
+      fail_locked(job, {ErrorCode::kJobLost,
+                        "The server ended " + std::to_string(found.begun) +
+                            " times while it computed this job, so the job is not tried again."});
     } else {
       job->waiting = true;
     }
@@ -243,7 +243,7 @@ std::optional<Error> Jobs::refuses(Terms& terms) {
   }
   const MemoryBudget& working = dispatcher_.working();
   if (working.judge(nullptr, std::min(terms.least_bytes, working.capacity())) != MemoryBudget::Verdict::kFits)
-    return overloaded("The memory that the job needs is not free.", std::chrono::seconds(10));
+    return overloaded("The memory that the job needs is in use.", std::chrono::seconds(10));
   return dispatcher_.refuses(ExpectedWork{}, terms);
 }
 
@@ -281,18 +281,19 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
     terms.deadline = *job->deadline;
   }
   if (const std::uint64_t most = dispatcher_.working().capacity(); record.mesh_bytes > most)
-    return lost({ErrorCode::kJobLost, "The mesh that was kept of this job has " +
-                                          std::to_string(record.mesh_bytes) + " bytes, and a computation " +
-                                          std::to_string(most) + " (--max-working). Send a smaller one."});
+    return lost({ErrorCode::kJobLost, "The mesh of this job has " + std::to_string(record.mesh_bytes) +
+                                          " bytes; the limit of a computation is " + std::to_string(most) +
+                                          " (--max-working). Send a smaller mesh."});
   terms.least_bytes = std::max(least_bytes, record.mesh_bytes);  // it is read before it is admitted
   if (auto refused = refuses(terms)) return refused;
   const std::optional<JobRecord> whole = folder_->read(record.id);
   if (!whole)
-    return lost({ErrorCode::kJobLost, "What was kept of this job is damaged or gone. Ask for it again."});
+    return lost(
+        {ErrorCode::kJobLost, "The record of this job is damaged or missing. Send the request again."});
   std::optional<KeptMesh> mesh = folder_->read_mesh(record.digest);
   if (!mesh)
-    return lost(
-        {ErrorCode::kJobLost, "What was kept of the mesh of this job is damaged or gone. Send it again."});
+    return lost({ErrorCode::kJobLost,
+                 "The stored mesh of this job is damaged or missing. Send the mesh and the request again."});
   Expected<RequestParameters> parameters =
       dispatcher_.service().parameters().parse(raw_parameters(whole->parameters));
   if (!parameters) return lost(std::move(parameters.error()));  // of another version of the server

@@ -1,6 +1,7 @@
 // Who is let in, and who pays: the part of the dispatcher that computes nothing.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "server/service/computation.hpp"
@@ -20,6 +21,12 @@ std::chrono::seconds whole_seconds(double seconds) {
   return std::chrono::seconds(static_cast<int>(std::clamp(std::ceil(seconds), 1.0, 60.0)));
 }
 
+std::string in_seconds(double seconds) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.3g s", seconds);
+  return text;
+}
+
 }  // namespace
 
 std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const {
@@ -33,9 +40,9 @@ std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const 
   const std::chrono::duration<double> left = terms.deadline - Clock::now();
   // With nothing ahead it is tried: the prediction may be wrong.
   if (terms.deadline != Clock::time_point::max() && wait > 0 && total > left.count())
-    return overloaded("The work would be done in about " + std::to_string(total) +
-                          " s; the deadline of this request is in " +
-                          std::to_string(std::max(0.0, left.count())) + " s.",
+    return overloaded("The work would be done in about " + in_seconds(total) +
+                          ", but the deadline of this request is in " +
+                          in_seconds(std::max(0.0, left.count())) + ".",
                       whole_seconds(total - left.count()));
   return std::nullopt;
 }
@@ -95,13 +102,13 @@ Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) co
   const std::chrono::seconds later = whole_seconds(pool_.backlog(Priority::kBatch).count());
   if (verdict == MemoryBudget::Verdict::kOverShare)
     return Error{.code = ErrorCode::kOverShare,
-                 .detail = "This client's computations hold its part of the " +
-                           std::to_string(working.used()) +
-                           " bytes that are worked in now, by estimate, of " +
-                           std::to_string(working_.share()) + " that it may have when nobody else works; " +
-                           "this one needs " + std::to_string(bytes) + ".",
+                 .detail = "This computation needs " + std::to_string(bytes) +
+                           " bytes, and the others of this client use its share of the working memory. All "
+                           "computations use " +
+                           std::to_string(working.used()) + " bytes by estimate; a client alone may use " +
+                           std::to_string(working_.share()) + ".",
                  .retry_after = later};
-  Error error = overloaded("The computations in progress hold " + std::to_string(working.used()) +
+  Error error = overloaded("The computations in progress use " + std::to_string(working.used()) +
                                " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
                            later);
   error.extra = fracture::Figures(nlohmann::json{{"bytes", bytes}});

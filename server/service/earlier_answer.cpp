@@ -44,18 +44,20 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
       std::find_if(given.begin(), given.end(), [](const RawParameter& raw) { return raw.name == "delta"; });
   const bool compared = given_delta == given.end() || own.delta != DeltaAnswer::kNone;
   if (!hits && hit_before && given_delta != given.end())
-    return wrong("delta",
-                 "'delta' says what new hits change: give 'local_point' and 'local_radius' beside 'of'.");
+    return wrong(
+        "delta",
+        "'delta' describes the change by new hits: give 'local_point' and 'local_radius' with 'of'.");
   nlohmann::json taken = earlier;
   std::vector<RawParameter> result;
   for (const RawParameter& raw : given) {
     if (raw.name == "of" || (hits && is_hit(raw.name) && raw.name != "local_rest")) continue;
     if (raw.name == "local_new")
-      return wrong(raw.name, "'local_new' is counted where 'of' is given: the hits of this request are new.");
+      return wrong(raw.name, "With 'of' all hits of this request are new: leave 'local_new' out.");
     if (raw.name == "local_rest") {
       const std::string rest = hit_before ? earlier.value("local_rest", "") : "fractured";
       if (raw.value != rest)
-        return wrong(raw.name, "'local_rest' is '" + rest + "' for hits on this answer: leave it out.");
+        return wrong(raw.name,
+                     "For hits on this answer 'local_rest' is always '" + rest + "': leave it out.");
       continue;
     }
     // The fragments that the hits do not touch are to be those of the answer that the caller has.
@@ -78,7 +80,9 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     if (taken.contains(name)) taken.erase(name);
   if (hits) {
     if (earlier.contains("fragment"))
-      return wrong("of", "'of' names an answer that has the parts of one fragment; hits need a whole one.");
+      return wrong(
+          "of",
+          "'of' names an answer with the parts of one fragment, but hits need an answer of a whole mesh.");
     taken["local_point"] = continued(earlier, "local_point", own.local_point, [](const Vec3d& p) {
       return nlohmann::json{p.x, p.y, p.z};
     });

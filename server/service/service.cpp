@@ -90,7 +90,7 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
   if (!earlier)
     return fail(ErrorCode::kNoSuchAnswer,
                 "This server does not know (or no longer knows) the answer sha256:" + own->of +
-                    ". Ask with its parameters instead, which stand in it: the answer is the same.",
+                    ". Send the parameters that the answer contains instead of 'of': the result is the same.",
                 "of");
   const auto all = on_earlier_answer(parameters_, given, *own, *earlier);
   if (!all) return tl::unexpected<Error>(all.error());

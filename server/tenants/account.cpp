@@ -77,7 +77,7 @@ std::optional<Error> Account::request(Clock::time_point now) {
   const auto rate = shares_.requests_per_second;
   if (!rate) return std::nullopt;
   if (requests_.level() < 1)
-    return over("it has " + plain(*rate) + " requests a second.", requests_.until(1, *rate));
+    return over("its limit is " + plain(*rate) + " requests a second.", requests_.until(1, *rate));
   requests_.take(1);
   return std::nullopt;
 }
@@ -105,11 +105,11 @@ Expected<Account::Seat> Account::begin_computation(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   advance(now);
   if (const auto rate = shares_.cores; rate && processor_.level() <= 0)
-    return tl::unexpected<Error>(over("it has " + plain(*rate) + " processor seconds a second.",
+    return tl::unexpected<Error>(over("its limit is " + plain(*rate) + " processor seconds a second.",
                                       processor_.until(0.1 * *rate, *rate)));
   if (computations_ >= shares_.computations)
     return tl::unexpected<Error>(
-        over("it has " + std::to_string(shares_.computations) + " computations at the same time.",
+        over("its limit is " + std::to_string(shares_.computations) + " computations at the same time.",
              std::chrono::seconds(1)));
   ++computations_;
   return Seat(shared_from_this());

@@ -28,14 +28,15 @@ bool is_token(std::string_view s) {
 Expected<TokenFile> TokenFile::load(const std::string& path) {
   // A pipe would keep whoever reads it on SIGHUP, who also waits for SIGTERM.
   if (std::error_code gone; !std::filesystem::is_regular_file(path, gone))
-    return fail(ErrorCode::kFileAccess, path + (gone ? " cannot be read" : " is no regular file"));
+    return fail(ErrorCode::kFileAccess, path + (gone ? " cannot be read" : " is not a regular file"));
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad()) return fail(ErrorCode::kFileAccess, path + " cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kMaxBytes)
-    return fail(ErrorCode::kTooLarge, path + " is over " + std::to_string(kMaxBytes) + " bytes");
+    return fail(ErrorCode::kTooLarge,
+                path + " has more than the limit of " + std::to_string(kMaxBytes) + " bytes");
   auto tokens = parse(text);
   if (!tokens) return fail(tokens.error().code, path + tokens.error().detail);
   return tokens;
@@ -72,11 +73,12 @@ Expected<TokenFile> TokenFile::parse_lines(std::string_view text) {
     if (right.empty()) tenant.scopes = {Scope::kRead, Scope::kFracture, Scope::kBake};
     for (const Tenant& other : file.tenants_)
       if (other.name == name || other.tokens.front().digest == tenant.tokens.front().digest)
-        return wrong("the name or the token stands in an earlier line, too");
-    if (file.size() == kMaxTenants) return wrong("there are more than " + std::to_string(kMaxTenants));
+        return wrong("the name or the token is already in an earlier line; each may occur once");
+    if (file.size() == kMaxTenants)
+      return wrong("the file has more than the limit of " + std::to_string(kMaxTenants) + " names");
     file.tenants_.push_back(std::move(tenant));
   }
-  if (file.empty()) return fail(ErrorCode::kBadParameter, " holds no token");
+  if (file.empty()) return fail(ErrorCode::kBadParameter, " contains no token");
   return file;
 }
 

@@ -32,7 +32,7 @@ void only(const json& object, const std::string& place, std::initializer_list<st
   if (!object.is_object()) throw Wrong{place, "must be an object"};
   for (const auto& [name, value] : object.items())
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw Wrong{place, "has a member '" + name.substr(0, 64) + "', which means nothing here"};
+      throw Wrong{place, "has a member '" + name.substr(0, 64) + "', which is not known here"};
 }
 
 const json& array(const json& object, const char* name, const std::string& place, std::size_t most) {
@@ -171,10 +171,11 @@ Expected<TokenFile> TokenFile::parse_json(std::string_view text) try {
     const std::string place = "tenants[" + std::to_string(k++) + "]";
     Tenant tenant = tenant_of(given, place);
     if (!names.insert(tenant.name).second)
-      throw Wrong{place + ".name", "is '" + tenant.name + "', as an earlier one's"};
+      throw Wrong{place + ".name",
+                  "is '" + tenant.name + "', which an earlier member has; each name may occur once"};
     for (const Token& token : tenant.tokens)
       if (!digests.insert(token.digest).second)
-        throw Wrong{place + ".tokens", "has a token that stands in the file twice"};
+        throw Wrong{place + ".tokens", "has a token that is in the file twice; each may occur once"};
     file.tenants_.push_back(std::move(tenant));
   }
   return file;

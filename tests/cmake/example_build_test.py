@@ -111,11 +111,11 @@ class ExampleBuild(unittest.TestCase):
     def test_mistakes_are_said_when_the_project_is_configured(self):
         lists = self.source / "CMakeLists.txt"
         good = lists.read_text()
-        for wrong, reason in (("INPUT assets/crate.gltf PARAMETERS sites", "'sites' is no parameter"),
+        for wrong, reason in (("INPUT assets/crate.gltf PARAMETERS sites", "'sites' must be a parameter"),
                               ("INPUT assets/crate.gltf OUTPUT crate.fbx",
-                               "OUTPUT ends in '.fbx', which is not written"),
-                              ("PARAMETERS sites=1", "TARGET and INPUT have to be given"),
-                              ("nonsense INPUT assets/crate.gltf", "'nonsense' is not understood")):
+                               "OUTPUT ends in '.fbx', which bake does not write"),
+                              ("PARAMETERS sites=1", "TARGET and INPUT are required"),
+                              ("nonsense INPUT assets/crate.gltf", "'nonsense' is not an argument of this function")):
             lists.write_text(good + f"fracture_add_baked_asset(TARGET game {wrong})\n")
             self.assertIn(reason, " ".join(self.run_cmake(self.build, good=False).split()))
 

@@ -115,8 +115,8 @@ TEST(Answer, WhatContradictsItselfIsRefusedAndSaysWhy) {
       {"generator", [](json& d) { d["asset"].erase("generator"); }},
       {"no scenes[0]", [](json& d) { d.erase("scenes"); }},
       {"no nodes[99]", [](json& d) { d["nodes"][0]["children"][0] = 99; }},
-      {"no tree", [](json& d) { d["nodes"][0]["children"][0] = 0; }},
-      {"no tree", [](json& d) { d["nodes"][0]["children"][1] = 1; }},
+      {"not a tree", [](json& d) { d["nodes"][0]["children"][0] = 0; }},
+      {"not a tree", [](json& d) { d["nodes"][0]["children"][1] = 1; }},
       {"rotation",
        [](json& d) {
          d["nodes"][1]["rotation"] = {0, 0, 0, 1};
@@ -134,7 +134,7 @@ TEST(Answer, WhatContradictsItselfIsRefusedAndSaysWhy) {
       {"not in its buffer", [](json& d) { d["bufferViews"][0]["byteOffset"] = 4294967295u; }},
       {"2^32", [](json& d) { d["bufferViews"][0]["byteOffset"] = 1e18; }},
       {"2^32", [](json& d) { d["accessors"][0]["byteOffset"] = 18446744073709551615u; }},
-      {"no VEC3", [](json& d) { d["accessors"][0]["type"] = "VEC2"; }},
+      {"not a VEC3", [](json& d) { d["accessors"][0]["type"] = "VEC2"; }},
       {"another length",
        [](json& d) {
          d["accessors"][d["meshes"][0]["primitives"][0]["attributes"]["NORMAL"].get<std::size_t>()]["count"] =

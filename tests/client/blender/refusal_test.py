@@ -26,7 +26,7 @@ class Refused(InBlender):
         bpy.context.view_layer.update()
         support.give(repair="strict")
         words = self.refused()
-        self.assertIn("repair=strict fills nothing: 341 open edges", words)
+        self.assertIn("repair=strict fills no holes: 341 open edges", words)
         self.assertIn("mesh-not-closed, HTTP 422", words)
         self.assertIn(f"The open edges of {item.name} are selected", words)
         self.assertEqual(bpy.context.mode, "EDIT_MESH")

@@ -123,7 +123,7 @@ TEST_F(OutputFiles, MaterialsThatNoBakeMadeAreNotWrittenOver) {
   ASSERT_FALSE(refused) << "before anything is made";
   EXPECT_EQ(refused.error().code, ErrorCode::kBadParameter);
   EXPECT_THAT(refused.error().detail, HasSubstr("Line 1 of"));
-  EXPECT_THAT(refused.error().detail, HasSubstr("x.mtl' is there, and no bake made it"));
+  EXPECT_THAT(refused.error().detail, HasSubstr("x.mtl' was not made by a bake"));
   EXPECT_EQ(read_file(folder / "x.mtl"), "newmtl mine\n");
   EXPECT_TRUE(plan("x.ply")) << "which has none";
   fs::remove(folder / "x.mtl");
@@ -135,8 +135,7 @@ TEST_F(OutputFiles, ATextureThatNoBakeMadeIsNotWrittenOver) {
   folder.write("x_texture_0.png", "a photograph");
   EXPECT_EQ(run("x.obj").unwritable, 1u);
   EXPECT_EQ(read_file(folder / "x_texture_0.png"), "a photograph");
-  EXPECT_THAT(line().at("problem").at("detail").get<std::string>(),
-              HasSubstr("x_texture_0.png: it is there"));
+  EXPECT_THAT(line().at("problem").at("detail").get<std::string>(), HasSubstr("x_texture_0.png: it exists"));
   EXPECT_FALSE(fs::exists(folder / "x.obj")) << "no output without what it names";
   EXPECT_FALSE(fs::exists(folder / "x.mtl"));
 }

@@ -101,7 +101,7 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
   const std::string line = ".ndjson'";
   for (const auto& [source, part] : std::vector<std::pair<BakeSource, std::string>>{
            {{}, "--manifest"},
-           {{.inputs = {"a"}, .manifest = "b"}, "one of the two"},
+           {{.inputs = {"a"}, .manifest = "b"}, "Give either files"},
            {{.inputs = {folder / "in"}}, "--output"},
            {{.manifest = "m", .output = "o"}, "leave out --output"},
            {{.manifest = folder / "absent"}, "absent"},
@@ -111,7 +111,7 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
             "both be written to 'o/a.obj.glb'"},
            {manifest("nonsense"), "Line 2 of '" + (folder / "0.ndjson'")},
            {manifest("[1]"), line},
-           {manifest("{\"input\": oak}"), line + ": it is no JSON object (column 11)"},
+           {manifest("{\"input\": oak}"), line + ": it is not a JSON object (column 11)"},
            {{.manifest = folder.path}, "Is a directory"},
            {manifest("{\"input\": [\"" + std::string(5000, 'a') + "\"]}"), std::string(190, 'a') + "..."},
            {manifest("{\"input\": \"a\"}"), line + ": 'output' is missing"},
@@ -121,7 +121,7 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
             ": it names 'seed' more than once"},
            {manifest("{\"output\": \"a\"}"), line + ": 'input' is missing"},
            {manifest("{\"input\": 5, \"output\": \"c\"}"), line + ": 'input' must be a path"},
-           {manifest("{\"input\": \"a\", \"output\": \"c\", \"sites\": 5}"), line + ": 'sites' is none of"},
+           {manifest("{\"input\": \"a\", \"output\": \"c\", \"sites\": 5}"), line + ": 'sites' is not known"},
            {manifest("{\"input\": \"a\", \"output\": \"c\", \"parameters\": 5}"), line + ": 'parameters'"},
            {manifest("{\"input\": \"c\", \"output\": \"./b\"}"), "both be written"}})
     EXPECT_NE(refused(source).find(part), std::string::npos) << part << " in: " << refused(source);
@@ -154,7 +154,7 @@ nonsense
       said,
       testing::ElementsAre(
           begins("Lines 1, 6 to 8" + of + "There is no parameter 'sitess'. Did you mean 'sites'?"),
-          begins("Line 2" + of + "it is no JSON object"), begins("Line 4" + of + "'.fbx' is not written"),
+          begins("Line 2" + of + "it is not a JSON object"), begins("Line 4" + of + "'.fbx' is not written"),
           testing::AllOf(begins("Line 4" + of), testing::HasSubstr("'sites' must be"),
                          testing::HasSubstr("'seed' must be")),
           "Line 9" + of + "'output' is missing.",

@@ -245,8 +245,8 @@ class WithScripts(Case):
         ends = {"hangs": ("    signal.pause()", "did not answer within 1 s"),
                 "dies": ("    os.kill(os.getpid(), 11)", "ended by signal 11"),
                 "leaves": ("    sys.stderr.write('no\\x1b[31m display'); sys.exit(7)", "ended with exit code 7: no [31m display"),
-                "babbles": ("    print('hello', flush=True)", "does not answer as fracture-render does"),
-                "floods": ("    print('x' * 1000000, flush=True)", "does not answer as fracture-render does"),
+                "babbles": ("    print('hello', flush=True)", "does not answer like fracture-render"),
+                "floods": ("    print('x' * 1000000, flush=True)", "does not answer like fracture-render"),
                 "refuses": ("    print('{\"output\": null, \"problem\": {\"detail\": \"' + line['file'] + ' has too much.\"}}', "
                             "flush=True); continue", "box.glb has too much."),
                 "draws nothing": ("    print('{\"output\": 1}', flush=True); continue", "made no PNG of 512 x 512"),
@@ -355,7 +355,7 @@ class WithScripts(Case):
         renderer = self.renderer()
         note = self.write("note.html", "<p>mine</p>")
         self.bake("in", "-o", "out", "--html", "note.html", *renderer, code=2)
-        self.assertIn("no page of a bake", self.words)
+        self.assertIn("not a page of a bake", self.words)
         self.assertEqual(note.read_text(encoding="utf-8"), "<p>mine</p>")
         for wrong in (["in", "-o", "out", "--preview", "x.png"], ["in", "-o", "out", "--preview", "in/box.obj"],
                       ["in", "-o", "out", "--preview", "-"], ["in", "-o", "out", "--html", "-"],
@@ -378,7 +378,7 @@ class WithScripts(Case):
         self.write("in/m.mtl", "newmtl wood\nmap_Kd wood.png\n")
         self.write("in/textured.obj", "mtllib m.mtl\nusemtl wood\n" + BOX)
         self.bake("in/textured.obj", "-o", "t.glb", "--preview", "in/wood.png", *renderer)
-        self.assertIn("not written over", self.words)
+        self.assertIn("not overwritten", self.words)
         self.assertEqual((self.folder / "in/wood.png").read_bytes(), texture)
 
     def test_each_shard_has_its_page(self):

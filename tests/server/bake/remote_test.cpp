@@ -347,7 +347,7 @@ TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
     }
     return baker ? "" : to_line(baker.error());
   };
-  EXPECT_THAT(words(FakeReply::answer(200, "<html></html>")), HasSubstr("is no fracture-server"));
+  EXPECT_THAT(words(FakeReply::answer(200, "<html></html>")), HasSubstr("is not a fracture-server"));
   EXPECT_THAT(words(FakeReply::answer(404, "")), HasSubstr("status 404"));
   const json other{{"name", "fracture-server"}, {"algorithm", kAlgorithmVersion + 1}};
   EXPECT_THAT(words(FakeReply::answer(200, other.dump())),

@@ -264,31 +264,31 @@ TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
   const std::string rule = "Rule 1 of '" + path + "': ", file = "The rules '" + path + "': ";
   const auto long_text = [](std::size_t n) { return std::string(n, 'a'); };
   const std::pair<std::string, std::string> cases[] = {
-      {"{\n\n\"rules\": oak}", file + "line 3, column 10: no JSON."},
-      {"oak", file + "line 1, column 1: no JSON."},
-      {"{}\n}", file + "line 2, column 1: no JSON."},
+      {"{\n\n\"rules\": oak}", file + "line 3, column 10: not valid JSON."},
+      {"oak", file + "line 1, column 1: not valid JSON."},
+      {"{}\n}", file + "line 2, column 1: not valid JSON."},
       {R"({"rules": [], "rules": []})", file + "the file names 'rules' more than once."},
       {"[]", file + "it must be an object with the list 'rules'."},
       {R"({"rules": []})", file + "there must be 1 to 1000 rules; it has 0."},
-      {R"({"rules": [1], "version": 2})", file + "'version' is not known; there is only 'rules'."},
-      {R"({"rules": [1]})", rule + "it is no object."},
+      {R"({"rules": [1], "version": 2})", file + "'version' is not known; only 'rules' is allowed."},
+      {R"({"rules": [1]})", rule + "it must be an object."},
       {R"({"rules": [{"match": {"path": "*"}}]})", rule + "'parameters' is missing."},
       {R"({"rules": [{"parameters": {}}]})", rule + "'match' is missing."},
       {R"({"rules": [{"match": {"path": "*"}, "parameters": {}, "set": 1}]})",
-       rule + "'set' is none of match and parameters."},
+       rule + "'set' is not known; only match and parameters are allowed."},
       {R"({"rules": [{"match": {"path": "*"}, "parameters": [1]}]})",
        rule + "'parameters' must be an object; it was [1]."},
       {with_match("{}"), rule + "'match' must be an object with at least one of path, node and material."},
       {with_match(R"({"file": "*"})"),
-       rule + "'match' has 'file', which is none of path, node and material."},
+       rule + "'match' has 'file'; only path, node and material are allowed."},
       {with_match(R"({"path": 3})"), rule + "'path' must be a pattern or a list of patterns; it was 3."},
       {with_match(R"({"node": []})"), rule + "'node' must have 1 to 100 patterns; it had 0."},
       {with_match(R"({"node": ""})"), rule + "a pattern of 'node' must have 1 to 1000 bytes; it had 0."},
       {with_match(R"({"node": ["a", "b\u0000c"]})"),
-       rule + "a pattern of 'node' has a NUL character in it, which may stand in none: \"b\\u0000c\"."},
+       rule + "a pattern of 'node' must not contain a NUL character; it was \"b\\u0000c\"."},
       {with_match("{\"path\": \"" + long_text(1001) + "\"}"),
        rule + "a pattern of 'path' must have 1 to 1000 bytes; it had 1001."},
-      {long_text(kMaxRuleFileBytes + 1), file + "the file has more than 1048576 bytes."},
+      {long_text(kMaxRuleFileBytes + 1), file + "the file has more than the limit of 1048576 bytes."},
   };
   for (const auto& [text, detail] : cases) EXPECT_EQ(refused(text), detail) << text.substr(0, 100);
   EXPECT_EQ(refused(with_match("{\"path\": \"" + long_text(1000) + "\"}")), "");
@@ -331,7 +331,7 @@ TEST_F(BakeRulesTest, RulesThatDecideNothingAreSaid) {
   EXPECT_EQ(tally.warnings(),
             (std::vector<std::string>{
                 "Rule 3 of '" + path +
-                    "' (path \"b*\") decides nothing: an earlier rule matches every mesh that it matches.",
+                    "' (path \"b*\") is never applied: an earlier rule matches every mesh that it matches.",
                 "Rule 4 of '" + path + "' (path \"c*\", material \"oak\") matches no mesh."}));
   tally.add_unread("d.obj");
   EXPECT_EQ(tally.warnings().size(), 2u) << "d.obj is called otherwise";
@@ -350,7 +350,8 @@ TEST_F(BakeRulesTest, TheFileIsReadWithThePlanWrittenOverByNothingAndNamedInTheD
   const Expected<BakePlan> lost =
       plan_bake({.inputs = {mesh}, .output = folder / "a.glb", .rules = path, .depfile = path});
   ASSERT_FALSE(lost);
-  EXPECT_EQ(lost.error().detail, "'" + path + "' would be written over the rules '" + path + "'.");
+  EXPECT_EQ(lost.error().detail,
+            "Writing '" + path + "' would overwrite the rules '" + path + "': choose another place.");
   EXPECT_FALSE(plan_bake({.inputs = {mesh}, .output = folder / "a.glb", .rules = mesh}));
 }
 

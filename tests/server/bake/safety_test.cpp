@@ -128,13 +128,13 @@ TEST_F(BakeSafety, AnOutputThatIsTheInputIsRefusedHoweverItIsSpelt) {
   for (const char* name : {"in/a.glb", "in/./a.glb", "in/sub/../a.glb", "in//a.glb", "in/link.glb",
                            "other/a.glb", "in/hard.glb", "other/sub/../link.glb"}) {
     const std::string why = refused(mesh, folder / name);
-    EXPECT_NE(why.find("written over the input"), std::string::npos) << name << ": " << why;
+    EXPECT_NE(why.find("overwrite the input"), std::string::npos) << name << ": " << why;
     EXPECT_NE(why.find(mesh), std::string::npos) << why;
   }
-  EXPECT_NE(refused(folder / "in/link.glb", mesh).find("written over the input"), std::string::npos);
+  EXPECT_NE(refused(folder / "in/link.glb", mesh).find("overwrite the input"), std::string::npos);
   EXPECT_EQ(refused(mesh, folder / "in/b.glb"), "");
   const std::string relative = fs::relative(mesh).string();
-  EXPECT_NE(refused(mesh, relative).find("written over"), std::string::npos) << relative;
+  EXPECT_NE(refused(mesh, relative).find("overwrite"), std::string::npos) << relative;
   EXPECT_EQ(test::read_file(mesh), "mesh");
 }
 
@@ -142,12 +142,12 @@ TEST_F(BakeSafety, NoLineOfAManifestWritesOverAnInputOfAnotherOrTheManifest) {
   put("a.glb"), put("b.glb");
   const auto manifest = [&](const std::string& text) { return BakeSource{.manifest = put("m", text)}; };
   expect_refused(manifest("{\"input\": \"a.glb\", \"output\": \"a.glb\"}\n"),
-                 {"Line 1 of", "written over the input"});
+                 {"Line 1 of", "overwrite the input"});
   expect_refused(manifest("{\"input\": \"a.glb\", \"output\": \"x/../b.glb\"}\n"
                           "{\"input\": \"b.glb\", \"output\": \"c.glb\"}\n"),
-                 {"Line 1 of", "written over the input", "b.glb"});
+                 {"Line 1 of", "overwrite the input", "b.glb"});
   expect_refused(manifest("{\"input\": \"a.glb\", \"output\": \"m\"}\n"),
-                 {"Line 1 of", "written over the manifest"});
+                 {"Line 1 of", "overwrite the manifest"});
   fs::create_symlink("c", folder / "d");
   expect_refused(manifest("{\"input\": \"a.glb\", \"output\": \"c/x.glb\"}\n"
                           "{\"input\": \"b.glb\", \"output\": \"./c/x.glb\"}\n"),
@@ -164,14 +164,14 @@ TEST_F(BakeSafety, EveryShardRefusesWhatAnyShardWouldLose) {
                                    "{\"input\": \"a.obj\", \"output\": \"b.glb\"}\n"
                                    "{\"input\": \"b.glb\", \"output\": \"c.glb\"}\n");
   for (const std::size_t shard : {0u, 1u})
-    expect_refused({.manifest = manifest, .shard = {shard, 2}}, {"Line 1 of", "written over the input"});
+    expect_refused({.manifest = manifest, .shard = {shard, 2}}, {"Line 1 of", "overwrite the input"});
 }
 
 TEST_F(BakeSafety, ReportAndDepfileAreNoInputNoOutputAndNothingElseThatIsThere) {
   const std::string mesh = put("a.obj", "v 0 0 0\n"), out = folder / "a.glb";
-  expect_refused({.inputs = {mesh}, .output = out, .report = mesh}, {"written over the input"});
+  expect_refused({.inputs = {mesh}, .output = out, .report = mesh}, {"overwrite the input"});
   expect_refused({.inputs = {mesh}, .output = out, .report = out}, {"both be written"});
-  expect_refused({.inputs = {mesh}, .output = out, .depfile = mesh}, {"written over the input"});
+  expect_refused({.inputs = {mesh}, .output = out, .depfile = mesh}, {"overwrite the input"});
   expect_refused({.inputs = {mesh}, .output = out, .depfile = folder / "./a.glb"}, {"both be written"});
   expect_refused({.inputs = {mesh}, .output = out, .report = folder / "r", .depfile = folder / "r"},
                  {"both be written"});
@@ -180,7 +180,7 @@ TEST_F(BakeSafety, ReportAndDepfileAreNoInputNoOutputAndNothingElseThatIsThere) 
   expect_refused({.inputs = {"-"}, .output = out, .depfile = folder / "d"}, {"--depfile"});
   for (const char* text : {"notes\n", "{\"a\": 1}", "{\n  \"output\": 5\n}\n", "\n\nx"})
     expect_refused({.inputs = {mesh}, .output = out, .report = put("notes", text)},
-                   {"is no report of a bake"});
+                   {"is not a report of a bake"});
   for (const char* text :
        {"", "{\"input\": \"a\", \"output\": \"b\", \"status\": \"made\"}\n", "{\"bytes\": 5, \"cer"})
     EXPECT_EQ(refused({.inputs = {mesh}, .output = out, .report = put("report", text)}), "") << text;
@@ -222,7 +222,7 @@ TEST_F(BakeSafety, DevicesPipesSocketsFoldersAndDescriptorsAreNoOutputs) {
 
 TEST_F(BakeSafety, SeveralMeshesNeedAFolder) {
   const std::string a = put("a.obj"), b = put("b.obj"), file = put("out.glb");
-  expect_refused({.inputs = {a, b}, .output = file}, {"is no folder"});
+  expect_refused({.inputs = {a, b}, .output = file}, {"is not a folder"});
   expect_refused({.inputs = {folder / "*.obj"}, .output = folder / "new.glb"}, {"the name of a file"});
   EXPECT_EQ(refused({.inputs = {a, b}, .output = folder / "new"}), "");
   expect_refused({.inputs = {a, b}, .output = "-"}, {"one mesh"});
@@ -288,7 +288,7 @@ TEST_F(BakeSafety, ResultsBelowAFolderOrAGlobAreSkippedAndCounted) {
       << "a result that is named is meant";
   put("results/x.glb", glb(kOurs));
   expect_refused({.inputs = {folder / "results"}, .output = folder / "out"},
-                 {"no mesh", "1 that earlier bakes made"});
+                 {"no mesh", "only one result of an earlier bake"});
 }
 
 TEST_F(BakeSafety, WhatAReportSaysWasMadeIsAResultAlsoAfterAnotherProgramHasWrittenIt) {

@@ -94,7 +94,7 @@ TEST_F(Https, WhatIsWrongWithAServerIsSaidWithItsUrl) {
   settings->connect_timeout = settings->answer_timeout = std::chrono::hours(1);
   const auto baker = remote_baker({*settings, {}}, {}, [](const std::string&) {});
   ASSERT_FALSE(baker);
-  EXPECT_THAT(baker.error().detail, HasSubstr(url + " answers, but is no fracture-server"));
+  EXPECT_THAT(baker.error().detail, HasSubstr(url + " answers, but is not a fracture-server"));
 }
 
 TEST(HttpsUrl, NamesItsPortAndItsAuthority) {

@@ -113,8 +113,8 @@ TEST_F(Settings, EveryMistakeIsNamedAtOnceWithItsPlace) {
                                          HasSubstr("(--max-body)")),
                           testing::AllOf(HasSubstr("log-level must be one of"), HasSubstr("'loud'")),
                           testing::AllOf(HasSubstr("idle must be seconds"), HasSubstr("config.toml")),
-                          HasSubstr("colour is no setting"), HasSubstr("max-uri must be given once"),
-                          HasSubstr("limits.idle is no setting")));
+                          HasSubstr("colour is not a setting"), HasSubstr("max-uri must be given once"),
+                          HasSubstr("limits.idle is not a setting")));
 }
 
 TEST_F(Settings, LimitsThatContradictEachOtherAreRefusedTogether) {
@@ -172,8 +172,8 @@ TEST_F(Settings, ReadingForeignFilesWithoutASandboxNeedsAnExplicitWord) {
 
 TEST_F(Settings, TokenFilesAreReadStrictly) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"", "holds no token"},
-      {"# only a comment\n", "holds no token"},
+      {"", "contains no token"},
+      {"# only a comment\n", "contains no token"},
       {"ana\n", "line 1"},
       {"ana short\n", "at least 16"},
       {"ana 0123456789abcde!\n", "at least 16"},
@@ -197,7 +197,7 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
 
 TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {
   EXPECT_THAT(configured({{"redis-user", {"farm", ""}}, {"redis-tls", {"true", ""}}}),
-              testing::UnorderedElementsAre(HasSubstr("give --redis too"), HasSubstr("redis-user needs")));
+              testing::UnorderedElementsAre(HasSubstr("with --redis"), HasSubstr("redis-user needs")));
   options.service.tiers.redis.address = "/run/redis.sock";
   EXPECT_THAT(configured({}), testing::UnorderedElementsAre(HasSubstr("redis-user needs"),
                                                             HasSubstr("redis-tls needs a redis at host")));
@@ -209,7 +209,7 @@ TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {
                           {"farm-key-file", {write("short", "hunter2\n"), ""}}}),
               testing::UnorderedElementsAre(
                   HasSubstr("both given"), HasSubstr("/absent/password cannot be read"),
-                  HasSubstr("belong together"), HasSubstr("redis-tls: "), HasSubstr("farm-key-file")));
+                  HasSubstr("must be given together"), HasSubstr("redis-tls: "), HasSubstr("farm-key-file")));
   const std::string printed = to_config_file(table, {}) + to_json(table).dump();
   EXPECT_THAT(printed, testing::Not(HasSubstr("hunter2")));
 }

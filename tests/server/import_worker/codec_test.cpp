@@ -127,7 +127,7 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
                 library.materials = {5};
                 m.library = std::make_shared<const MaterialLibrary>(library);
               }),
-              HasSubstr("no object"));
+              HasSubstr("not an object"));
   EXPECT_THAT(broken([](Mesh& m) {
                 MaterialLibrary library = *m.library;
                 nlohmann::json deep = 1;

@@ -186,7 +186,7 @@ TEST(ImportPool, EveryWayToDieHasItsError) {
   EXPECT_EQ(error_of("! null").code, ErrorCode::kImporterCrashed);
   EXPECT_EQ(error_of("! exit").code, ErrorCode::kImporterCrashed);
   EXPECT_THAT(error_of("! lie").detail, HasSubstr("names no vertex"));
-  EXPECT_THAT(error_of("! lie about code").detail, HasSubstr("code that no import ends with"));
+  EXPECT_THAT(error_of("! lie about code").detail, HasSubstr("code that imports do not use"));
   // 1.1 GiB where the limits allow three times 256 MiB: by the limit of output, of memory, or of the reply.
   EXPECT_EQ(error_of("! unfold").code, ErrorCode::kImporterLimit);
   const Error spun = error_of("! spin");

@@ -59,7 +59,7 @@ TEST(Reload, WhatIsNoFileIsRefusedAndNobodyWaitsForIt) {
     if (!eventually(std::chrono::seconds(60), "the refusal", [&] { return done.load(); }))
       server.signal(SIGKILL);
   });
-  EXPECT_NE(server.error_line_with("no regular file"), "");
+  EXPECT_NE(server.error_line_with("not a regular file"), "");
   done = true;
   watch.join();
   EXPECT_EQ(ask(server.port, "GET", "/version", by("ana")).status, 200);
