@@ -1,4 +1,5 @@
-"""The same for asyncio. The calls run in threads; cancelling a task closes its connection at once, so that the server stops."""
+"""The client for asyncio. Its calls run in threads. If a task is cancelled, its connection is closed at once, so the server stops
+the work."""
 from __future__ import annotations
 
 import asyncio
@@ -18,27 +19,27 @@ from .pool import Settings
 from .upload import Content, Files, Path
 
 T = TypeVar("T")
-THREADS = 64  # most: they wait for connections, of which there are few, and for what jobs say of themselves
+THREADS = 64  # maximum; they wait for one of the few connections, or for the progress of a job
 
 
 class _Runner:
-    """Runs calls of the client in threads of its own."""
+    """Runs calls of the client in its own threads."""
 
     def __init__(self) -> None:
         self._threads = concurrent.futures.ThreadPoolExecutor(THREADS, "fracture_client")
 
     async def run(self, work: Callable[..., T], *args: Any, **options: Any) -> T:
-        """work(*args, cancel=…, **options), which a cancelled task takes back."""
+        """Runs work(*args, cancel=…, **options) in a thread. If the task is cancelled, the call is cancelled too."""
         token = Cancel()
         running = self._threads.submit(functools.partial(work, *args, cancel=token, **options))
         try:
             return await asyncio.wrap_future(running)
         except asyncio.CancelledError:
-            token.cancel()  # a call that has not begun yet ends when it does
+            token.cancel()  # a call that has not begun ends as soon as it begins
             raise
 
     async def each(self, items: Iterator[T], token: Cancel) -> AsyncIterator[T]:
-        """What an iterator gives, each in its turn; `token` is what it was given."""
+        """The items of an iterator, one after the other. `token`: the Cancel that the iterator was created with."""
         end = object()
         try:
             while True:
@@ -54,20 +55,20 @@ class _Runner:
 
 
 class AsyncAnswer(Answer):
-    """An Answer whose hit() is awaited."""
+    """An Answer whose hit() is a coroutine."""
 
     _runner: _Runner
 
     async def hit(self, point: Union[Point, Sequence[Point]], radius: Union[float, Sequence[float]],  # type: ignore[override]
                   sites: Union[int, Sequence[int], None] = None, *, timeout: Optional[float] = None,
                   realtime: Optional[bool] = None, **parameters: Any) -> "AsyncAnswer":
-        """Answer.hit()."""
+        """The same as Answer.hit()."""
         hit = functools.partial(Answer.hit, self, point, radius, sites, timeout=timeout, realtime=realtime, **parameters)
         return _of_answer(self._runner, await self._runner.run(hit))
 
 
 class AsyncMesh:
-    """Mesh, awaited."""
+    """Mesh for asyncio: the same calls as coroutines. `sync` is the Mesh."""
 
     def __init__(self, runner: _Runner, mesh: Mesh) -> None:
         self._runner = runner
@@ -105,7 +106,7 @@ class AsyncMesh:
 
 
 class AsyncJob:
-    """Job, awaited."""
+    """Job for asyncio: the same calls as coroutines. `sync` is the Job."""
 
     def __init__(self, runner: _Runner, job: Job) -> None:
         self._runner = runner
@@ -123,7 +124,7 @@ class AsyncJob:
         return await self._runner.run(self.sync.refresh, timeout=timeout)
 
     def progress(self, *, timeout: Optional[float] = None) -> AsyncIterator[JobState]:
-        """async for state in job.progress(): …"""
+        """The same as Job.progress(): `async for state in job.progress(): …`"""
         token = Cancel()
         return self._runner.each(self.sync.progress(timeout=timeout, cancel=token), token)
 
@@ -138,7 +139,7 @@ class AsyncJob:
 
 
 class AsyncClient:
-    """Client for asyncio: the same calls, awaited. A task that is cancelled closes its connection.
+    """Client for asyncio: the same calls as coroutines. A cancelled task closes its connection. `sync` is the Client.
 
         async with AsyncClient("http://127.0.0.1:8080") as client:
             mesh = await client.put("barrel.glb")
@@ -147,7 +148,7 @@ class AsyncClient:
 
     def __init__(self, url: str, token: Optional[str] = None, timeout: Optional[float] = 300.0, *, realtime: bool = False,
                  tls: Optional[ssl.SSLContext] = None, settings: Settings = Settings()) -> None:
-        """As Client."""
+        """The arguments and errors of Client."""
         self.sync = Client(url, token, timeout, realtime=realtime, tls=tls, settings=settings)
         self._runner = _Runner()
 
@@ -158,7 +159,7 @@ class AsyncClient:
         await self.close()
 
     async def close(self) -> None:
-        """Takes back what is open, and closes the connections."""
+        """Cancels the calls that are running, and closes the connections."""
         self.sync.close()
         await self._runner.close()
 
@@ -196,7 +197,7 @@ class AsyncClient:
         return AsyncJob(self._runner, await self._runner.run(self.sync.find_job, id, timeout=timeout))
 
     async def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None) -> AsyncIterator[AsyncJob]:
-        """async for job in client.jobs(): …"""
+        """The same as Client.jobs(): `async for job in client.jobs(): …`"""
         token = Cancel()
         async for job in self._runner.each(self.sync.jobs(state, timeout=timeout, cancel=token), token):
             yield AsyncJob(self._runner, job)
@@ -225,6 +226,6 @@ class AsyncClient:
 
 
 def _of_answer(runner: _Runner, answer: Answer) -> AsyncAnswer:
-    made = AsyncAnswer.__new__(AsyncAnswer)  # nothing is read twice
+    made = AsyncAnswer.__new__(AsyncAnswer)  # without __init__(), which would parse the file again
     made.__dict__.update(answer.__dict__, _runner=runner)
     return made
