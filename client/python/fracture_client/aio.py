@@ -76,32 +76,40 @@ class AsyncMesh:
 
     @property
     def id(self) -> str:
+        """The same as Mesh.id."""
         return self.sync.id
 
     @property
     def stored(self) -> Dict[str, Any]:
+        """The same as Mesh.stored."""
         return self.sync.stored
 
     @property
     def report(self) -> Dict[str, Any]:
+        """The same as Mesh.report."""
         return self.sync.report
 
     async def refresh(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """The same as Mesh.refresh()."""
         return await self._runner.run(self.sync.refresh, timeout=timeout)
 
     async def fracture(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                        realtime: Optional[bool] = None, **more: Any) -> AsyncAnswer:
+        """The same as Mesh.fracture()."""
         answer = await self._runner.run(self.sync.fracture, parameters, timeout=timeout, realtime=realtime, **more)
         return _of_answer(self._runner, answer)
 
     async def figures(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                       realtime: Optional[bool] = None, **more: Any) -> Dict[str, Any]:
+        """The same as Mesh.figures()."""
         return await self._runner.run(self.sync.figures, parameters, timeout=timeout, realtime=realtime, **more)
 
     async def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None, **more: Any) -> "AsyncJob":
+        """The same as Mesh.job()."""
         return AsyncJob(self._runner, await self._runner.run(self.sync.job, parameters, timeout=timeout, **more))
 
     async def forget(self, *, timeout: Optional[float] = None) -> bool:
+        """The same as Mesh.forget()."""
         return await self._runner.run(self.sync.forget, timeout=timeout)
 
 
@@ -114,13 +122,16 @@ class AsyncJob:
 
     @property
     def id(self) -> str:
+        """The same as Job.id."""
         return self.sync.id
 
     @property
     def state(self) -> JobState:
+        """The same as Job.state."""
         return self.sync.state
 
     async def refresh(self, *, timeout: Optional[float] = None) -> JobState:
+        """The same as Job.refresh()."""
         return await self._runner.run(self.sync.refresh, timeout=timeout)
 
     def progress(self, *, timeout: Optional[float] = None) -> AsyncIterator[JobState]:
@@ -129,12 +140,15 @@ class AsyncJob:
         return self._runner.each(self.sync.progress(timeout=timeout, cancel=token), token)
 
     async def wait(self, *, timeout: Optional[float] = None) -> JobState:
+        """The same as Job.wait()."""
         return await self._runner.run(self.sync.wait, timeout=timeout)
 
     async def result(self, *, timeout: Optional[float] = None) -> AsyncAnswer:
+        """The same as Job.result()."""
         return _of_answer(self._runner, await self._runner.run(self.sync.result, timeout=timeout))
 
     async def cancel(self, *, timeout: Optional[float] = None) -> bool:
+        """The same as Job.cancel()."""
         return await self._runner.run(self.sync.cancel, timeout=timeout)
 
 
@@ -165,19 +179,23 @@ class AsyncClient:
 
     async def put(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                   timeout: Optional[float] = None, **preparation: Any) -> AsyncMesh:
+        """The same as Client.put()."""
         made = await self._runner.run(self.sync.put, mesh, files=files, format=format, timeout=timeout, **preparation)
         return AsyncMesh(self._runner, made)
 
     def mesh(self, id: str) -> AsyncMesh:
+        """The same as Client.mesh()."""
         return AsyncMesh(self._runner, self.sync.mesh(id))
 
     async def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                       timeout: Optional[float] = None, **preparation: Any) -> Dict[str, Any]:
+        """The same as Client.inspect()."""
         return await self._runner.run(self.sync.inspect, mesh, files=files, format=format, timeout=timeout, **preparation)
 
     async def fracture(self, mesh: Union[AsyncMesh, Path, Content], parameters: Optional[Parameters] = None, *,
                        files: Optional[Files] = None, format: Optional[str] = None, timeout: Optional[float] = None,
                        realtime: Optional[bool] = None, **more: Any) -> AsyncAnswer:
+        """The same as Client.fracture()."""
         of = mesh.sync if isinstance(mesh, AsyncMesh) else mesh
         answer = await self._runner.run(self.sync.fracture, of, parameters, files=files, format=format, timeout=timeout,
                                         realtime=realtime, **more)
@@ -185,15 +203,18 @@ class AsyncClient:
 
     async def answer(self, location: str, *, unless: Optional[str] = None,
                      timeout: Optional[float] = None) -> Optional[AsyncAnswer]:
+        """The same as Client.answer()."""
         answer = await self._runner.run(self.sync.answer, location, unless=unless, timeout=timeout)
         return None if answer is None else _of_answer(self._runner, answer)
 
     async def job(self, mesh: Union[AsyncMesh, Path, Content], parameters: Optional[Parameters] = None, *,
                   timeout: Optional[float] = None, **more: Any) -> AsyncJob:
+        """The same as Client.job()."""
         of = mesh.sync if isinstance(mesh, AsyncMesh) else mesh
         return AsyncJob(self._runner, await self._runner.run(self.sync.job, of, parameters, timeout=timeout, **more))
 
     async def find_job(self, id: str, *, timeout: Optional[float] = None) -> AsyncJob:
+        """The same as Client.find_job()."""
         return AsyncJob(self._runner, await self._runner.run(self.sync.find_job, id, timeout=timeout))
 
     async def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None) -> AsyncIterator[AsyncJob]:
@@ -203,25 +224,32 @@ class AsyncClient:
             yield AsyncJob(self._runner, job)
 
     async def index(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """The same as Client.index()."""
         return await self._runner.run(self.sync.index, timeout=timeout)
 
     async def version(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """The same as Client.version()."""
         return await self._runner.run(self.sync.version, timeout=timeout)
 
     async def limits(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """The same as Client.limits()."""
         return await self._runner.run(self.sync.limits, timeout=timeout)
 
     async def patterns(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """The same as Client.patterns()."""
         return await self._runner.run(self.sync.patterns, timeout=timeout)
 
     async def openapi(self, *, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """The same as Client.openapi()."""
         return await self._runner.run(self.sync.openapi, timeout=timeout)
 
     async def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None) -> str:
+        """The same as Client.explain()."""
         return await self._runner.run(self.sync.explain, problem, timeout=timeout)
 
     async def request(self, method: str, path: str, *, body: bytes = b"", headers: Optional[Mapping[str, str]] = None,
                       timeout: Optional[float] = None) -> Response:
+        """The same as Client.request()."""
         return await self._runner.run(self.sync.request, method, path, body=body, headers=headers, timeout=timeout)
 
 
