@@ -307,7 +307,8 @@ class HeadlessRun {
     };
     if (sound_) keep(sound_->finish());
     if (settings_.recorder && !settings_.recorder->finish())
-      keep(fail(ErrorCode::kFileAccess, "The game could not be written to " + options_.log + " as a whole."));
+      keep(fail(ErrorCode::kFileAccess,
+                "Cannot write the whole game to " + options_.log + ". Is the disk full?"));
     if (film_ && played) keep(film_->finish());
     if (!first) return tl::unexpected(first.error());
     return result();
@@ -339,7 +340,7 @@ class HeadlessRun {
       if (!options_.continue_from.empty() && game_.figures().diverged)
         return fail(ErrorCode::kUnavailable, "Step " + std::to_string(*game_.figures().diverged) +
                                                  " is not what was recorded in " + options_.continue_from +
-                                                 ": there is nothing to go on from.");
+                                                 ", so the game cannot be continued.");
       if (options_.draw) {
         const Expected<double> drawn = draw();
         if (!drawn) return tl::unexpected(drawn.error());

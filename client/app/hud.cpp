@@ -27,9 +27,9 @@ const char* words_for(protocol::ServerState state) {
     case protocol::ServerState::kReachable:
       return "server answers";
     case protocol::ServerState::kOverloaded:
-      return "server is busy: it is asked again";
+      return "server is busy, asking again";
     case protocol::ServerState::kAbsent:
-      return "no server: things stay whole";
+      return "no server: nothing breaks";
     default:
       return "looking for the server";
   }
@@ -70,18 +70,18 @@ void draw_help(const PanelState& state) {
       "X held         gravity runs\n"
       "G              gravity always on\n"
       "T              slow motion; . (dot): one step\n"
-      "B held         back in time; released: on from there\n"
+      "B held         back in time; released: continue there\n"
       "F5             save the game\n"
       "1 - 8          material\n"
       "M              scenes; N: next scene\n"
       "R              reset\n"
       "V              debug view\n"
       "P              screenshot\n"
-      "U              unit of own meshes\n"
+      "U              unit of your meshes\n"
       "F1             panel\n"
       "H              this help\n"
       "Esc            leave\n"
-      "drop files     break your own meshes");
+      "drop files     break your meshes");
   ImGui::End();
 }
 

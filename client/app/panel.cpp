@@ -29,7 +29,7 @@ void server_section(const protocol::Client& client) {
     std::snprintf(text, sizeof text, "%s %.2f ms", stage.name.c_str(), stage.milliseconds);
     ImGui::ProgressBar(all > 0 ? static_cast<float>(stage.milliseconds / all) : 0, ImVec2(-1, 0), text);
   }
-  if (!s.last_trouble.empty()) ImGui::TextWrapped("last trouble: %s", s.last_trouble.c_str());
+  if (!s.last_trouble.empty()) ImGui::TextWrapped("last error: %s", s.last_trouble.c_str());
 }
 
 void frame_section(const PanelState& state) {
@@ -97,7 +97,7 @@ void draw_panel(PanelState& state, const scenes::Scene& shown, const Snapshot& n
   }
   if (state.sound && ImGui::CollapsingHeader("sound")) {
     if (state.silent)
-      ImGui::TextDisabled("no device: silent");
+      ImGui::TextDisabled("no sound device");
     else
       ImGui::SliderFloat("volume", &state.volume, 0, 1);
   }

@@ -66,7 +66,7 @@ bool PlayedGame::frame(Tick tick, double seconds, bool back) {
   if (patterns_.empty() && now()->patterns) patterns_ = *now()->patterns;
   if (!std::exchange(too_long_, now()->history_full) && too_long_)
     note_(
-        "This game is too long to be kept: F5 saves its beginning, and nothing goes back. R begins another.");
+        "This game is now too long to record: F5 saves only its beginning, and B does not work. R starts a new game.");
   return false;
 }
 
@@ -74,7 +74,7 @@ bool PlayedGame::frame(Tick tick, double seconds, bool back) {
 bool PlayedGame::go_back(double seconds, bool held) {
   if (held) {
     if (now()->history_full) {
-      note_("This game is too long to go back in. R begins another.");
+      note_("This game is too long to go back. R starts a new game.");
       return false;
     }
     rewind_.hold(now()->moment, game_->simulation.step_length(), seconds);
@@ -94,13 +94,13 @@ bool PlayedGame::go_back(double seconds, bool held) {
 bool PlayedGame::catch_up(const Tick& tick, double seconds) {
   std::optional<Rewind::Played> played = rewind_.play_on(tick, seconds);
   if (!played) {
-    note_("the game is played again: " + std::to_string(rewind_.percent()) + " %");
+    note_("playing the game again: " + std::to_string(rewind_.percent()) + " %");
     return false;
   }
   const bool another = game_ != nullptr;  // else it has been seen all the time
   background_.retire(std::exchange(game_, std::move(played->game)));
   note_(played->diverged ? "Step " + std::to_string(*played->diverged) +
-                               " is not what was recorded: the game goes on from there."
+                               " differs from the recording; the game goes on from the new state."
                          : "the game goes on");
   return another;
 }
@@ -121,7 +121,7 @@ void PlayedGame::post(std::function<void(game::Game&)> command) {
 void PlayedGame::use(Tool tool, const glm::dvec3& eye, const glm::dvec3& direction) {
   if (!goes_on()) return;
   game_->simulation.post([tool, eye, direction](game::Game& game) {
-    return use_tool(tool, game, eye, direction) ? std::string() : "nothing is there to explode at";
+    return use_tool(tool, game, eye, direction) ? std::string() : "there is nothing to explode at this place";
   });
 }
 

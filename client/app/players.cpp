@@ -28,19 +28,22 @@ void refuse(game::PeerLink& link, const std::string& why) { link.send(json_text(
 Expected<Options> as_host(Options options, const json& header) {
   Expected<Options> begun = with_header(std::move(options), header);
   if (!begun) return begun;
-  if (!begun->files.empty()) return fail(ErrorCode::kBadParameter, "A game of own meshes cannot be joined.");
+  if (!begun->files.empty())
+    return fail(
+        ErrorCode::kBadParameter,
+        "The host plays with its own meshes. Such a game cannot be joined; the host must choose a scene.");
   for (const auto& [name, value] :
        {std::pair("throws", &begun->throws), std::pair("requests", &begun->requests)}) {
     const json said = header.value(name, json());
     if (!said.is_boolean())
       return fail(ErrorCode::kBadJson,
-                  std::string("The host does not say of '") + name + "' whether it is on.");
+                  std::string("The header of the host's game must have true or false for '") + name + "'.");
     *value = said.get<bool>();
   }
   const json seconds = header.value("seconds", json());
   constexpr double kMostSeconds = 3600;
   if (!seconds.is_number() || !(seconds >= 0) || !(seconds <= kMostSeconds))
-    return fail(ErrorCode::kBadJson, "The host does not say for how many seconds the game is, 0 to 3600.");
+    return fail(ErrorCode::kBadJson, "The header of the host's game must have 0 to 3600 'seconds'.");
   begun->seconds = seconds.get<double>();
   begun->answer_steps = header.at("answer_steps").get<unsigned>();
   return begun;

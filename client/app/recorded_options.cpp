@@ -27,7 +27,8 @@ Expected<Options> with_header(Options options, const json& header) {
     header.at("seed").get_to(options.seed);
     header.at("anticipate").get_to(options.anticipate);
   } catch (const json::exception& error) {
-    return fail(ErrorCode::kBadJson, "The game does not say how it began: " + json_trouble(error) + ".");
+    return fail(ErrorCode::kBadJson,
+                "The header of the game lacks its scene or settings: " + json_trouble(error) + ".");
   }
   return options;
 }
@@ -39,20 +40,21 @@ Expected<std::shared_ptr<const game::Recording>> recording_for(Options& options,
   if (!begun) return tl::unexpected(begun.error());
   options = std::move(*begun);
   if (recording->cut_off)
-    std::fprintf(stderr, "fracture-client: %s ends within a line: the %zu steps before it are played\n",
-                 printable(path).c_str(), recording->hashes.size());
+    std::fprintf(
+        stderr, "fracture-client: %s ends in the middle of a line; only the %zu steps before it are played\n",
+        printable(path).c_str(), recording->hashes.size());
   if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
     return fail(ErrorCode::kFileAccess, *lost);
   return std::make_shared<const game::Recording>(std::move(*recording));
 }
 
 Expected<void> check_scene(const json& header, const scenes::Scene& scene) {
-  // Recordings of before there was a digest are taken for what they are: a step that differs is named.
+  // Old recordings have no digest. They are played, and a step that differs is reported.
   const auto digest = header.find("digest");
   if (digest == header.end() || *digest == scenes::digest_of(scene)) return {};
   return fail(ErrorCode::kBadParameter,
               "The game was played in another scene '" + scene.name +
-                  "' than this program's: a mesh has changed, or another version made it.");
+                  "' than that of this program: a mesh has changed, or another version recorded it.");
 }
 
 Expected<std::shared_ptr<game::Recorder>> recorder_for(const std::string& path, const json& header) {

@@ -27,7 +27,7 @@ void SoundTrack::add(const game::Game& game, const world::Witnessed& witnessed) 
 
 Expected<void> SoundTrack::finish() {
   if (!file_.finish())
-    return fail(ErrorCode::kFileAccess, "The sound could not be written to " + path_ + " as a whole.");
+    return fail(ErrorCode::kFileAccess, "Cannot write the whole sound to " + path_ + ". Is the disk full?");
   return {};
 }
 

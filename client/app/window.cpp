@@ -234,7 +234,7 @@ class Session {
   void click() {
     if (!game_.goes_on()) return;
     game_.use(state_.tool, glm::dvec3(camera_.eye()), camera_.aim_direction());
-    if (!state_.gravity_always && !state_.gravity_held) note("Paused: hold X, or press G, and it happens.");
+    if (!state_.gravity_always && !state_.gravity_held) note("Paused. Hold X or press G to go on.");
   }
 
   void screenshot(const std::string& name) {

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the add-on as one zip that Blender installs, with the Python package fracture_client (MIT) inside.
+"""Packs the add-on as one zip for Blender, with the Python package fracture_client (MIT) inside.
 
     client/blender/pack.py [--describe fracture-server] [fracture_blender.zip]
 
---describe: a program fracture-server, or the URL of a server. What it says of its parameters goes into the zip, so that the panel is
-complete before the add-on has asked anybody. The same sources and the same server give the same bytes.
+--describe: the program fracture-server, or the URL of a server. Its list of parameters goes into the zip, so that the panel is
+complete before the add-on contacts a server. The same sources and the same server give the same bytes.
 """
 import argparse
 import importlib.util
@@ -19,13 +19,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 ADDON = HERE / "fracture_blender"
 PACKAGE = HERE.parent / "python" / "fracture_client"
 LICENCE = HERE.parents[1] / "LICENSE"
-DATE = (1980, 1, 1, 0, 0, 0)  # the first one that a zip can say: a date would make other bytes each time
+DATE = (1980, 1, 1, 0, 0, 0)  # the earliest date of a zip; the present date would change the bytes each time
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("output", nargs="?", type=pathlib.Path, default=pathlib.Path("fracture_blender.zip"))
-    parser.add_argument("--describe", metavar="PROGRAM_OR_URL")
+    parser.add_argument("output", nargs="?", type=pathlib.Path, default=pathlib.Path("fracture_blender.zip"),
+                        help="the zip (default: fracture_blender.zip)")
+    parser.add_argument("--describe", metavar="PROGRAM_OR_URL", help="program or server whose parameters the zip gets")
     options = parser.parse_args()
     files = {f"fracture_blender/{path.name}": path.read_bytes() for path in (*ADDON.glob("*.py"), *ADDON.glob("*.toml"))}
     for path in (*PACKAGE.glob("*.py"), PACKAGE / "py.typed"):
@@ -38,11 +39,11 @@ def main():
             entry = zipfile.ZipInfo(name, DATE)
             entry.external_attr, entry.compress_type = 0o644 << 16, zipfile.ZIP_DEFLATED
             packed.writestr(entry, files[name])
-    print(f"{options.output}: {len(files)} files, {options.output.stat().st_size} bytes")
+    print(f"{options.output}: {len(files)} files, {options.output.stat().st_size:,} bytes")
 
 
 def described(program_or_url):
-    """The description as the add-on keeps it. Of the add-on only modules without Blender are loaded."""
+    """The description in the add-on's own format. Only modules of the add-on that do not need Blender are loaded."""
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(PACKAGE.parent))
     package = types.ModuleType("fracture_blender")

@@ -80,18 +80,18 @@ Expected<void> run(const Command& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Pictures of a GLB file of the fracture service (or any other), drawn without a window.",
-               "fracture-render");
+  CLI::App app("Draws pictures of GLB files, of fragments and others, without a window.", "fracture-render");
   Command command;
   app.add_option_function<std::string>(
-      "input", [&](const std::string& file) { command.options["file"] = file; }, "GLB to show");
+      "input", [&](const std::string& file) { command.options["file"] = file; }, "GLB to draw");
   app.add_option("-o,--output", command.output, "PNG to write");
   app.add_option("--sheet", command.sheet,
                  "Draw the table of pictures that this JSON file describes (client/cli/sheet.hpp)");
-  app.add_flag("--list", command.list,
-               "Draw a picture for each line of standard input, a JSON object of these options, \"file\" and "
-               "\"output\"; each is answered by a line (client/cli/draw_list.hpp)");
-  app.add_flag("-q,--quiet", command.quiet, "No warnings");
+  app.add_flag(
+      "--list", command.list,
+      "Draw a picture for each line of standard input: a JSON object with these options, \"file\" and "
+      "\"output\". Each line gets a line as answer (client/cli/draw_list.hpp)");
+  app.add_flag("-q,--quiet", command.quiet, "Print no warnings");
   for (const OptionSpec& spec : fracture::cli::option_specs()) {
     const std::string name = spec.name;
     if (name == "file") continue;
@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
           ->type_name(spec.type);
   }
   app.footer(
-      "Exit code: 0 done, 1 a file or the display failed, 2 wrong command line, 3 the mesh is refused, 4 a "
+      "Exit code: 0 done, 1 a file or the display failed, 2 wrong command line, 3 the mesh was refused, 4 a "
       "bug.");
   try {
     app.parse(argc, argv);
@@ -114,18 +114,22 @@ int main(int argc, char** argv) {
   }
   if (command.list) {
     if (!command.sheet.empty() || !command.output.empty() || !command.options.empty()) {
-      std::fprintf(stderr, "fracture-render: with --list all options stand in the lines.\n");
+      std::fprintf(
+          stderr,
+          "fracture-render: --list takes no other options. Write them into the lines of standard input.\n");
       return kExitUsage;
     }
   } else if (command.output.empty()) {
-    std::fprintf(stderr, "fracture-render: --output is required.\n");
+    std::fprintf(stderr, "fracture-render: --output is required. Name the PNG to write.\n");
     return kExitUsage;
   } else if (command.sheet.empty() != command.options.contains("file")) {
     std::fprintf(stderr, "fracture-render: give either a GLB or --sheet.\n");
     return kExitUsage;
   }
   if (!command.sheet.empty() && !command.options.empty()) {
-    std::fprintf(stderr, "fracture-render: options stand in the sheet's file, not beside --sheet.\n");
+    std::fprintf(
+        stderr,
+        "fracture-render: --sheet takes no options of the picture. Write them into the sheet's file.\n");
     return kExitUsage;
   }
   try {

@@ -18,7 +18,7 @@ using render::View;
 
 [[noreturn]] void refuse(const std::string& legal) { throw std::invalid_argument(legal); }
 
-/// Numbers come as numbers (sheets) or as text (command line).
+/// Sheets have numbers, the command line has texts.
 double number(const json& value, double low, double high) {
   std::ostringstream range;
   range << "a number from " << low << " to " << high;
@@ -91,12 +91,12 @@ using P = PictureOptions;
 using J = const json&;
 
 constexpr OptionSpec kSpecs[] = {
-    {"file", "FILE", "GLB to show",
+    {"file", "FILE", "GLB to draw",
      [](P& o, J v) {
        if (!v.is_string()) refuse("the name of a file");
        o.file = v.get<std::string>();
      }},
-    {"size", "WIDTHxHEIGHT", "Pixels, sides of 16 to 4096",
+    {"size", "WIDTHxHEIGHT", "Size of the picture in pixels, 16 to 4096 for each side",
      [](P& o, J v) {
        const char* legal = "WIDTHxHEIGHT with sides from 16 to 4096";
        if (!v.is_string()) refuse(legal);
@@ -110,10 +110,11 @@ constexpr OptionSpec kSpecs[] = {
          refuse(legal);
        }
      }},
-    {"view", "VIEW", "assembled, exploded, impact", [](P& o, J v) { o.view.view = choose(v, kViews); }},
-    {"explode", "0 to 10", "How far fragments move from the centre",
+    {"view", "VIEW", "Arrangement of the fragments: assembled, exploded, impact",
+     [](P& o, J v) { o.view.view = choose(v, kViews); }},
+    {"explode", "0 to 10", "Distance that fragments move from the centre",
      [](P& o, J v) { o.view.explode = real(v, 0, 10); }},
-    {"colors", "COLORS", "material, fragment (by id), level (by group), interior (cut faces orange)",
+    {"colors", "COLORS", "Colours: material, fragment (by id), level (by group), interior (cut faces orange)",
      [](P& o, J v) {
        const ColorChoice choice = choose(v, kColors);
        o.view.colors = choice == ColorChoice::kFragment ? Colors::kFragment
@@ -121,49 +122,52 @@ constexpr OptionSpec kSpecs[] = {
                                                         : Colors::kMaterial;
        o.settings.highlight = choice == ColorChoice::kInterior ? Highlight::kInterior : Highlight::kNone;
      }},
-    {"level", "0 to 64", "Of the hierarchy, 0 the coarsest",
+    {"level", "0 to 64", "Level of the hierarchy; 0 is the coarsest",
      [](P& o, J v) { o.view.level = whole(v, 0, 64); }},
     {"by-group", "", "Explode the groups of the level, not the fragments",
      [](P& o, J v) { o.view.by_group = yes(v); }},
     {"look", "LOOK",
-     "A material for everything: glass, wood, concrete, stone, brick, ceramic, metal, ice, plaster, grey (its own, without colours); none",
+     "One material for everything: glass, wood, concrete, stone, brick, ceramic, metal, ice, plaster, grey (the file's, without colours); none: the file's",
      [](P& o, J v) {
        const auto look = render::look_by_name(v.is_string() ? v.get<std::string>() : v.dump());
        if (!look) refuse(look.error().detail);
        o.settings.look = *look;
      }},
     {"grain", "x,y,z", "Direction of the grain of a look", [](P& o, J v) { o.settings.grain = vector(v); }},
-    {"impact", "x,y,z", "Point of the impact, metres; default: where the camera looks",
+    {"impact", "x,y,z", "Point of the impact in metres; default: the point that the camera looks at",
      [](P& o, J v) { o.view.impact_point = vector(v); }},
-    {"impact-radius", "metres", "What is farther away stays",
+    {"impact-radius", "metres", "Fragments farther away from the impact do not move",
      [](P& o, J v) { o.view.impact_radius = real(v, 0, 1e6); }},
-    {"impact-direction", "x,y,z", "Of what hits; default: away from the camera",
+    {"impact-direction", "x,y,z", "Direction of the impact; default: away from the camera",
      [](P& o, J v) { o.view.impact_direction = vector(v); }},
-    {"impact-strength", "0 to 10", "1 throws the nearest about as far as the object is large",
+    {"impact-strength", "0 to 10",
+     "Strength of the impact; 1 moves the nearest fragments by about the object's size",
      [](P& o, J v) { o.view.impact_strength = real(v, 0, 10); }},
     {"yaw", "-360 to 360", "Degrees around the object; 0 looks along -z",
      [](P& o, J v) { o.camera.yaw = real(v, -360, 360); }},
     {"pitch", "-89 to 89", "Degrees above the horizon", [](P& o, J v) { o.camera.pitch = real(v, -89, 89); }},
-    {"field-of-view", "1 to 120", "Degrees of the shorter side",
+    {"field-of-view", "1 to 120", "Field of view of the shorter side in degrees",
      [](P& o, J v) { o.camera.field_of_view = real(v, 1, 120); }},
-    {"margin", "0.1 to 10", "Room around the object; 1 touches its sphere",
+    {"margin", "0.1 to 10", "Space around the object; with 1 its bounding sphere fills the picture",
      [](P& o, J v) { o.camera.margin = real(v, 0.1, 10); }},
-    {"target", "x,y,z", "What the camera looks at; default: the middle of the object",
+    {"target", "x,y,z", "Point that the camera looks at in metres; default: the middle of the object",
      [](P& o, J v) { o.camera.target = vector(v); }},
-    {"orthographic", "", "Without perspective", [](P& o, J v) { o.camera.orthographic = yes(v); }},
-    {"frame", "FRAME", "What the camera is fitted to: view, or assembled (fragments may leave the picture)",
+    {"orthographic", "", "Draw without perspective", [](P& o, J v) { o.camera.orthographic = yes(v); }},
+    {"frame", "FRAME",
+     "Arrangement that the camera fits: view, or assembled (fragments may leave the picture)",
      [](P& o, J v) {
        if (v != "view" && v != "assembled") refuse("one of view, assembled");
        o.frame = v.get<std::string>();
      }},
-    {"ground", "GROUND", "none, plane, grid", [](P& o, J v) { o.settings.ground = choose(v, kGrounds); }},
-    {"exposure", "0.01 to 100", "Factor of all light",
+    {"ground", "GROUND", "Ground below the object: none, plane, grid",
+     [](P& o, J v) { o.settings.ground = choose(v, kGrounds); }},
+    {"exposure", "0.01 to 100", "Factor for all light",
      [](P& o, J v) { o.settings.lighting.exposure = real(v, 0.01, 100); }},
-    {"sky-shadows", "0 to 64", "Directions of the sky that throw shadows",
+    {"sky-shadows", "0 to 64", "Number of directions of the sky that cast shadows",
      [](P& o, J v) { o.settings.lighting.sky_shadows = whole(v, 0, render::kMaxSkyDirections); }},
-    {"picture", "PICTURE", "low (for two cores), high (for graphics cards)",
+    {"picture", "PICTURE", "Quality: low (without a graphics card), high (with one)",
      [](P& o, J v) { o.settings.tier = choose(v, kTiers); }},
-    {"supersample", "1 to 4", "Drawn so many times larger and averaged",
+    {"supersample", "1 to 4", "Draw the picture this many times larger and average it",
      [](P& o, J v) { o.supersample = whole(v, 1, 4); }},
 };
 
@@ -172,12 +176,13 @@ constexpr OptionSpec kSpecs[] = {
 std::span<const OptionSpec> option_specs() { return kSpecs; }
 
 Expected<void> set_options(PictureOptions& options, const json& object, const std::string& where) {
-  if (!object.is_object()) return fail(ErrorCode::kBadParameter, where + " has to be an object.");
+  if (!object.is_object()) return fail(ErrorCode::kBadParameter, where + " must be a JSON object.");
   for (const auto& [key, value] : object.items()) {
     const OptionSpec* found = nullptr;
     for (const OptionSpec& spec : kSpecs)
       if (key == spec.name) found = &spec;
-    if (found == nullptr) return fail(ErrorCode::kBadParameter, where + " has no option '" + key + "'.");
+    if (found == nullptr)
+      return fail(ErrorCode::kBadParameter, where + ": there is no option '" + key + "'.");
     try {
       found->set(options, value);
     } catch (const std::invalid_argument& legal) {

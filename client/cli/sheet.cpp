@@ -25,21 +25,20 @@ Expected<std::vector<json>> headings(const json& document, const char* key, cons
   const auto it = document.find(key);
   if (it == document.end()) return std::vector<json>{json::object()};
   if (!it->is_array() || it->empty())
-    return fail(ErrorCode::kBadParameter,
-                path + ": /" + key + " has to be an array with at least one object.");
+    return fail(ErrorCode::kBadParameter, path + ": /" + key + " must be an array with at least one object.");
   for (std::size_t k = 0; k < it->size(); ++k)
     if (!(*it)[k].is_object() || ((*it)[k].contains("label") && !(*it)[k]["label"].is_string()))
-      return fail(ErrorCode::kBadParameter, path + ": /" + key + "/" + std::to_string(k) +
-                                                " has to be an object whose label is a text.");
+      return fail(ErrorCode::kBadParameter,
+                  path + ": /" + key + "/" + std::to_string(k) + " must be an object whose label is a text.");
   return it->get<std::vector<json>>();
 }
 
 Expected<Sheet> parse(const json& document, const std::string& path) {
-  if (!document.is_object()) return fail(ErrorCode::kBadParameter, path + " has to hold an object.");
+  if (!document.is_object()) return fail(ErrorCode::kBadParameter, path + " must contain one JSON object.");
   for (const auto& [key, value] : document.items())
     if (key != "title" && key != "options" && key != "columns" && key != "rows" && key != "cells")
       return fail(ErrorCode::kBadParameter,
-                  path + " has no member '" + key + "' (title, options, columns, rows, cells).");
+                  path + ": there is no member '" + key + "'; known: title, options, columns, rows, cells.");
   Sheet sheet;
   if (const auto it = document.find("title"); it != document.end() && it->is_string()) sheet.title = *it;
   const auto columns = headings(document, "columns", path), rows = headings(document, "rows", path);
@@ -47,7 +46,8 @@ Expected<Sheet> parse(const json& document, const std::string& path) {
   if (!rows) return tl::unexpected(rows.error());
   if (rows->size() * columns->size() > kMaxCells)
     return fail(ErrorCode::kTooLarge, path + " has " + std::to_string(rows->size() * columns->size()) +
-                                          " pictures; a sheet may have " + std::to_string(kMaxCells) + ".");
+                                          " pictures; a sheet can have at most " + std::to_string(kMaxCells) +
+                                          ".");
   for (const json& column : *columns) sheet.columns.push_back(column.value("label", ""));
   for (const json& row : *rows) sheet.rows.push_back(row.value("label", ""));
 
@@ -116,8 +116,9 @@ Expected<render::Picture> compose_sheet(
   const int whole_width = left + columns * (width + kGap), whole_height = top + rows * (height + kGap);
   if (whole_width > render::kMaxPictureSide || whole_height > render::kMaxPictureSide)
     return fail(ErrorCode::kTooLarge, "The sheet would have " + std::to_string(whole_width) + " x " +
-                                          std::to_string(whole_height) + " pixels; a side may have " +
-                                          std::to_string(render::kMaxPictureSide) + ".");
+                                          std::to_string(whole_height) + " pixels; a side can have at most " +
+                                          std::to_string(render::kMaxPictureSide) +
+                                          ". Use smaller pictures or fewer of them.");
   render::Picture page(whole_width, whole_height, kPaper);
   if (!sheet.title.empty())
     font->draw(page, kGap, static_cast<int>(1.35f * text), 1.25f * text, kInk, sheet.title);

@@ -92,7 +92,7 @@ void Game::poll() {
       if (answer.ok())
         ++meshes_stored_;
       else
-        figures_.last_trouble = "A mesh was not stored: " + answer.detail;
+        figures_.last_trouble = "A mesh could not be stored on the server: " + answer.detail;
       if (const auto storing = storing_.find(answer.ticket); storing != storing_.end()) {
         if (answer.ok() && settings_.replay)
           to_weigh_.emplace_back(std::move(storing->second), std::move(answer.body));
@@ -125,7 +125,7 @@ void Game::poll() {
     if (it == pending_.end()) continue;
     Pending& pending = it->second;
     if (!decoded.error.empty()) {
-      note_failure(pending, "The answer cannot be used: " + decoded.error);
+      note_failure(pending, "The server's answer cannot be used: " + decoded.error);
       continue;
     }
     decoded.location = std::move(pending.location);
@@ -151,7 +151,7 @@ void Game::apply(Pending& pending) {
     world_.fracture(things_[index].id, pending.decoded->fragments);
     things_[index].fragments = pending.decoded;
     char text[64];
-    std::snprintf(text, sizeof text, ": %zu pieces, asked for in %.0f ms",
+    std::snprintf(text, sizeof text, ": fragments: %zu, answer after %.0f ms",
                   world::fragments_of(*pending.decoded->fragments).fragments.size(), pending.milliseconds);
     figures_.last_break = scene_.objects[things_[index].scene_object].name + text;
     things_[index].parameters = std::move(pending.parameters);
@@ -176,7 +176,7 @@ void Game::apply_hit(Pending& pending) {
     return;
   }
   char text[64];
-  std::snprintf(text, sizeof text, ": %zu finer pieces, asked for in %.0f ms",
+  std::snprintf(text, sizeof text, ": new fragments: %zu, answer after %.0f ms",
                 pending.decoded->layers.back().fragment_of_object.size(), pending.milliseconds);
   figures_.last_break = scene_.objects[thing.scene_object].name + text;
   thing.fragments = std::move(pending.decoded);

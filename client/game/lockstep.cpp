@@ -32,21 +32,24 @@ Expected<json> read_lockstep_header(const std::string& line) {
   constexpr unsigned kMostSteps = 1200;
   json header = json::parse(line, nullptr, false);
   const auto bad = [](const std::string& why) { return fail(ErrorCode::kBadJson, why); };
-  if (!header.is_object()) return bad("The other player's first line is no header of a game.");
+  if (!header.is_object())
+    return bad("The other player's first line is not the header of a game. Is it a fracture-client?");
   if (header.contains("refused") && header["refused"].is_string())
     return fail(ErrorCode::kUnavailable,
                 "The other player refused: " + printable(header["refused"].get<std::string>()));
   const auto member = [&](const char* name) { return header.value(name, json()); };
   if (member("format") != kLockstepFormat)
-    return bad("The other player's game is of the format " + printable(json_text(member("format"))) +
-               ", this one's is \"" + kLockstepFormat + "\".");
+    return bad("The other player's game has the format " + printable(json_text(member("format"))) +
+               ", this one has \"" + kLockstepFormat +
+               "\". Both players need the same version of the program.");
   if (member("rules") != kRules)
     return bad("The other player's game has rules " + printable(json_text(member("rules"))) +
-               ", this one's has " + std::to_string(kRules) + ": they are of different versions.");
+               ", this one has rules " + std::to_string(kRules) +
+               ". Both players need the same version of the program.");
   for (const char* name : {"answer_steps", "delay"})
     if (!member(name).is_number_unsigned() || member(name) < 1 || member(name) > kMostSteps)
-      return bad(std::string("The other player's ") + name + " is not 1 to " + std::to_string(kMostSteps) +
-                 " steps.");
+      return bad(std::string("The other player's ") + name + " must be 1 to " + std::to_string(kMostSteps) +
+                 " steps; it is " + printable(json_text(member(name))) + ".");
   return header;
 }
 
@@ -109,22 +112,22 @@ void Lockstep::take(const std::string& line) {
       return end("The other player refused: " + printable(refused->get<std::string>()));
     if (const auto hash = read.find("hash"); hash != read.end()) {
       if (read.at("step").get<std::uint64_t>() != heard_)
-        throw std::runtime_error("step " + std::to_string(heard_) + " was to come");
+        throw std::runtime_error("expected step " + std::to_string(heard_));
       their_hashes_[heard_] = hash_of(hash->get<std::string>());
       ++heard_;
       return;
     }
     RecordedEvent event = event_of(read);
     if (event.kind != RecordedEvent::Kind::kThrow && event.kind != RecordedEvent::Kind::kExplode)
-      throw std::runtime_error("no player does that");
+      throw std::runtime_error("players can only throw and explode");
     if (event.step != heard_ + delay_)
-      throw std::runtime_error("step " + std::to_string(heard_ + delay_) + " was to come");
+      throw std::runtime_error("expected step " + std::to_string(heard_ + delay_));
     if (theirs_.size() >= kMostNotDue)
-      throw std::runtime_error("more than " + std::to_string(kMostNotDue) + " things at once");
+      throw std::runtime_error("more than " + std::to_string(kMostNotDue) + " throws and explosions at once");
     theirs_.push_back(std::move(event));
   } catch (const std::exception& error) {
     constexpr std::size_t kShown = 200;
-    leave("The other player's line cannot be used (" + printable(json_trouble(error)) +
+    leave("A line of the other player cannot be used (" + printable(json_trouble(error)) +
           "): " + printable(line.substr(0, kShown)));
   }
 }
@@ -134,7 +137,8 @@ void Lockstep::compare() {
     const auto mine = my_hashes_.begin(), theirs = their_hashes_.begin();
     if (mine->second != theirs->second) {
       diverged_ = mine->first;
-      return leave("Step " + std::to_string(*diverged_) + " is not the same on both machines." +
+      return leave("Step " + std::to_string(*diverged_) +
+                   " differs between the two machines, so the game ends." +
                    (game_.figures().last_trouble.empty() ? "" : " " + game_.figures().last_trouble));
     }
     my_hashes_.erase(mine);
@@ -168,7 +172,7 @@ void Lockstep::wait_on() {
     waits_for_ = heard_;
   }
   if (met_ && now - *waits_since_ > patience_)
-    leave("The other player is there, but has not played a step for " +
+    leave("The other player is connected, but has not played a step for " +
           std::to_string(std::chrono::duration_cast<std::chrono::seconds>(patience_).count()) + " s.");
 }
 

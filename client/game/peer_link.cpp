@@ -125,9 +125,9 @@ struct PeerLink::State {
     reading = false;
     if (error == asio::error::operation_aborted) return;
     if (error == asio::error::not_found)
-      return lose("The other player sent a line of more than " + std::to_string(settings.most_line) +
+      return lose("The other player sent a line with more than " + std::to_string(settings.most_line) +
                   " bytes.");
-    if (error) return lose("The other player has left.");
+    if (error) return lose("The other player has left the game.");
     heard = Clock::now();
     std::string line = received.substr(0, size - 1);
     received.erase(0, size);
@@ -172,13 +172,13 @@ struct PeerLink::State {
       const Clock::time_point now = Clock::now();
       if (stopping && now > *stopping + kLastWords) return close();
       if ((!connected || !known) && now > started + settings.patience)
-        return end(host.empty() ? "Nobody joined within " + seconds_text(settings.patience) + "."
-                                : "Nobody plays at " + protocol::authority_of(host, service) +
-                                      ": not within " + seconds_text(settings.patience) +
+        return end(host.empty() ? "No player joined within " + seconds_text(settings.patience) + "."
+                                : "No player answered at " + protocol::authority_of(host, service) +
+                                      " within " + seconds_text(settings.patience) +
                                       (trouble.empty() ? "" : " (" + trouble + ")") + ".");
       if (connected && !reading) heard = now;  // it is not listened to
       if (connected && now > heard + (known ? settings.silence : settings.strange_silence))
-        lose("The other player was not heard for " + seconds_text(settings.silence) + ".");
+        lose("The other player sent nothing for " + seconds_text(settings.silence) + ".");
       if (over) return;
       if (connected && !writing && now > sent + settings.beat) {
         outbox.push_back(std::string(kAlive) + '\n');
@@ -226,8 +226,8 @@ Expected<std::unique_ptr<PeerLink>> PeerLink::invite(const std::string& address,
   if (!error) state->acceptor.listen(1, error);
   if (!error) state->port = state->acceptor.local_endpoint(error).port();
   if (error)
-    return fail(ErrorCode::kUnavailable, "Nobody can be invited to " + address + ":" + std::to_string(port) +
-                                             ": " + error.message() + ".");
+    return fail(ErrorCode::kUnavailable, "Cannot listen for a player at " + address + ":" +
+                                             std::to_string(port) + ": " + error.message() + ".");
   state->accept();
   return std::unique_ptr<PeerLink>(new PeerLink(std::move(state)));
 }

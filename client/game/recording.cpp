@@ -24,11 +24,11 @@ glm::dvec3 read_vector(const json& list) {
 double read_positive(const json& line, const char* name, std::optional<double> missing = {}) {
   if (missing && !line.contains(name)) return *missing;
   const double value = line.at(name).get<double>();
-  if (!(value > 0)) throw std::invalid_argument(std::string(name) + " is not more than 0");
+  if (!(value > 0)) throw std::invalid_argument(std::string(name) + " must be more than 0");
   return value;
 }
 
-/// Throws json::exception where the line says nothing that is known.
+/// Throws json::exception for an unknown line.
 void read_line(const json& line, Recording& recording) {
   const auto hash = line.find("hash");
   if (hash == line.end()) {
@@ -36,19 +36,20 @@ void read_line(const json& line, Recording& recording) {
     return;
   }
   if (line.at("step").get<std::uint64_t>() != recording.hashes.size())
-    throw std::runtime_error("its step is not the next one");
+    throw std::runtime_error("its step is not the next step, " + std::to_string(recording.hashes.size()));
   recording.hashes.push_back(hash_of(hash->get<std::string>()));
 }
 
-/// Throws std::runtime_error with what is not as here.
+/// Throws std::runtime_error if the format or the rules differ from those of this program.
 void check_version(const json& header) {
   if (const json& format = header.at("format"); format != kFormat)
-    throw std::runtime_error("it is of another format, " + format.dump() + "; this program plays \"" +
-                             kFormat + "\"");
-  // Recordings of before there were rules are taken for what they are: a step that differs is named.
+    throw std::runtime_error("it has another format, " + format.dump() + "; this program plays \"" + kFormat +
+                             "\"");
+  // Old recordings have no rules. They are played, and a step that differs is reported.
   if (const auto rules = header.find("rules"); rules != header.end() && *rules != kRules)
     throw std::runtime_error("it was recorded by another version, with rules " + rules->dump() +
-                             "; this program has rules " + std::to_string(kRules));
+                             "; this program has rules " + std::to_string(kRules) +
+                             ". Play it with the version that recorded it");
 }
 
 }  // namespace
@@ -90,7 +91,7 @@ RecordedEvent event_of(const json& line) {
 Expected<Recording> read_recording(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
-    return fail(ErrorCode::kFileAccess, path + " is a folder, not a recorded game.");
+    return fail(ErrorCode::kFileAccess, path + " is a folder. Name the file of a recorded game.");
   std::ifstream in(path);
   if (!in) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
   Recording recording;
@@ -109,10 +110,10 @@ Expected<Recording> read_recording(const std::string& path) {
       recording.cut_off = in.eof() && number > 1;
       if (recording.cut_off) break;
       return fail(ErrorCode::kBadJson, path + ", line " + std::to_string(number) +
-                                           " is no line of a recorded game: " + json_trouble(error));
+                                           ": not a line of a recorded game: " + json_trouble(error));
     }
   }
-  if (number == 0) return fail(ErrorCode::kBadJson, path + " is empty.");
+  if (number == 0) return fail(ErrorCode::kBadJson, path + " is empty, not a recorded game.");
   return recording;
 }
 
@@ -176,7 +177,7 @@ std::uint64_t hash_of(const std::string& text) {
   constexpr std::size_t kDigits = 16;
   if (text.empty() || text.size() > kDigits ||
       text.find_first_not_of("0123456789abcdef") != std::string::npos)
-    throw std::invalid_argument("its hash is not of at most 16 hexadecimal digits");
+    throw std::invalid_argument("its hash must have 1 to 16 hexadecimal digits");
   return std::strtoull(text.c_str(), nullptr, 16);
 }
 
@@ -194,7 +195,7 @@ Expected<void> write_recording(const std::string& path, const Recording& recordi
   }
   add_events(recording.hashes.size());
   if (!recorder->finish())
-    return fail(ErrorCode::kFileAccess, "The game could not be written to " + path + " as a whole.");
+    return fail(ErrorCode::kFileAccess, "Cannot write the whole game to " + path + ". Is the disk full?");
   return {};
 }
 

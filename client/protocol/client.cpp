@@ -181,9 +181,10 @@ struct Client::State {
     const auto damaged = [](const char* how) { return Error{ErrorCode::kDamagedAnswer, how}; };
     if (kind != RequestKind::kFracture && !is_json(exchange.body)) return damaged("The answer is not JSON.");
     if (kind != RequestKind::kFracture) return std::nullopt;
-    if (exchange.repr_digest.empty()) return damaged("The answer has no Repr-Digest.");
+    if (exchange.repr_digest.empty())
+      return damaged("The answer has no Repr-Digest, so it cannot be checked.");
     if (!digest_matches(exchange.repr_digest, exchange.body))
-      return damaged("The answer has another digest than its Repr-Digest says.");
+      return damaged("The bytes of the answer do not match its Repr-Digest: they were changed on the way.");
     return std::nullopt;
   }
 

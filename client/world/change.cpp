@@ -15,7 +15,7 @@ bool contains(const std::vector<std::uint32_t>& ascending, std::uint32_t value) 
 }
 
 std::string no_such(std::uint64_t id) {
-  return "A hit changed the fragment " + std::to_string(id) + ", which is not there.";
+  return "The answer to a hit changes the fragment " + std::to_string(id) + ", which does not exist.";
 }
 
 }  // namespace
@@ -47,18 +47,18 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     const bool changed =
         std::find(change.changed.begin(), change.changed.end(), fragment.id) != change.changed.end();
     if (changed != (at != number.end()))
-      return fail(ErrorCode::kMalformedMesh, changed
-                                                 ? no_such(fragment.id)
-                                                 : "A hit made the fragment " + std::to_string(fragment.id) +
-                                                       ", which was there already.");
+      return fail(ErrorCode::kMalformedMesh, changed ? no_such(fragment.id)
+                                                     : "The answer to a hit adds the fragment " +
+                                                           std::to_string(fragment.id) +
+                                                           ", which exists already.");
     if (changed) {
       out.made.push_back(at->second);
       set.fragments[at->second] = std::move(fragment);
       continue;
     }
     if (set.fragments.size() >= kMaxFragments)
-      return fail(ErrorCode::kTooLarge,
-                  "With what hits made there are more than " + std::to_string(kMaxFragments) + " fragments.");
+      return fail(ErrorCode::kTooLarge, "The hits made more than " + std::to_string(kMaxFragments) +
+                                            " fragments, the limit of the game.");
     const auto next = static_cast<std::uint32_t>(set.fragments.size());
     number.emplace(fragment.id, next);
     out.made.push_back(next);
@@ -72,9 +72,9 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     const auto a = number.find(change.ends[k].a), b = number.find(change.ends[k].b);
     if (a == number.end() || b == number.end())
       return fail(ErrorCode::kMalformedMesh,
-                  "A bond leads to the fragment " +
+                  "A bond names the fragment " +
                       std::to_string(a == number.end() ? change.ends[k].a : change.ends[k].b) +
-                      ", which is not there.");
+                      ", which does not exist.");
     Bond bond = change.bonds[k];
     bond.a = a->second;
     bond.b = b->second;

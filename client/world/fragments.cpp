@@ -40,7 +40,7 @@ double number(const json& value, const std::string& where) {
 
 double positive(const json& object, const char* key, const std::string& where) {
   const double x = number(member(object, key, where), where + "." + key);
-  if (!(x > 0)) malformed(where + "." + key + " is " + std::to_string(x) + "; it has to be more than 0.");
+  if (!(x > 0)) malformed(where + "." + key + " is " + std::to_string(x) + "; it must be more than 0.");
   return x;
 }
 
@@ -59,7 +59,7 @@ glm::dvec3 vector(const json& value, const std::string& where) {
 }
 
 std::uint64_t whole(const json& value, const std::string& where) {
-  if (!value.is_number_unsigned()) malformed(where + " is not a whole number of 0 or more.");
+  if (!value.is_number_unsigned()) malformed(where + " must be a whole number of 0 or more.");
   return value.get<std::uint64_t>();
 }
 
@@ -166,11 +166,11 @@ class FragmentReader {
     const glm::dvec3 moments =
         vector(member(motion, "inertiaDiagonal", in_motion), in_motion + ".inertiaDiagonal");
     if (!(moments.x > 0 && moments.y > 0 && moments.z > 0))
-      malformed(in_motion + ".inertiaDiagonal has to be more than 0.");
+      malformed(in_motion + ".inertiaDiagonal must be more than 0.");
     const auto q =
         numbers<4>(member(motion, "inertiaOrientation", in_motion), in_motion + ".inertiaOrientation");
     const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!(std::abs(norm - 1) < 1e-3)) malformed(in_motion + ".inertiaOrientation is no unit quaternion.");
+    if (!(std::abs(norm - 1) < 1e-3)) malformed(in_motion + ".inertiaOrientation must be a unit quaternion.");
     const glm::dquat turn = rotation_of(world, where) * glm::normalize(glm::dquat(q[3], q[0], q[1], q[2]));
     const glm::dmat3 axes = glm::mat3_cast(turn);
     fragment.mass.mass = mass;
@@ -194,8 +194,8 @@ class FragmentReader {
     const json& geometry = member(*collider, "geometry", "A collider");
     const std::uint64_t mesh = whole(member(geometry, "mesh", "A collider's geometry"), "A collider's mesh");
     if (mesh >= model_.meshes.size())
-      malformed("A collider names mesh " + std::to_string(mesh) + "; there are " +
-                std::to_string(model_.meshes.size()) + ".");
+      malformed("A collider names the mesh " + std::to_string(mesh) + ", but the file has only " +
+                std::to_string(model_.meshes.size()) + " meshes.");
     Hull hull;
     for (const tinygltf::Primitive& primitive : model_.meshes[mesh].primitives) {
       const auto position = primitive.attributes.find("POSITION");
@@ -208,7 +208,8 @@ class FragmentReader {
       }
       if (primitive.indices >= 0)
         for (const std::uint32_t v : read_indices(model_, primitive.indices))
-          if (v >= xyz.size() / 3) malformed("Hull " + std::to_string(mesh) + " names a point it has not.");
+          if (v >= xyz.size() / 3)
+            malformed("A triangle of hull " + std::to_string(mesh) + " names a point that does not exist.");
     }
     if (hull.size() < 4) malformed("Hull " + std::to_string(mesh) + " has fewer than four points.");
     fragment.hulls.push_back(std::move(hull));
@@ -219,7 +220,7 @@ class FragmentReader {
   std::uint32_t index_of(std::uint64_t id) const {
     const auto it = index_.find(id);
     if (it == index_.end())
-      malformed("A bond or a hit names the fragment " + std::to_string(id) + ", which is not there.");
+      malformed("A bond or a hit names the fragment " + std::to_string(id) + ", which does not exist.");
     return it->second;
   }
 
@@ -229,7 +230,7 @@ class FragmentReader {
                &normal = member(bonds, "normal", "bonds"), &center = member(bonds, "centroid", "bonds");
     for (const json* column : {&a, &b, &area, &strength, &normal, &center})
       if (!column->is_array() || column->size() != a.size())
-        malformed("The columns of the bonds are no arrays of one length.");
+        malformed("The columns of the bonds must be arrays of the same length.");
     read.reserve(a.size());
     ends.reserve(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) {
@@ -239,7 +240,7 @@ class FragmentReader {
                 .normal = vector(normal[k], "bonds.normal"),
                 .center = vector(center[k], "bonds.centroid")};
       if (ends.back().a == ends.back().b) malformed("A bond connects a fragment with itself.");
-      if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength have to be 0 or more.");
+      if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength must be 0 or more.");
       const double length = glm::length(bond.normal);
       bond.normal = length > 1e-9 ? bond.normal / length : glm::dvec3(0);
       read.push_back(bond);
@@ -256,7 +257,7 @@ class FragmentReader {
     if (const json* x = find(material, "dynamicFriction")) set_.friction = number(*x, "dynamicFriction");
     if (const json* x = find(material, "restitution")) set_.restitution = number(*x, "restitution");
     if (set_.friction < 0 || set_.restitution < 0 || set_.restitution > 1)
-      malformed("The physics material has a friction below 0 or a restitution outside 0 … 1.");
+      malformed("The physics material must have a friction of 0 or more and a restitution from 0 to 1.");
   }
 
   const json& document_;

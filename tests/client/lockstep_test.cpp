@@ -169,7 +169,7 @@ TEST_F(Lockstepped, OtherVersionsAndWhatIsNoHeaderAreRefusedInWords) {
   EXPECT_NE(detail(rules.dump()).find("rules 99"), std::string::npos);
   EXPECT_NE(detail(format.dump()).find("fracture-lockstep-9"), std::string::npos);
   EXPECT_NE(detail(delay.dump()).find("delay"), std::string::npos);
-  EXPECT_NE(detail("hello").find("no header"), std::string::npos);
+  EXPECT_NE(detail("hello").find("not the header"), std::string::npos);
   EXPECT_NE(detail(R"({"refused": "No."})").find("refused: No."), std::string::npos);
   // As a first line: the other one is told why.
   const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
@@ -188,12 +188,12 @@ TEST_F(Lockstepped, LinesThatCannotBeUsedEndTheGameInWords) {
   const std::string event = R"({"step": 12, "throw": [[0, 1, 2], [0, 0, 0]]})";
   for (const auto& [line, words] : std::vector<std::pair<std::string, std::string>>{
            {"{\"step\": 12, \"thr", "cannot be used"},
-           {R"({"step": 13, "throw": [[0, 1, 2], [0, 0, 0]]})", "step 12 was to come"},
-           {R"({"step": 1, "hash": "00"})", "step 0 was to come"},
+           {R"({"step": 13, "throw": [[0, 1, 2], [0, 0, 0]]})", "expected step 12"},
+           {R"({"step": 1, "hash": "00"})", "expected step 0"},
            {R"({"step": 0, "hash": "no"})", "hexadecimal"},
-           {R"({"step": 12, "adopt": 1})", "no player does that"},
+           {R"({"step": 12, "adopt": 1})", "players can only throw and explode"},
            {R"({"step": 12, "explode": [0, 1, 2], "impulse": -1, "radius": 1})",
-            "impulse is not more than 0"},
+            "impulse must be more than 0"},
            {std::string(70'000, 'x'), "more than 65536 bytes"}}) {
     const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
     Player host(server_, scene(), *host_link, Lockstep::Seat::kHost, header());
@@ -218,7 +218,7 @@ TEST_F(Lockstepped, WhoLeavesIsMissed) {
     });
   }
   guest_link.reset();
-  EXPECT_EQ(words_of(host), "The other player has left.");
+  EXPECT_EQ(words_of(host), "The other player has left the game.");
 }
 
 TEST_F(Lockstepped, WhoIsNoPlayerDoesNotEndAnInvitation) {
@@ -286,7 +286,7 @@ TEST_F(Lockstepped, WhoIsSilentIsGone) {
   mute.beat = std::chrono::hours(1);
   const auto host_link = invite(impatient), guest_link = PeerLink::join("127.0.0.1", host_link->port(), mute);
   guest_link->send("{hello}");
-  EXPECT_EQ(words_of(*host_link), "The other player was not heard for 0.3 s.");
+  EXPECT_EQ(words_of(*host_link), "The other player sent nothing for 0.3 s.");
 }
 
 TEST_F(Lockstepped, ASignOfLifeIsNoLine) {
@@ -329,11 +329,12 @@ TEST_F(Lockstepped, WhoWaitsForNobodyStopsWaiting) {
   {
     const auto host_link = invite(impatient);
     port = host_link->port();
-    EXPECT_EQ(words_of(*host_link), "Nobody joined within 0.2 s.");
+    EXPECT_EQ(words_of(*host_link), "No player joined within 0.2 s.");
   }
   const auto guest_link = PeerLink::join("127.0.0.1", port, impatient);
   const std::string words = words_of(*guest_link);
-  EXPECT_NE(words.find("Nobody plays at 127.0.0.1:" + std::to_string(port)), std::string::npos) << words;
+  EXPECT_NE(words.find("No player answered at 127.0.0.1:" + std::to_string(port)), std::string::npos)
+      << words;
   const auto taken = PeerLink::invite("203.0.113.1", 1);  // an address of documentation, not of this machine
   ASSERT_FALSE(taken);
   EXPECT_NE(taken.error().detail.find("203.0.113.1:1"), std::string::npos);

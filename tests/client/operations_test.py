@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""client/OPERATIONS.md: every operation of the interface has its row, and every test that a cell names is there.
+"""client/OPERATIONS.md: every operation of the interface is in a row, and every test that a cell names exists.
 
 operations_test.py BUILD: a build folder, whose CTest knows the programs."""
 import json
@@ -31,7 +31,7 @@ def tables(text):
 
 
 def claims(text):
-    """What the page says: (row, program in CTest, test, call before it or '')."""
+    """The claims of the page: (row, program in CTest, test, calls before it)."""
     for head, rows in tables(text):
         beginnings = [(re.findall(r"`(\w+_)\*`$", cell) or [None])[0] for cell in head]
         for row in rows:
@@ -40,7 +40,7 @@ def claims(text):
                     continue
                 *calls, test = re.findall(r"`([^`]+)`", cell)
                 program, name = test.split(": ", 1)
-                yield row[0], beginning + program, name, "".join(calls)
+                yield row[0], beginning + program, name, calls
 
 
 def sources(program):
@@ -71,19 +71,19 @@ def offences(text, operations, programs):
     """What is wrong with the page, for these operations of the interface and these programs of CTest."""
     found = []
     first = [row[0] for head, rows in tables(text) if head[0] == "operation" for row in rows]
-    rows = {cell.strip("`") for cell in first if re.fullmatch(r"`\w+`", cell)}
+    rows = {name for cell in first if re.fullmatch(r"`\w+`(?: `\w+`)*", cell) for name in re.findall(r"\w+", cell)}
     found += [f"{name} has no row" for name in sorted(operations - rows)]
     found += [f"{name} is no operation of the interface" for name in sorted(rows - operations)]
-    for row, program, name, call in claims(text):
+    for row, program, name, calls in claims(text):
         if program not in programs:
             found.append(f"{row}: CTest has no {program}")
             continue
         code = "\n".join(path.read_text(encoding="utf-8") for path in sources(program) if path.is_file())
         if not has_test(code, name):
             found.append(f"{row}: {program} has no test '{name}'")
-        method = re.search(r"\.(\w+)\(\)$", call)
-        if method and not re.search(rf"\.{method[1]}\b", code):
-            found.append(f"{row}: the tests of {program} never call .{method[1]}()")
+        for method in re.findall(r"\.(\w+)\(\)$", "\n".join(calls), re.MULTILINE):
+            if not re.search(rf"\.{method}\b", code):
+                found.append(f"{row}: the tests of {program} never call .{method}()")
     return found
 
 

@@ -76,10 +76,10 @@ TEST(Sheet, ErrorsNameThePlace) {
     return read ? std::string("read") : read.error().detail;
   };
   EXPECT_THAT(error("{"), testing::HasSubstr("not valid JSON"));
-  EXPECT_THAT(error("[]"), testing::HasSubstr("has to hold an object"));
+  EXPECT_THAT(error("[]"), testing::HasSubstr("must contain one JSON object"));
   EXPECT_THAT(error("{}"), testing::HasSubstr("the cell 0/0 (row/column) has no file"));
   EXPECT_THAT(error(R"({"row": []})"), testing::HasSubstr("no member 'row'"));
-  EXPECT_THAT(error(R"({"rows": 3})"), testing::HasSubstr("/rows has to be an array"));
+  EXPECT_THAT(error(R"({"rows": 3})"), testing::HasSubstr("/rows must be an array"));
   EXPECT_THAT(error(R"({"rows": [{"label": 3}]})"), testing::HasSubstr("/rows/0"));
   EXPECT_THAT(error(R"({"options": {"file": "a"}, "columns": [{"options": {"yaw": 1000}}]})"),
               testing::AllOf(testing::HasSubstr("/columns/0"),

@@ -178,7 +178,7 @@ TEST(TimeEndToEnd, APlayerWhoIsKilledIsMissed) {
   guest.client.signal(SIGKILL);
   EXPECT_EQ(guest.client.wait(), 1000 + SIGKILL);
   EXPECT_EQ(host.client.wait(), 1) << host.said();
-  EXPECT_NE(host.said().find("The other player has left."), std::string::npos) << host.said();
+  EXPECT_NE(host.said().find("The other player has left the game."), std::string::npos) << host.said();
 }
 
 }  // namespace

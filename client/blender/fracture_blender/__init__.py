@@ -2,11 +2,11 @@
 """Fracture (exact): breaks objects with a fracture server into watertight fragments, with rigid bodies and bonds.
 
     run.py            one fracture from the selection to the collections; begin here
-    operators.py      the buttons, Esc and undo        panels.py, presets.py, preferences.py   what is seen
-    description.py    what a server can do             parameters.py, properties.py            the same as properties
+    operators.py      the buttons, Esc and undo        panels.py, presets.py, preferences.py   the user interface
+    description.py    the server's parameters          parameters.py, properties.py            the same as properties
     frame.py          axes and units                   places.py                               hits and regions from empties
-    writer.py         objects as GLB                   materials_out.py                        their colours
-    asking.py         the thread that asks             refusal.py                              what went wrong, and where
+    writer.py         objects as GLB                   materials_out.py                        their materials
+    asking.py         the thread that asks             refusal.py                              errors and their places
     fragments.py      the answer as objects            materials_in.py, bodies.py              their materials and physics
 """
 import bpy

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Asks for fragments in a thread of its own, of a server or of `fracture-server bake`, and can be taken back.
+"""Asks a server or `fracture-server bake` for fragments, in a separate thread. Another thread can cancel it.
 
-Nothing here touches Blender's data: those belong to the main thread, which looks at `state` now and then.
+This module does not touch Blender's data, because they belong to the main thread. The main thread polls `state`.
 """
 import contextlib
 import json
@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 from .package import Answer, Cancel, Client, FractureError
 
-PATIENCE = 10.0  # s that a program may take to end when it is told to
+PATIENCE = 10.0  # s that a cancelled job may take to stop
 
 
 @dataclass(frozen=True)
 class Target:
-    """Whom to ask: `program` where it is not empty, else the server at `url`."""
+    """The program or server to ask: `program` if it is not empty, else the server at `url`."""
     url: str = ""
     token: str = ""
     program: str = ""
@@ -29,7 +29,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Request:
-    """One file to be broken."""
+    """One file to break."""
     name: str
     glb: bytes
     parameters: dict
@@ -37,13 +37,13 @@ class Request:
 
 @dataclass(frozen=True)
 class State:
-    """How far it is, for people."""
+    """The progress, for people."""
     words: str
     percent: int
 
 
 class Asking:
-    """Asks for all requests, one after the other. `answers` and `error` are there when it `is_done`."""
+    """Sends all requests, one after the other. `answers` and `error` are complete when `is_done` is true."""
 
     def __init__(self, target, requests):
         self._target = target
@@ -53,7 +53,7 @@ class Asking:
         self.state = State("asking", 0)
         self.answers = []
         self.error = None  # a FractureError
-        self.failed = None  # the number of the request that it is about
+        self.failed = None  # the number of the request that failed
 
     def start(self):
         self._thread.start()
@@ -63,11 +63,11 @@ class Asking:
         return not self._thread.is_alive()
 
     def cancel(self):
-        """Returns at once; `error` will have the type "cancelled", unless everything is there already."""
+        """Stops the work and returns at once. `error` gets the type "cancelled", unless all answers have arrived."""
         self._cancel.cancel()
 
     def wait(self, seconds=None):
-        """Until it is done; False where it is not in time."""
+        """Waits until the work is done, but at most this time. Returns whether it is done."""
         self._thread.join(seconds)
         return self.is_done
 
@@ -77,13 +77,13 @@ class Asking:
             ask()
         except FractureError as error:
             self.error = error
-        except Exception as error:  # a thread that dies without a word would look like one without an answer
+        except Exception as error:  # otherwise the thread would end without an answer and without an error
             self.error = FractureError("damaged", f"{type(error).__name__}: {error}")
         if self.error is not None:
             self.failed = len(self.answers)
 
     def _say(self, words, percent=0):
-        """`percent`: of the request in work."""
+        """Sets the state. `percent`: progress of the present request."""
         done = len(self.answers)
         of = f" ({done + 1} of {len(self._requests)})" if len(self._requests) > 1 else ""
         name = self._requests[min(done, len(self._requests) - 1)].name
@@ -104,7 +104,7 @@ class Asking:
                     self.answers.append(job.result(cancel=self._cancel))
                 except FractureError as error:
                     if error.type == "cancelled" and self._cancel.cancelled:
-                        with contextlib.suppress(FractureError):  # a job goes on when nobody listens
+                        with contextlib.suppress(FractureError):  # a job goes on without a listener
                             job.cancel(timeout=PATIENCE)
                     raise
 
@@ -113,11 +113,11 @@ class Asking:
     def _ask_program(self):
         with tempfile.TemporaryDirectory(prefix="fracture-") as folder:
             for number, request in enumerate(self._requests):
-                self._say("computing here")
+                self._say("computing on this machine")
                 self.answers.append(self._bake(pathlib.Path(folder), number, request))
 
     def _bake(self, folder, number, request):
-        """By a manifest, whose parameters are the JSON of a request."""
+        """Runs `bake` with a manifest, because its parameters are those of a request, as JSON. Raises FractureError."""
         mesh, output, manifest = (folder / f"{number}.{end}" for end in ("mesh.glb", "glb", "ndjson"))
         mesh.write_bytes(request.glb)
         job = {"input": mesh.name, "output": output.name, "parameters": request.parameters}
@@ -127,23 +127,25 @@ class Asking:
         try:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         except OSError as error:
-            raise FractureError("connection", f"'{command[0]}' cannot be started: {error.strerror}.") from None
+            raise FractureError("connection", f"The program '{command[0]}' cannot be started: {error.strerror}. Check its path in the "
+                                              "panel.") from None
         with self._cancel.calling(lambda: _interrupt(process)):
             _, words = process.communicate()
         if self._cancel.cancelled:
-            raise FractureError("cancelled", "The call was taken back.")
+            raise FractureError("cancelled", "The fracture was cancelled.")
         line = _last_line(report)
         if line.get("status") == "made":
             return Answer.load(output)
         if isinstance(line.get("problem"), dict):
             raise FractureError.of_problem(line["problem"])
-        raise FractureError("connection", words.strip() or f"'{command[0]}' ended with {process.returncode} and made nothing.")
+        raise FractureError("connection", words.strip() or f"The program '{command[0]}' ended with exit code {process.returncode} and "
+                                                           "wrote no fragments. Is it fracture-server?")
 
 
 def _words(state):
     if state.state == "queued":
         ahead = state.queue_position
-        return f"waiting, {ahead} before it" if ahead else "waiting"
+        return f"waiting, {ahead} ahead of it" if ahead else "waiting"
     return state.stage or state.state
 
 
@@ -156,7 +158,7 @@ def _interrupt(process):
 
 
 def _last_line(report):
-    """Of a report of bake; {} where there is none."""
+    """The last line of a report of `bake`; {} without one."""
     try:
         lines = [json.loads(line) for line in report.read_text(encoding="utf-8").splitlines() if line.strip()]
     except (OSError, ValueError):

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rigid bodies of fragments, and a breakable constraint for each bond."""
+"""Rigid bodies for fragments, and a breakable constraint for each bond."""
 import bpy
 
 from .frame import Frame
 
 
 def prepare(scene):
-    """The scene's rigid body world with both of its collections."""
+    """The scene's rigid body world with its two collections. Missing ones are created."""
     if scene.rigidbody_world is None:
         bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
@@ -18,7 +18,7 @@ def prepare(scene):
 
 
 def add_bodies(scene, answer, objects, shape):
-    """Linking an object into the world's collection makes it a rigid body: the operator does the same, slower."""
+    """Makes each fragment a rigid body by linking it to the world's collection. The operator does the same, but is slower."""
     world = prepare(scene)
     friction, restitution = (float(answer.parameters.get(name, 0.0)) for name in ("friction", "restitution"))
     for fragment in answer.fragments:
@@ -31,17 +31,17 @@ def add_bodies(scene, answer, objects, shape):
         body.mass = fragment.mass
         body.friction = friction
         body.restitution = restitution
-        # Blender takes the margin off the hull then, where there is room for it. A margin around the hull, however thin, pushes
-        # pieces that touch apart: of a box of bricks that nothing moves, by a metre in a second.
+        # Without this, a margin around each hull pushes touching pieces apart: an undisturbed box of bricks moves by a metre in a
+        # second. With it, Blender shrinks the hull by the margin if there is room.
         body.use_margin = False
 
 
 def threshold(bond, scene, factor=1.0):
     """The impulse at which Blender breaks a constraint.
 
-    A bond withstands a force, its strength (N): that of the material (Pa) times its area. Bullet adds up what a constraint
-    carries within one of its steps and compares that impulse; a step is 1 / (frames a second * substeps a frame). Lengths
-    are in Blender units there, so a newton is 1 / scale of them.
+    A bond withstands a force, its strength (N): the strength of the material (Pa) times its area. Bullet compares the impulse of
+    a constraint within one step, which takes 1 / (frames per second * substeps per frame) seconds. Its lengths are in Blender
+    units, so 1 N is 1 / scale there.
     """
     world = scene.rigidbody_world
     rate = scene.render.fps / scene.render.fps_base / max(world.time_scale, 1e-6) * world.substeps_per_frame
@@ -49,8 +49,8 @@ def threshold(bond, scene, factor=1.0):
 
 
 def add_constraints(scene, answer, objects, collection, factor=1.0):
-    """An empty for each bond, in a collection of their own; returns them. What a bond is between does not collide, also when
-    it is broken: hulls of ragged chunks overlap, and would shoot one another away."""
+    """Creates an empty with a constraint for each bond, in a separate collection, and returns the empties. Two fragments of a bond do
+    not collide, also after the bond breaks, because hulls of ragged chunks overlap and would push each other away."""
     world = prepare(scene)
     frame = Frame.of(scene)
     inside = bpy.data.collections.new(f"{collection.name} bonds")
@@ -75,7 +75,7 @@ def add_constraints(scene, answer, objects, collection, factor=1.0):
 
 
 def remove_from_simulation(scene, item):
-    """A hidden original would be hit by its own fragments. Undo gives its body back."""
+    """Removes an original from the simulation, because its fragments would collide with it. Undo restores its body."""
     world = scene.rigidbody_world
     if item.rigid_body is not None and world is not None and world.collection is not None and item.name in world.collection.objects:
         world.collection.objects.unlink(item)

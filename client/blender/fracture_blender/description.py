@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may be asked: the parameters, patterns and materials, as a server describes them at GET /patterns.
+"""The parameters, patterns and materials of a server, as GET /patterns describes them.
 
-Nothing of it stands in this add-on. It comes from the server in use, or from the program fracture-server, which is started as a
-server for that moment; the last description is kept in Blender's folder of the user, for the next start. A packed add-on may
-hold one from the day on which it was packed (pack.py --describe), for the first start.
+The add-on has no list of its own. The description comes from the server in use, or from the program fracture-server, which is
+started as a server for a moment. The last description is stored in the user's folder of Blender for the next start. A packed
+add-on can contain a description for the first start (pack.py --describe).
 """
 import contextlib
 import json
@@ -17,12 +17,12 @@ import threading
 from .package import Client, FractureError
 
 FILE = "description.json"
-START_SECONDS = 20.0  # that a server may take to listen; it takes a tenth of a second
+START_SECONDS = 20.0  # s that a server may take to start; usually it takes 0.1 s
 ASK_SECONDS = 15.0
 
 
 class Description:
-    """Of the parsed JSON. `parameters` is a dictionary by name, in the order of the server's table."""
+    """The description as dictionaries by name: `patterns`, `materials`, and `parameters` in the order of the server's table."""
 
     def __init__(self, document):
         self.document = document
@@ -35,28 +35,29 @@ class Description:
         self.source = str(document.get("source", ""))
 
     def of_pattern(self, pattern):
-        """The names of what belongs to the pattern, and to some others maybe."""
+        """The names of the parameters of a pattern. Other patterns may have them too."""
         return [entry["name"] for entry in self.patterns.get(pattern, {}).get("parameters", ())]
 
     def of_any_pattern(self):
+        """The names of the parameters that belong to patterns."""
         return {name for pattern in self.patterns for name in self.of_pattern(pattern)}
 
     def pattern_of(self, given):
-        """The pattern that a request has: its own, its material's, or else the first one."""
+        """The pattern of a request: its own, that of its material, or the default."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         default = self.parameters.get("pattern", {}).get("default")
         return given.get("pattern") or preset.get("pattern") or default
 
     def usual(self, name, given):
-        """The value that holds where none is given, or None."""
+        """The value of a parameter that is not sent: that of the material, or the default; None without one."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         return preset.get(name, self.parameters.get(name, {}).get("default"))
 
 
 def of_server(client, cancel=None):
-    """Asks a server. Raises FractureError."""
+    """The description of a server. Raises FractureError."""
     document = client.patterns(timeout=ASK_SECONDS, cancel=cancel)
-    if "mesh_parameters" not in document:  # a server from before it said so
+    if "mesh_parameters" not in document:  # older servers have this list in GET /limits only
         document["mesh_parameters"] = client.limits(timeout=ASK_SECONDS, cancel=cancel).get("parameters", [])
     version = client.version(timeout=ASK_SECONDS, cancel=cancel)
     document["source"] = f"{version.get('name', 'fracture-server')} {version.get('version', '')}"
@@ -64,23 +65,24 @@ def of_server(client, cancel=None):
 
 
 def of_program(program):
-    """Of `fracture-server` on this machine, started on a free port. Raises FractureError."""
+    """The description of the program `fracture-server`, which is started on a free port. Raises FractureError."""
     with serving(program) as url, Client(url, timeout=ASK_SECONDS) as client:
         return of_server(client)
 
 
 @contextlib.contextmanager
 def serving(program):
-    """A server on this machine, as long as it is needed; its address. Raises FractureError."""
+    """Starts a server on this machine, yields its address, and stops it. Raises FractureError."""
     command = [program, "serve", "--port", "0", "--admin-port", "0", "--threads", "1", "--drain-delay", "0", "--log-format", "text"]
     try:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     except OSError as error:
-        raise FractureError("connection", f"'{program}' cannot be started: {error.strerror}.") from None
+        raise FractureError("connection", f"The program '{program}' cannot be started: {error.strerror}. Check its path in the "
+                                          "panel.") from None
     found = queue.Queue()
 
     def listen():
-        for line in process.stderr:  # to its end: a pipe that nobody reads would fill up
+        for line in process.stderr:  # to its end, because a full pipe would stop the server
             match = re.search(r"serving on (http://\S+)", line)
             if match:
                 found.put(match.group(1))
@@ -94,7 +96,8 @@ def serving(program):
         except queue.Empty:
             url = ""
         if not url:
-            raise FractureError("connection", f"'{program}' did not begin to serve. Is it fracture-server?")
+            raise FractureError("connection", f"The program '{program}' did not start a server within {START_SECONDS:g} s. Is it "
+                                              "fracture-server?")
         yield url
     finally:
         process.terminate()
@@ -108,7 +111,7 @@ def serving(program):
 
 
 def load(folders):
-    """The one that is kept in the first of these folders that has one; None where there is none that can be read."""
+    """The stored description of the first folder that has a readable one; else None."""
     for folder in folders:
         try:
             return Description(json.loads((pathlib.Path(folder) / FILE).read_text(encoding="utf-8")))
@@ -118,7 +121,7 @@ def load(folders):
 
 
 def store(description, folder):
-    """For the next start. Raises OSError."""
+    """Stores the description for the next start. Raises OSError."""
     path = pathlib.Path(folder) / FILE
     beside = path.with_suffix(".part")
     beside.write_text(json.dumps(description.document, ensure_ascii=False), encoding="utf-8")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An answer as objects: a collection with one object for each fragment, clusters of a hierarchy as collections in it."""
+"""Turns an answer into objects: a collection with one object for each fragment, and collections for the clusters of levels."""
 import json
 from array import array
 
@@ -9,11 +9,11 @@ from .frame import Frame
 from .materials_in import AnswerMaterials
 from .package import FractureError, glb
 
-MOST_OBJECTS = 20_000  # Blender stands still for minutes with more
+MOST_OBJECTS = 20_000  # with more objects Blender does not respond for minutes
 
 
 class Made:
-    """What came of one answer."""
+    """The collection and the objects of one answer."""
 
     def __init__(self, collection, objects):
         self.collection = collection
@@ -21,14 +21,14 @@ class Made:
 
 
 def check(answer):
-    """Raises FractureError where Blender could not hold it, before anything is made."""
+    """Raises FractureError if the answer has too many fragments for Blender. Called before any object is made."""
     if len(answer.fragments) > MOST_OBJECTS:
-        raise FractureError("answer-too-large", f"There are {len(answer.fragments)} fragments; Blender is given at most "
-                                                f"{MOST_OBJECTS}. Ask for fewer.")
+        raise FractureError("answer-too-large", f"The answer has {len(answer.fragments):,} fragments; at most {MOST_OBJECTS:,} objects "
+                                                "are created in Blender. Ask for fewer fragments.")
 
 
 def build(context, answer, written, parent, name):
-    """`parent`: the collection that it is put into. Nothing refers to the scene's own meshes, but its materials are used."""
+    """Creates the objects of an answer in a collection in `parent`. They use the scene's materials, but not its meshes."""
     frame = Frame.of(context.scene)
     materials = AnswerMaterials(glb.Glb(answer.glb), answer.figures, written)
     root = bpy.data.collections.new(f"{name} fragments")
@@ -45,14 +45,14 @@ def build(context, answer, written, parent, name):
         item.location = frame.point_back(fragment.translation)
         for key, value in (("id", str(fragment.id)), ("volume", fragment.volume), ("mass", fragment.mass), ("area", fragment.area),
                            ("anchored", fragment.anchored), ("part", fragment.part), ("level", fragment.level)):
-            item[f"fracture_{key}"] = value  # an id has more digits than Blender's integers
+            item[f"fracture_{key}"] = value  # the id is a text, because it does not fit into Blender's integers
         clusters.get(fragment.parent, root).objects.link(item)
         objects[fragment.id] = item
     return Made(root, objects)
 
 
 def _clusters(answer, root, name):
-    """Collections by the id of the cluster, coarsest level first, each in that of its parent."""
+    """Creates a collection for each cluster, in that of its parent. Returns them by the cluster's id, coarsest level first."""
     found = {}
     for level in answer.levels:
         parents = level.get("parent", [None] * len(level["id"]))
@@ -66,7 +66,7 @@ def _clusters(answer, root, name):
 
 
 def _mesh(fragment, frame, materials, written):
-    """Vertices that lie at the same place are one: the file has one for each normal and texture coordinate."""
+    """The mesh of a fragment. Vertices at the same place are merged, because the file has one for each normal and UV."""
     positions = _floats(fragment.positions)
     points = [frame.point_back(point) for point in zip(positions[0::3], positions[1::3], positions[2::3])]
     numbers = {}
@@ -78,7 +78,7 @@ def _mesh(fragment, frame, materials, written):
         indices = _integers(primitive.indices)
         for a, b, c in zip(indices[0::3], indices[1::3], indices[2::3]):
             face = (vertex_of[a], vertex_of[b], vertex_of[c])
-            if len(set(face)) == 3:  # in single precision a sliver may have become an edge
+            if len(set(face)) == 3:  # in single precision a sliver can collapse to an edge
                 faces.append(face)
                 corners += (a, b, c)
                 slots.append(slot)
@@ -104,7 +104,7 @@ def _mesh(fragment, frame, materials, written):
 
 
 def _shade(mesh, normals):
-    """With the normals of the file: the outside looks as it did, cut faces have hard edges."""
+    """Sets the normals of the file, so that the outside is shaded as before and cut faces have hard edges."""
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     mesh.normals_split_custom_set([(x, 0.0 - z, y) for x, y, z in zip(normals[0::3], normals[1::3], normals[2::3])])
     if hasattr(mesh, "use_auto_smooth"):  # until 4.0
@@ -120,7 +120,7 @@ def _rows(values, width, corners):
 
 
 def _floats(values):
-    """All numbers of an array of numpy's or a memoryview, in a row."""
+    """All numbers of a numpy array or memoryview, flat."""
     flat = array("f")
     flat.frombytes(values.tobytes())
     return flat
@@ -134,7 +134,7 @@ def _integers(values):
 
 
 def _colors(values):
-    """Colours may be floats, or fractions of 255 or 65535 (glTF 2.0, section 3.7.2.1)."""
+    """Colours as floats. The file may have fractions of 255 or 65535 (glTF 2.0, section 3.7.2.1)."""
     if values.itemsize == 4:
         return _floats(values)
     most = 255.0 if values.itemsize == 1 else 65535.0
@@ -142,7 +142,7 @@ def _colors(values):
 
 
 def _opaque(values, width):
-    """Four channels."""
+    """The colours with four channels; a missing alpha becomes 1."""
     if width == 4:
         return values
     count = len(values) // width

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's frame and that of the interface.
+"""Converts between Blender's frame and that of the interface.
 
-Blender: z is up, a Blender unit is `scale_length` metres. The interface, as glTF: y is up, lengths are metres.
+Blender: z is up, a Blender unit is `scale_length` metres. The interface (like glTF): y is up, lengths are in metres.
 
     x = s X        X = x / s
     y = s Z        Y = -z / s
     z = -s Y       Z = y / s
 
-This is a rotation: what is right-handed stays so, and triangles keep their winding.
+This is a rotation, so a right-handed frame stays right-handed and triangles keep their winding.
 """
 import math
 
@@ -20,7 +20,7 @@ class Frame:
 
     @classmethod
     def of(cls, scene):
-        """A scene without units has Blender units that are metres, whatever its scale says."""
+        """The frame of a scene. In a scene without units, a Blender unit is a metre and its scale is ignored."""
         units = scene.unit_settings
         return cls(1.0 if units.system == "NONE" else units.scale_length)
 
@@ -40,21 +40,21 @@ class Frame:
         return (x / self.scale, 0.0 - z / self.scale, y / self.scale)
 
     def box(self, corners):
-        """Lowest and highest corner: the turn makes lowest of highest along z."""
+        """Lowest and highest corner, sorted again because the rotation reverses one axis."""
         a, b = (self.point(corner) for corner in corners)
         return [[min(p, q) for p, q in zip(a, b)], [max(p, q) for p, q in zip(a, b)]]
 
     def node_matrix(self, world):
-        """A matrix_world as the 16 numbers (by columns) that a node of glTF has. It acts on positions that turned() turned."""
+        """A matrix_world as the 16 numbers (by columns) of a glTF node. It acts on positions that turned() has converted."""
         across, depth, height, _ = ([float(value) for value in row] for row in world)
-        rows = [across, height, [-value for value in depth]]  # what comes out is turned
-        columns = zip(*((row[0], row[2], -row[1], row[3]) for row in rows))  # what goes in is turned already
+        rows = [across, height, [-value for value in depth]]  # the results are in the frame of the interface
+        columns = zip(*((row[0], row[2], -row[1], row[3]) for row in rows))  # the arguments are too
         return [value for number, column in enumerate(columns)
                 for value in (*(0.0 + entry * self.scale for entry in column), 1.0 if number == 3 else 0.0)]
 
 
 def turned(vector):
-    """A direction: y up. Lengths are as they were."""
+    """A direction of Blender as one of the interface (y up). Its length is unchanged."""
     x, y, z = vector
     return [x, z, 0.0 - y]
 
@@ -65,7 +65,7 @@ def turned_back(vector):
 
 
 def turned_matrix(rows):
-    """A linear map of Blender's space as one of the interface's: C M C^T, where C turns."""
+    """A linear map of Blender's space as one of the interface's: C M C^T with the rotation C."""
     columns = list(zip(*[turned(column) for column in zip(*rows)]))  # C M
     return [turned(row) for row in columns]  # (C M) C^T: each row times C^T is the row turned
 
@@ -76,7 +76,7 @@ def turned_matrix_back(rows):
 
 
 def short(value):
-    """A number that Blender keeps in single precision as it was typed: 0.3, not 0.30000001192092896."""
+    """A single-precision number of Blender as it was typed: 0.3, not 0.30000001192092896."""
     if not math.isfinite(value):
         return value
     return float(f"{value:.7g}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The materials of an answer: the objects' own again, and new ones for the cut faces."""
+"""The materials of an answer: the objects' own materials, and new ones for the cut faces."""
 import os
 import tempfile
 
@@ -9,10 +9,10 @@ from .materials_out import media_type
 
 
 class AnswerMaterials:
-    """Blender's material for each of the file's."""
+    """The Blender material for each material of the file."""
 
     def __init__(self, file, figures, written):
-        """`file`: the answer's Glb. `written`: what was sent."""
+        """`file`: the Glb of the answer. `written`: the file that was sent (writer.Written)."""
         self._file = file
         self._own = written.materials
         self.interior = set(figures.get("interior_materials", ()))
@@ -20,7 +20,7 @@ class AnswerMaterials:
         self._images = {}
 
     def of(self, index):
-        """None for none. The server keeps the materials of the mesh in their order and puts its own behind them."""
+        """The material with this index; None for None. The server keeps the order of the mesh's materials and appends its own."""
         if index is None:
             return None
         if index < len(self._own.blender) and index not in self.interior:
@@ -45,7 +45,7 @@ class AnswerMaterials:
             if hasattr(material, "blend_method"):
                 material.blend_method = "BLEND"
         material.use_backface_culling = not document.get("doubleSided", False)
-        material.diffuse_color, material.metallic, material.roughness = color, metallic, roughness  # of the solid view
+        material.diffuse_color, material.metallic, material.roughness = color, metallic, roughness  # for the solid view
         self._link_textures(material.node_tree, principled, document, color)
         return material
 
@@ -76,7 +76,7 @@ class AnswerMaterials:
             tree.links.new(normal.outputs["Normal"], principled.inputs["Normal"])
 
     def _texture(self, tree, info, space, height):
-        """A node that shows it; None for none."""
+        """A node with the texture; None without a texture."""
         if info is None:
             return None
         image = self._image(self._file.item("textures", info["index"]).get("source"), space)
@@ -87,7 +87,8 @@ class AnswerMaterials:
         return node
 
     def _image(self, index, space):
-        """One that was sent is the object's own again: the server passes images on byte for byte."""
+        """The Blender image of an image of the file. The server passes images on byte for byte, so an image that was sent is the
+        object's own."""
         if index is None:
             return None
         document = self._file.item("images", index)
@@ -100,14 +101,14 @@ class AnswerMaterials:
 
 
 def _loaded(content, name, space):
-    """Packed into the .blend file."""
+    """A new image, packed into the .blend file."""
     end = ".jpg" if media_type(content) == "image/jpeg" else ".png"
     with tempfile.TemporaryDirectory(prefix="fracture-") as folder:
         path = os.path.join(folder, "image" + end)
         with open(path, "wb") as file:
             file.write(content)
         image = bpy.data.images.load(path)
-        image.colorspace_settings.name = space  # before it is packed: it is loaded anew then
+        image.colorspace_settings.name = space  # before pack(), because this loads the image again
         image.pack()
     image.name = name
     image.filepath_raw = ""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials as the server needs them: the colour or texture that the cut faces are made from.
+"""The materials that are sent: the colours or textures for the cut faces.
 
-Fragments get the object's own materials back, with all their nodes; what is sent only decides how the inside looks. So a
+Fragments get the object's own materials with all their nodes. The sent materials only decide the look of the cut faces, so the
 base colour (or one image), metallic, roughness and opacity of the Principled BSDF are enough.
 """
 import os
@@ -14,7 +14,7 @@ MAGIC = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 
 
 class Materials:
-    """Collects the materials and images of a file that is written."""
+    """Collects the materials and images of a file that is being written."""
 
     def __init__(self):
         self.blender = []  # materials in the order of the file
@@ -25,7 +25,7 @@ class Materials:
         self._image_numbers = {}
 
     def number(self, material):
-        """Its index in the file; None for none."""
+        """The index of a material in the file; None for None."""
         if material is None:
             return None
         if material.name not in self._numbers:
@@ -55,7 +55,7 @@ class Materials:
         return document
 
     def _image(self, image):
-        """Its index in the file; None for none, or one that cannot be read."""
+        """The index of an image in the file; None for None and for an image that cannot be read."""
         if image is None:
             return None
         if image.name not in self._image_numbers:
@@ -73,7 +73,7 @@ def media_type(content):
 
 
 def image_bytes(image):
-    """As PNG or JPEG: packed, on the disk, or else written by Blender. None where it has no pixels."""
+    """The image as PNG or JPEG: its packed file, its file on disk, or a PNG that Blender writes. None if it has no pixels."""
     content = None
     if image.packed_file is not None and not image.is_dirty:
         content = bytes(image.packed_file.data)
@@ -91,8 +91,8 @@ def image_bytes(image):
 
 
 def _written(image):
-    """Its pixels saved as PNG from an image beside it: it stays as it is, and what was painted and not saved is there too
-    (Image.copy() would leave that out)."""
+    """The pixels as PNG, saved from a temporary image, so that the image itself is unchanged. Unsaved painting is included, which
+    Image.copy() would leave out."""
     pixels = array("f", bytes(4 * len(image.pixels)))
     image.pixels.foreach_get(pixels)
     width, height = image.size
@@ -125,7 +125,7 @@ def _principled(material):
 
 
 def _image_at(socket):
-    """The image that is linked to it, directly or through the first inputs of a few nodes between (a colour mix, a ramp)."""
+    """The image that is linked to a socket, directly or through the colour inputs of at most three nodes (a colour mix, a ramp)."""
     seen = 0
     while socket is not None and socket.is_linked and seen < 4:
         node = socket.links[0].from_node

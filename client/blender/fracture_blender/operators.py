@@ -1,31 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the buttons do."""
+"""The operators of the buttons."""
 import bpy
 
 from . import preferences, properties, refusal, run
 from .package import FractureError
 
-LOOK = 0.1  # s between two looks at the thread
-# What a view may still do while it works. All else would change the scene that the answer is for.
+LOOK = 0.1  # s between two polls of the thread
+# Events that are allowed while the operator works. All others could change the scene that the answer belongs to.
 PASSED = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEMOVE", "TIMER"}
 MOST_WARNINGS = 5
 
 
 class OBJECT_OT_fracture_exact(bpy.types.Operator):
-    """Break the selected objects into exact, watertight fragments. Esc takes it back"""
+    """Break the selected objects into exact, watertight fragments. Esc cancels"""
 
     bl_idname = "object.fracture_exact"
     bl_label = "Fracture (exact)"
     bl_options = {"REGISTER", "UNDO"}
 
-    current = None  # the operator at work in a window: there is one at a time
+    current = None  # the operator at work in a window; there is one at a time
 
     @classmethod
     def poll(cls, context):
         return cls.current is None and context.mode == "OBJECT"
 
     def execute(self, context):
-        """Of a script, or without a window: waits."""
+        """For scripts and Blender without a window: waits for the result."""
         try:
             work = run.begin(context)
         except FractureError as error:
@@ -60,7 +60,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return {"PASS_THROUGH"} if event.type in PASSED else {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Blender takes it back: the file is closed, or another one opened."""
+        """Called by Blender if the file is closed or another one is opened."""
         self._work.asking.cancel()
         self._end(context)
 
@@ -77,9 +77,10 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         for warning in warnings[:MOST_WARNINGS]:
             self.report({"WARNING"}, warning)
         if len(warnings) > MOST_WARNINGS:
-            self.report({"WARNING"}, f"{len(warnings) - MOST_WARNINGS} more warnings")
+            more = len(warnings) - MOST_WARNINGS
+            self.report({"WARNING"}, "1 more warning is not shown" if more == 1 else f"{more:,} more warnings are not shown")
         count = sum(len(entry.objects) for entry in made)
-        self.report({"INFO"}, f"{count} fragments")
+        self.report({"INFO"}, f"{count:,} fragment{'' if count == 1 else 's'}")
         return {"FINISHED"}
 
     def _refuse(self, context, error, names):
@@ -88,16 +89,16 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
             return {"CANCELLED"}
         shown = refusal.show_place(context, error, names)
         lines = refusal.words(error) + ([shown] if shown else [])
-        # With a window it is a popup; a script gets it as the exception of an operator that reports an error.
+        # With a window this shows a popup. A script gets an exception, because the operator reports an error.
         self.report({"ERROR"}, "\n".join(lines))
-        return {"FINISHED"} if shown else {"CANCELLED"}  # what was shown can be undone
+        return {"FINISHED"} if shown else {"CANCELLED"}  # FINISHED, so that the user can undo the selection or the empty
 
 
 class FRACTURE_OT_describe(bpy.types.Operator):
-    """Ask the server or the program in use for its materials, patterns and parameters"""
+    """Update materials, patterns and parameters from the server or program in use"""
 
     bl_idname = "fracture.describe"
-    bl_label = "Ask for parameters"
+    bl_label = "Update parameters"
     bl_options = {"INTERNAL"}
 
     def execute(self, context):
@@ -107,7 +108,7 @@ class FRACTURE_OT_describe(bpy.types.Operator):
             self.report({"ERROR"}, "\n".join(refusal.words(error)))
             return {"CANCELLED"}
         properties.use(found)
-        self.report({"INFO"}, f"{len(properties.Known.parameters)} parameters of {found.source}")
+        self.report({"INFO"}, f"{len(properties.Known.parameters)} parameters from {found.source}")
         return {"FINISHED"}
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python package fracture_client: a part of the packed add-on (pack.py puts it in), or installed beside Blender's modules.
+"""Imports the Python package fracture_client: from the packed add-on (pack.py puts it in), or from Python's path.
 
-All of the add-on takes it from here, so that there is one copy of it, and one FractureError to catch.
+All modules of the add-on import it from here, so that there is only one copy and one FractureError.
 """
 try:
     from .fracture_client import glb
@@ -19,5 +19,5 @@ __all__ = ["Answer", "Cancel", "Client", "FractureError", "client", "glb", "wron
 
 
 def wrong(detail, parameter=""):
-    """The error of something that is not right in the scene: in the same words and the same way as one of the server."""
+    """An error in the scene or its settings, as a FractureError, so that it is shown like an error of the server."""
     return FractureError("bad-parameter", detail, title="", parameter=parameter)

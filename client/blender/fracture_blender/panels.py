@@ -7,7 +7,7 @@ from .operators import OBJECT_OT_fracture_exact
 from .presets import FRACTURE_PT_presets
 from .properties import Known, usual
 
-FRONT = ("material", "pattern", "fragments", "seed")  # those of the first panel, where the server has them
+FRONT = ("material", "pattern", "fragments", "seed")  # parameters of the first panel, if the server has them
 
 
 class Sidebar:
@@ -17,7 +17,7 @@ class Sidebar:
 
 
 class Below(Sidebar):
-    """A panel in the first one."""
+    """A panel inside of the first one."""
     bl_parent_id = "FRACTURE_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -39,14 +39,14 @@ class FRACTURE_PT_main(Sidebar, bpy.types.Panel):
         row.prop(own, "url" if own.ask == "SERVER" else "program", text="")
         row.operator("fracture.describe", text="", icon="FILE_REFRESH")
         if Known.description is None:
-            layout.label(text="No parameters are known yet.", icon="INFO")
+            layout.label(text="No parameters yet: press Update.", icon="INFO")
             layout.operator("fracture.describe")
             return
         draw_parameters(layout, context.scene, FRONT)
         working = OBJECT_OT_fracture_exact.current is not None
         column = layout.column()
         column.scale_y = 1.4
-        column.operator("object.fracture_exact", text="Working: Esc cancels" if working else "Fracture", icon="MOD_EXPLODE")
+        column.operator("object.fracture_exact", text="Working (Esc cancels)" if working else "Fracture", icon="MOD_EXPLODE")
 
 
 class FRACTURE_PT_places(Below, bpy.types.Panel):
@@ -106,7 +106,7 @@ class FRACTURE_PT_result(Below, bpy.types.Panel):
 
 
 def draw_parameters(layout, scene, names):
-    """Each with its switch. What is off shows what holds then."""
+    """Draws parameters, each with its switch. If the switch is off, the effective value is shown, greyed out."""
     group = scene.fracture_parameters
     for name in names:
         parameter = Known.parameters.get(name)

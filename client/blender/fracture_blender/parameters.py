@@ -1,32 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A parameter of the interface as a value of Blender, and back. How, is told by its entry in the server's table.
+"""Converts a parameter of the interface to a value of Blender, and back, by its entry in the server's table.
 
-Blender's values are in Blender's frame and units: a length is in Blender units, a vector has z up. What is a length, a place or
-a direction, is told by the unit and the shape of the entry, never by its name.
+Blender's values are in Blender's frame and units: a length is in Blender units, a vector has z up. The unit and the shape of the
+entry show whether it is a length, a place or a direction; its name is never used for that.
 """
 import re
 import struct
 
 from .frame import short, turned, turned_back, turned_matrix, turned_matrix_back
 
-MOST_INTEGER = 2 ** 31 - 1  # of Blender
-LENGTHS = {"m": 1, "m²": 2, "m³": 3, "m/s²": 1}  # unit: power of a length in it
+MOST_INTEGER = 2 ** 31 - 1  # largest integer of Blender
+LENGTHS = {"m": 1, "m²": 2, "m³": 3, "m/s²": 1}  # unit: power of the length in it
 COLOR = "^#[0-9a-fA-F]{6}$"
 
-# What the add-on itself says, because what comes back would be none of its fragments otherwise.
+# Parameters that users cannot set, because the add-on could not read the answer with other values.
 OWN = {
-    "format": "the mesh is sent as GLB",
-    "unit": "the scene's units are applied before it is sent",
-    "up": "z is turned to y before it is sent",
+    "format": "the mesh is always sent as GLB",
+    "unit": "the scene's units are applied before sending",
+    "up": "z up is converted to y up before sending",
     "pivot": "the origin of each fragment is its centre of mass",
-    "of": "a request says everything, and names no earlier answer",
-    "delta": "all fragments come back",
-    "local_new": "it goes with delta",
+    "of": "each request is complete and names no earlier answer",
+    "delta": "the add-on needs all fragments",
+    "local_new": "it has a meaning only with delta",
 }
 
 
 class Parameter:
-    """`kind`: integer, number, enum, text, color, vector, box, matrix, or list: one of numbers or of vectors, as text."""
+    """`kind`: integer, number, enum, text, color, vector, box, matrix, or list. A list of numbers or vectors is a text."""
 
     def __init__(self, entry):
         self.name = entry["name"]
@@ -41,11 +41,11 @@ class Parameter:
 
     @property
     def is_size(self):
-        """A vector of sides, none of which can be negative: turned without a sign."""
+        """True for a vector of side lengths, which cannot be negative, so that its axes are swapped without a sign."""
         return self.kind == "vector" and self.entry["items"].get("minimum", -1) >= 0
 
     def to_request(self, value, frame):
-        """What is sent for what Blender has."""
+        """Converts a value of Blender to the value that is sent."""
         if self.kind == "number":
             return short(frame.length(short(value), self.power))
         if self.kind == "color":
@@ -64,7 +64,7 @@ class Parameter:
         return value
 
     def to_blender(self, value, frame):
-        """What Blender has for a value of the interface: a default, or what a material sets."""
+        """Converts a value of the interface, such as a default or a value of a material, to a value of Blender."""
         if self.kind == "number":
             return frame.length_back(value, self.power)
         if self.kind == "integer":
@@ -91,7 +91,7 @@ class Parameter:
         return (x, z, y) if self.is_size else turned_back((x, y, z))
 
     def _list(self, text, frame):
-        """Lists and vectors of a text. One that cannot be read is sent as it is: the server says what is wrong with it."""
+        """Reads a list of numbers or vectors. A text that cannot be read is sent as it is, and the server reports the error."""
         try:
             rows = [[float(entry) for entry in row.split(",")] for row in text.strip().strip(";").split(";")]
         except ValueError:
@@ -111,7 +111,7 @@ def sendable(description):
 
 
 def single(value):
-    """The nearest number that Blender can keep."""
+    """The nearest number in single precision, which Blender uses."""
     largest = 3.4028234663852886e38
     return struct.unpack("f", struct.pack("f", min(largest, max(-largest, value))))[0]
 
@@ -125,7 +125,7 @@ def _kind(entry):
         if rows and fixed and entry["minItems"] == 2 and entry.get("unit") == "m":
             return "box"
         return "vector" if fixed and not rows and entry["minItems"] == 3 else "list"
-    if kind == "integer":  # a number without a default is an id, which may have more digits than Blender's integers
+    if kind == "integer":  # a large integer without a default is an id, which may not fit into Blender's integers
         return "text" if entry.get("maximum", 0) > MOST_INTEGER and "default" not in entry else "integer"
     if kind == "string":
         if "enum" in entry:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hits, kept and held regions, from the 3D cursor and from empties, as parameters of the interface."""
+"""Hits, kept regions and held regions, from the 3D cursor and from empties, as parameters of the interface."""
 from itertools import product
 
 from mathutils import Matrix, Vector
@@ -9,8 +9,8 @@ from .package import wrong
 
 
 def places(context, description, given):
-    """The parameters that the settings of the scene add to those of the panel. Raises FractureError of type
-    "bad-parameter" for a setting that points at nothing."""
+    """The parameters that the settings of the scene add to those of the panel. Raises FractureError of type "bad-parameter" if the
+    settings use selected empties and none is selected."""
     scene = context.scene
     settings, frame = scene.fracture_settings, Frame.of(scene)
     found = {}
@@ -23,7 +23,7 @@ def places(context, description, given):
         else:
             found.update(impacts=points)
             if "radius" in description.of_pattern(_pattern_of_impacts(description, given)):
-                found["radius"] = max(radii)  # there is one for all of them
+                found["radius"] = max(radii)  # all impacts share one radius
     if settings.keep is not None:
         found.update(_kept(settings.keep, frame))
     if settings.hold is not None:
@@ -32,12 +32,12 @@ def places(context, description, given):
 
 
 def radius_of(empty):
-    """How far an empty reaches, in Blender units: its display size, scaled as it is shown."""
+    """The radius of an empty in Blender units: its display size times its scale."""
     return empty.empty_display_size * max(abs(scale) for scale in empty.matrix_world.to_scale())
 
 
 def box_of(empty):
-    """Lowest and highest corner around a cube empty, which may be turned."""
+    """Lowest and highest corner of the box around a cube empty, which may be rotated."""
     size = empty.empty_display_size
     corners = [empty.matrix_world @ Vector(corner) for corner in product((-size, size), repeat=3)]
     return [tuple(end(corner[axis] for corner in corners) for axis in range(3)) for end in (min, max)]
@@ -50,15 +50,15 @@ def _hits(context, settings):
         regions = (settings.keep, settings.hold)
         empties = [item for item in context.selected_objects if item.type == "EMPTY" and item not in regions]
         if not empties:
-            raise wrong("It is to be hit at the selected empties, and none is selected.",
-                        parameter="impacts")
-        empties.sort(key=lambda item: item.name)  # the order decides, and that of a selection is nobody's
+            raise wrong("'Hit at' is set to the selected empties, but no empty is selected. Select at least one, or choose another "
+                        "'Hit at'.", parameter="impacts")
+        empties.sort(key=lambda item: item.name)  # the order changes the result, and a selection has no defined order
         return [(item.matrix_world.translation, radius_of(item)) for item in empties]
     return []
 
 
 def _pattern_of_impacts(description, given):
-    """With a material whose pattern knows of no hits it is `impact` (the description of `impacts` says so)."""
+    """The pattern of a request with impacts: `impact` if that of the material does not use them (see `impacts`)."""
     pattern = description.pattern_of(given)
     if "pattern" in given or "impacts" in description.of_pattern(pattern):
         return pattern

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whom to ask, and where the description of the parameters is kept."""
+"""The preferences: server or program, and the stored description of the parameters."""
 import os
 import pathlib
 import urllib.parse
@@ -11,24 +11,26 @@ from . import description
 from .asking import Target
 from .package import Client, FractureError
 
-NAME = __package__  # of the add-on: of an extension it has more than one part
+NAME = __package__  # the name of the add-on; as an extension it has several parts
 
 
 class FracturePreferences(bpy.types.AddonPreferences):
     bl_idname = NAME
 
-    # As a dictionary: with colons, checkers take their words for types.
+    # A dictionary instead of annotations, because checkers would read the texts of annotations as types.
     __annotations__ = {
-        "ask": EnumProperty(name="Ask", default="SERVER", items=[
-            ("SERVER", "A server", "A fracture server, on this machine or another one"),
-            ("PROGRAM", "A program", "fracture-server on this machine, started for each fracture")]),
-        "url": StringProperty(name="Server", default="http://127.0.0.1:8080", description="http://host:port or https://host:port"),
+        "ask": EnumProperty(name="Use", default="SERVER", items=[
+            ("SERVER", "A server", "A fracture server, on this machine or on another one"),
+            ("PROGRAM", "A program", "The program fracture-server on this machine, started for each fracture")]),
+        "url": StringProperty(name="Server", default="http://127.0.0.1:8080",
+                              description="Address of the server: http://host:port or https://host:port"),
         "token": StringProperty(name="Token", subtype="PASSWORD", options={"SKIP_SAVE"},
-                                description="For a server that asks for one. It is not saved; the variable FRACTURE_TOKEN holds as well"),
+                                description="For a server that needs a token. It is not saved. If this field is empty, the environment "
+                                "variable FRACTURE_TOKEN is used"),
         "program": StringProperty(name="Program", subtype="FILE_PATH", default="fracture-server",
-                                  description="fracture-server: a path, or a name that is found on the PATH"),
-        "timeout": FloatProperty(name="Patience", default=300.0, min=1.0, soft_max=3600.0, precision=0,
-                                 description="Seconds that a server may be absent or busy before an error says so"),
+                                  description="The program fracture-server: a path, or a name on the PATH"),
+        "timeout": FloatProperty(name="Timeout", default=300.0, min=1.0, soft_max=3600.0, precision=0,
+                                 description="Seconds that a server may be absent or busy before the fracture fails"),
     }
 
     def draw(self, context):
@@ -44,18 +46,19 @@ def of(context):
 
 
 def target(context):
-    """Raises FractureError where Blender is told to stay offline."""
+    """The server or program of the preferences. Raises FractureError if Blender must stay offline and the server is elsewhere."""
     own = of(context)
     if own.ask == "PROGRAM":
         return Target(program=bpy.path.abspath(own.program) if own.program.startswith("//") else own.program)
     host = urllib.parse.urlsplit(own.url).hostname
     if not getattr(bpy.app, "online_access", True) and host not in ("localhost", "127.0.0.1", "::1"):
-        raise FractureError("connection", "Blender's preferences do not allow online access, and the server is on another machine.")
+        raise FractureError("connection", f"The server {own.url} is on another machine, and Blender's preferences do not allow online "
+                                          "access. Allow it in Preferences > System, or use a server or program on this machine.")
     return Target(url=own.url, token=own.token or os.environ.get("FRACTURE_TOKEN", ""), timeout=own.timeout)
 
 
 def ask_description(context):
-    """Of the server or the program in use; kept for the next start. Raises FractureError."""
+    """The description of the server or program in use. It is stored for the next start. Raises FractureError."""
     where = target(context)
     if where.program:
         found = description.of_program(where.program)
@@ -65,12 +68,12 @@ def ask_description(context):
     try:
         description.store(found, _folder(create=True))
     except OSError:
-        pass  # then it is asked for again at the next start
+        pass  # it is asked for again at the next start
     return found
 
 
 def kept_description():
-    """The last one, else the one of the day on which the add-on was packed, else None."""
+    """The stored description, else that of the packed add-on, else None."""
     return description.load((_folder(create=False), pathlib.Path(__file__).parent))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of everything in the panel, by Blender's own system: files in the folder of the user."""
+"""Presets of the panel, with Blender's own preset system: files in the user's folder."""
 import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
@@ -7,7 +7,7 @@ from bl_ui.utils import PresetPanel
 from .properties import FractureSettings, Known
 
 FOLDER = "object.fracture_exact"
-SCENE_ONLY = {"keep", "hold", "search"}  # objects are of one file
+SCENE_ONLY = {"keep", "hold", "search"}  # objects belong to one .blend file
 
 
 class FRACTURE_PT_presets(PresetPanel, bpy.types.Panel):
@@ -28,7 +28,7 @@ class FRACTURE_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self):
-        """A value before its switch: setting the value turns the switch on."""
+        """Each value comes before its switch, because setting the value turns the switch on."""
         parameters = [f"parameters.{part}{name}" for name in Known.parameters for part in ("", "use_")]
         return parameters + [f"settings.{name}" for name in FractureSettings.__annotations__ if name not in SCENE_ONLY]
 

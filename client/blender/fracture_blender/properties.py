@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The properties of a scene: one for each parameter that the server describes, and those of the add-on.
 
-`scene.fracture_parameters` is made anew whenever a description comes. Each parameter has two properties: its value, and
-`use_<name>`, whether it is sent. A script that sets a value need not set the other one: setting it means to send it. What is
-not sent is as the material has it.
+`scene.fracture_parameters` is rebuilt for each new description. Each parameter has two properties: its value, and `use_<name>`,
+which decides whether it is sent. Setting a value turns `use_<name>` on. A parameter that is not sent has the value of the
+material, or its default.
 """
 import zlib
 
@@ -14,12 +14,12 @@ from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorPro
 from .frame import Frame
 from .parameters import MOST_INTEGER, sendable, single
 
-# What a new scene asks for, where the server knows it: a thing that breaks into forty ragged chunks.
+# The parameters of a new scene, if the server has them: 40 ragged chunks.
 FIRST = {"material": "stone", "fragments": 40}
 
 
 class Known:
-    """The description in use, and its parameters by name; empty until there is one."""
+    """The description in use, and its parameters by name. Empty until a description is loaded."""
 
     description = None
     parameters = {}
@@ -27,7 +27,7 @@ class Known:
 
 
 def use(description):
-    """Makes the properties anew. Values that a scene has already stay."""
+    """Rebuilds the properties from a description. A scene keeps the values that it has."""
     forget()
     Known.description = description
     Known.parameters = {} if description is None else sendable(description)
@@ -35,7 +35,7 @@ def use(description):
     for parameter in Known.parameters.values():
         annotations[parameter.name] = _property(parameter)
         annotations["use_" + parameter.name] = BoolProperty(
-            name="Send", description=f"Send '{parameter.name}'. Otherwise it is as the material has it, or as usual",
+            name="Send", description=f"Send '{parameter.name}'. If off, the material or the default decides",
             default=parameter.name in FIRST, update=_filling(parameter))
     Known.group = type("FractureParameters", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
     bpy.utils.register_class(Known.group)
@@ -50,14 +50,14 @@ def forget():
 
 
 def given(scene):
-    """The parameters of the panel, as they are sent."""
+    """The parameters of the panel that are on, as the values that are sent."""
     group, frame = scene.fracture_parameters, Frame.of(scene)
     return {name: parameter.to_request(getattr(group, name), frame) for name, parameter in Known.parameters.items()
             if getattr(group, "use_" + name)}
 
 
 def usual(scene, parameter):
-    """What holds while it is not sent, as Blender has it; None where nothing says it."""
+    """The effective value of a parameter that is not sent, as a value of Blender; None if it has no default."""
     group = scene.fracture_parameters
     material = getattr(group, "material", "") if getattr(group, "use_material", False) else ""
     value = Known.description.usual(parameter.name, {"material": material})
@@ -65,7 +65,7 @@ def usual(scene, parameter):
 
 
 def _filling(parameter):
-    """When a parameter is switched on, it begins with what held until then."""
+    """When a parameter is switched on, it starts with the value that was effective before."""
     def update(group, context):
         if getattr(group, "use_" + parameter.name) and not group.is_property_set(parameter.name):
             value = usual(group.id_data, parameter)
@@ -96,7 +96,7 @@ def _property(parameter):
                            max=min(MOST_INTEGER, int(parameter.most or MOST_INTEGER)), **words)
     if parameter.kind == "number":
         unit = {1: "LENGTH", 3: "VOLUME"}.get(parameter.power, "NONE")
-        # A scene may have any scale: what is a length has the server's range only there.
+        # A length has no range here, because the scale of a scene changes it. The server checks the range.
         ends = {} if parameter.power else {key: single(end) for key, end in (("min", parameter.least), ("max", parameter.most))
                                            if end is not None}
         return FloatProperty(default=default or 0.0, unit=unit, precision=3, **ends, **words)
@@ -110,12 +110,13 @@ def _property(parameter):
 
 
 def _number(name):
-    """What a .blend file keeps of an enumeration: of the name, so that a server with one more material changes no scene."""
+    """The number of an enumeration's item in a .blend file. It is made from the name, so that a new material of the server does not
+    change old scenes."""
     return zlib.crc32(name.encode("utf-8")) & MOST_INTEGER
 
 
 def _about(parameter, name):
-    """A pattern or a material has a description of its own."""
+    """The description of a pattern or material; "" for other items."""
     for table in (Known.description.patterns, Known.description.materials):
         if name in table and parameter.name in ("pattern", "material"):
             return table[name].get("description", "").rstrip(".")
@@ -125,47 +126,49 @@ def _about(parameter, name):
 def _tooltip(parameter):
     text = parameter.description.rstrip(".")
     if parameter.kind == "list":
-        text += f". As text: {parameter.entry.get('text', 'a,b,c')}"
+        text += f". Format: {parameter.entry.get('text', 'a,b,c')}"
     unit = parameter.unit if not parameter.power else ""
     return text + (f". In {unit}" if unit else "")
 
 
 class FractureSettings(bpy.types.PropertyGroup):
-    """What is no parameter: where it is hit, held and painted, and what is made of the answer."""
+    """Settings of the add-on that are not parameters: hits, regions, paint, and the result."""
 
-    # As a dictionary: with colons, checkers take their words for types.
+    # A dictionary instead of annotations, because checkers would read the texts of annotations as types.
     __annotations__ = {
         "together": BoolProperty(
-            name="Together", description="All selected objects are one: they share the number of fragments. "
-            "Otherwise each is broken by itself", default=False),
+            name="Together", description="Break all selected objects as one, with a shared number of fragments. If off, each object "
+            "is broken separately", default=False),
         "hits": EnumProperty(name="Hit at", default="NONE", items=[
-            ("NONE", "Nothing", "As the pattern has it, or as the parameters below say"),
+            ("NONE", "Nothing", "No hits, unless a parameter sets them"),
             ("CURSOR", "3D cursor", "One hit at the 3D cursor"),
             ("EMPTIES", "Selected empties", "A hit at each selected empty; its display size is the radius")]),
         "hit_kind": EnumProperty(name="Breaks", default="IMPACT", items=[
-            ("IMPACT", "Everything", "The whole object breaks, around the hits (impacts)"),
-            ("LOCAL", "What is near", "Only what is within the radius of a hit breaks (local_point)")]),
-        "hit_radius": FloatProperty(name="Radius", description="Of a hit at the 3D cursor", default=0.25, min=1e-6, unit="LENGTH"),
+            ("IMPACT", "Everything", "The whole object breaks, with smaller pieces around the hits (impacts)"),
+            ("LOCAL", "Near the hits", "Only the part within the radius of a hit breaks (local_point)")]),
+        "hit_radius": FloatProperty(name="Radius", description="Radius of a hit at the 3D cursor", default=0.25, min=1e-6,
+                                    unit="LENGTH"),
         "keep": PointerProperty(name="Keep", type=bpy.types.Object, poll=lambda self, item: item.type == "EMPTY",
-                                description="Nothing is cut in this empty: of a cube in the box around it, of any other in the sphere"),
+                                description="An empty in which nothing is cut: a cube keeps the box around it, other types a sphere"),
         "hold": PointerProperty(name="Hold", type=bpy.types.Object, poll=lambda self, item: item.type == "EMPTY",
-                                description="Fragments that this empty touches are held: a cube a box, a single arrow the plane "
-                                "it stands on, any other the point"),
+                                description="An empty that holds the fragments that it touches: a cube holds those in its box, a single "
+                                "arrow those on its plane, other types the one at its point"),
         "paint": EnumProperty(name="Painted by", default="NONE", items=[
-            ("NONE", "Nothing", "Fragments are as fine everywhere as the pattern makes them"),
-            ("GROUP", "Vertex group", "Weight 1 gets most fragments, weight 0 fewest"),
-            ("COLOR", "Colour attribute", "White gets most fragments, black fewest")]),
-        "paint_name": StringProperty(name="Name", description="Of the vertex group or the colour attribute"),
-        "bodies": BoolProperty(name="Rigid bodies", default=True, description="Each fragment is a rigid body"),
+            ("NONE", "Nothing", "The pattern alone decides the sizes of fragments"),
+            ("GROUP", "Vertex group", "Most fragments at weight 1, fewest at weight 0"),
+            ("COLOR", "Colour attribute", "Most fragments at white, fewest at black")]),
+        "paint_name": StringProperty(name="Name", description="Name of the vertex group or colour attribute"),
+        "bodies": BoolProperty(name="Rigid bodies", default=True, description="Make each fragment a rigid body"),
         "shape": EnumProperty(name="Shape", default="CONVEX_HULL", items=[
-            ("CONVEX_HULL", "Convex hull", "Fast; of ragged chunks it is larger than they are"),
-            ("MESH", "Mesh", "As it is; slow")]),
+            ("CONVEX_HULL", "Convex hull", "Fast; larger than the fragment if that is ragged"),
+            ("MESH", "Mesh", "The exact shape of the fragment; slow")]),
         "constraints": BoolProperty(name="Breakable constraints", default=True,
-                                    description="A fixed constraint for each bond, that breaks when it carries too much"),
+                                    description="Add a fixed constraint for each bond, which breaks under too much load"),
         "strength": FloatProperty(name="Strength", default=1.0, min=0.0, soft_max=10.0, precision=4,
-                                  description="Bonds break at so many times the strength that their material and area give them"),
-        "hide": BoolProperty(name="Hide the original", default=True, description="In the viewport and in renders; it is never deleted"),
-        "search": StringProperty(name="Search", description="Show the parameters that have this in their name or description",
+                                  description="Factor for the strength of bonds, which comes from material and area"),
+        "hide": BoolProperty(name="Hide the original", default=True,
+                             description="Hide the original in the viewport and in renders. It is never deleted"),
+        "search": StringProperty(name="Search", description="Show the parameters with this text in their name or description",
                                  options={"TEXTEDIT_UPDATE", "SKIP_SAVE"}),
     }
 

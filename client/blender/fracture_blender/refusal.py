@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a refusal says, and where it points."""
+"""The text of an error, and the place in the mesh that it names."""
 import textwrap
 
 import bmesh
@@ -8,28 +8,28 @@ from mathutils import Vector
 
 from .frame import Frame
 
-NEAR = 1e-4  # of the object's size: a vertex that is no farther is the one that is meant
+NEAR = 1e-4  # fraction of the object's size; a vertex within this distance of the place is the one that the error names
 LINE = 110  # characters of a line in the popup
 
 
 def words(error):
-    """For people, line by line: all that is wrong, and of what type it is. Blender shows an error that an operator reports as a
-    popup, which does not break lines."""
+    """The lines of an error for people: title, details and type. They are wrapped here, because Blender's popup does not wrap
+    lines."""
     lines = [error.title] if error.title and error.title != error.detail else []
     lines += [*error.details, f"({error.type}" + (f", HTTP {error.status})" if error.status else ")")]
     return [part for line in lines for part in textwrap.wrap(line, LINE)]
 
 
 def show_place(context, error, names):
-    """Shows the place that a problem names: its edges selected in edit mode, or an empty where the mesh has none there (it came
-    of a modifier). `names`: of the objects that were asked for. Returns what it did, "" for nothing."""
+    """Shows the place that an error names: selects the open edges in edit mode, or adds an empty if the mesh has no such edge (if a
+    modifier made it). `names`: the objects of the request. Returns a sentence about it; "" if nothing is shown."""
     places = [Vector(Frame.of(context.scene).point_back(point)) for point in _points(error.problem)]
-    if not places and error.type != "mesh-not-closed":  # of that a program says no place, but there are edges to be shown
+    if not places and error.type != "mesh-not-closed":  # `bake` names no place for this error, but there are open edges to show
         return ""
     for name in names:
         item = context.scene.objects.get(name)
         if item is not None and item.type == "MESH" and _select(context, item, places):
-            return f"The open edges of {name} are selected."
+            return f"The open edges of '{name}' are selected. Close them, or undo."
     if not places:
         return ""
     mark = bpy.data.objects.new(f"Fracture: {error.title}"[:63], None)
@@ -38,19 +38,19 @@ def show_place(context, error, names):
                                           if name in context.scene.objects), default=1.0)
     mark.show_in_front = True
     context.scene.collection.objects.link(mark)
-    return f"The empty '{mark.name}' is there."
+    return f"The empty '{mark.name}' marks the place."
 
 
 def _points(problem):
-    """Of the members that problem documents have for places, best first."""
+    """The points that a problem document names: its `edge`, or else its `sample`."""
     edge, sample = problem.get("edge"), problem.get("sample")
     points = edge if isinstance(edge, list) else [sample]
     return [point for point in points if isinstance(point, list) and len(point) == 3]
 
 
 def _select(context, item, places):
-    """Edit mode with all edges that have not two faces, if one of them has its ends at the places (or one end at the one);
-    without places, if there are such edges."""
+    """Selects all edges that do not have two faces, in edit mode, and returns whether it did. It does so only if one of them has its
+    ends at the places (or one end, for one place). Without places any such edge counts."""
     near = NEAR * max(*item.dimensions, 1e-9)
     world = item.matrix_world
     mesh = bmesh.new()

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One fracture from the selection to the collections, without a user interface: begin(), wait or look in, finish()."""
+"""One fracture from the selection to the collections, without a user interface: begin(), wait or poll, finish()."""
 from . import bodies, fragments, places, preferences, properties, writer
 from .asking import Asking, Request
 from .package import wrong
 
 
 class Run:
-    """`asking` is at work from begin() on. The main thread calls all of this."""
+    """One fracture in progress: `asking` works since begin(). Only the main thread may call these methods."""
 
     def __init__(self, asking, written):
         self.asking = asking
-        self._written = written  # a list: what was sent, one for each answer
+        self._written = written  # the files that were sent, one for each answer
 
     @property
     def failed_names(self):
-        """Names of the objects that the error is about."""
+        """The names of the objects whose request failed."""
         number = self.asking.failed
         return self._written[number].objects if number is not None and number < len(self._written) else []
 
     def finish(self, context):
-        """Makes the fragments of all answers, then hides the originals. Raises the FractureError of the run, and then nothing
-        was made. Returns a list of fragments.Made, and the warnings."""
+        """Creates the fragments of all answers and hides the originals. Returns a list of fragments.Made, and the warnings. Raises
+        the FractureError of the run; then nothing was created."""
         if self.asking.error is not None:
             raise self.asking.error
         for answer in self.asking.answers:
@@ -34,12 +34,12 @@ class Run:
 
 
 def begin(context):
-    """Raises FractureError."""
+    """Writes the selected objects and starts to ask. Raises FractureError."""
     chosen = [item for item in context.selected_objects if item.type in writer.MESH_TYPES]
     if not chosen:
-        raise wrong("Select the objects that are to break.")
+        raise wrong("No object with a surface is selected. Select the objects to break.")
     if context.mode != "OBJECT":
-        raise wrong("Leave edit mode first: what is edited is not in the object yet.")
+        raise wrong("The object is in edit mode, so its changes are not in the object yet. Leave edit mode (Tab) first.")
     chosen.sort(key=lambda item: item.name)
     if properties.Known.description is None:
         properties.use(preferences.ask_description(context))
@@ -63,7 +63,7 @@ def _build(context, answer, written):
     inside = originals[0].users_collection if originals else ()
     parent = inside[0] if inside else scene.collection
     made = fragments.build(context, answer, written, parent, written.objects[0])
-    context.view_layer.update()  # dimensions, and what is linked, are known from then on
+    context.view_layer.update()  # updates dimensions and linked objects
     if settings.bodies:
         bodies.add_bodies(scene, answer, made.objects, settings.shape)
         if settings.constraints:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects as the GLB that is sent.
+"""Writes objects as the GLB that is sent.
 
-Blender's own exporter is not used. It needs numpy, which not every package of Blender has; its options and its bytes change
-from release to release, so that a mesh that the server has would be sent again; it knows nothing of a scene's unit scale; and
-it turns materials into others, while fragments are to have the object's own. This writer keeps vertices as they are, in
-single precision, and puts the whole transform into the node, so that nothing is rounded on the way.
+Blender's own exporter is not used for four reasons. It needs numpy, which some packages of Blender do not have. Its bytes change
+between releases, so a mesh that the server has would be sent again. It ignores a scene's unit scale. It changes materials, but
+fragments need the object's own. This writer keeps vertices unchanged in single precision and puts the whole transform into the
+node, so nothing is rounded.
 """
 from array import array
 
@@ -19,19 +19,19 @@ PAINT = "COLOR_0"  # what density_from names
 
 
 class Written:
-    """A file, and what has to be remembered to give fragments their own materials and layers back."""
+    """A written file, with the names of objects, materials and layers that fragments need."""
 
     def __init__(self, content, objects, materials, uv_names, color_names):
         self.glb = content
         self.objects = [item.name for item in objects]
         self.materials = materials
         self.uv_names = uv_names  # of TEXCOORD_0, 1, …
-        self.color_names = color_names  # of COLOR_0, 1, …; None for what was only paint
+        self.color_names = color_names  # of COLOR_0, 1, …; None for a layer that was only paint
 
 
 def write(context, objects, paint="NONE", paint_name=""):
-    """The objects with their modifiers, in the frame of the interface. Raises FractureError for what has no faces, and for
-    paint that no object has."""
+    """Writes the objects with their modifiers, in the frame of the interface. Raises FractureError if they have no faces, or if no
+    object has the paint."""
     file = _File(Frame.of(context.scene))
     graph = context.evaluated_depsgraph_get()
     painted = False
@@ -44,10 +44,11 @@ def write(context, objects, paint="NONE", paint_name=""):
         finally:
             evaluated.to_mesh_clear()
     if not file.nodes:
-        raise wrong("The selected objects have no faces.")
+        raise wrong("The selected objects have no faces, so there is nothing to break. Select objects with a surface.")
     if paint != "NONE" and not painted:
         what = "vertex group" if paint == "GROUP" else "colour attribute"
-        raise wrong(f"There is no {what} '{paint_name}' to be painted by.", parameter="density_from")
+        raise wrong(f"'Painted by' names the {what} '{paint_name}', which no selected object has. Choose another name, or 'Nothing'.",
+                    parameter="density_from")
     return Written(file.finish(), objects, file.materials, file.uv_names, file.color_names)
 
 
@@ -60,7 +61,7 @@ class _File:
         self.uv_names, self.color_names = [], []
 
     def add(self, item, evaluated, mesh, paint, paint_name):
-        """True where it has the paint."""
+        """Adds an object; returns whether it has the paint."""
         mesh.calc_loop_triangles()
         corners = len(mesh.loops)
         vertices = array("i", bytes(4 * corners))
@@ -98,7 +99,7 @@ class _File:
         return painted
 
     def _triangles(self, item, evaluated, mesh, vertex_of):
-        """Indices by the number of the material, in the order of the slots."""
+        """The indices of the triangles by the number of their material, in the order of the slots."""
         count = len(mesh.loop_triangles)
         corners, slots = array("i", bytes(12 * count)), array("i", bytes(4 * count))
         mesh.loop_triangles.foreach_get("loops", corners)
@@ -156,14 +157,14 @@ def _normals(mesh, corners):
     else:
         mesh.calc_normals_split()
         values = _get(mesh.loops, "normal", 3 * corners)
-    for at in range(0, len(values), 3):  # a face without area has none, and glTF wants one
+    for at in range(0, len(values), 3):  # a face without area has no normal, but glTF needs one
         if values[at] == values[at + 1] == values[at + 2] == 0:
             values[at + 2] = 1.0
     return values
 
 
 def _materials(item, mesh):
-    """Of the slots. What the modifiers add stands in the mesh; what an object has of its own, only in its slots."""
+    """The materials of the slots. The mesh has those that modifiers add; only the object's slots have those linked to the object."""
     materials = [None if material is None else material.original for material in mesh.materials]
     for number, slot in enumerate(item.material_slots):
         if slot.link == "OBJECT" or number >= len(materials):
@@ -172,7 +173,7 @@ def _materials(item, mesh):
 
 
 def _colors(mesh, evaluated, vertices, paint, paint_name):
-    """Colours of each corner, their names, and whether the first is the paint."""
+    """(colours of each corner, their names, whether the first one is the paint)."""
     columns, names = [], []
     layers = [layer for layer in mesh.color_attributes if layer.data]
     if paint == "GROUP":
@@ -184,7 +185,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
     elif paint == "COLOR":
         layers.sort(key=lambda layer: layer.name != paint_name)
     painted = bool(columns) or (paint == "COLOR" and any(layer.name == paint_name for layer in layers))
-    if paint != "NONE" and not painted:  # an object of several that has none is black
+    if paint != "NONE" and not painted:  # one of several objects without the paint: black
         columns.append(array("f", (0.0, 0.0, 0.0, 1.0)) * len(vertices))
         names.append(None)
     for layer in layers:
@@ -195,7 +196,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
 
 
 def _turned(values):
-    """x, y, z with z up as x, z, -y."""
+    """Positions or normals with z up as (x, z, -y), with y up."""
     turned = array("f", values)
     turned[1::3] = values[2::3]
     turned[2::3] = array("f", [0.0 - value for value in values[1::3]])
@@ -203,7 +204,7 @@ def _turned(values):
 
 
 def _flipped(values):
-    """Blender's v goes up, that of glTF down."""
+    """UVs with v reversed: Blender's v points up, that of glTF down."""
     values[1::2] = array("f", [1.0 - value for value in values[1::2]])
     return values
 
@@ -214,7 +215,7 @@ def _chunks(values, width):
 
 
 def _picked(values, width, order):
-    """The rows of these numbers."""
+    """The rows with these numbers."""
     content, size = values.tobytes(), 4 * width
     picked = array("f")
     picked.frombytes(b"".join([content[size * row:size * row + size] for row in order]))

@@ -8,7 +8,7 @@
         answer.save("broken.glb")
         after = answer.hit([0.2, 0.9, 0], 0.3)
 
-README.md beside this package begins from nothing; `help(Client)` goes on from here. AsyncClient is the same for asyncio.
+client/python/README.md has the first steps, and `help(Client)` describes the calls. AsyncClient has the same calls for asyncio.
 """
 from .admin import Admin
 from .aio import AsyncAnswer, AsyncClient, AsyncJob, AsyncMesh

@@ -1,4 +1,4 @@
-"""The admin listener of a server: probes and figures, on a port of its own that asks for no token."""
+"""The admin port of a server: health probes and metrics. It is a separate port and does not ask for a token."""
 from __future__ import annotations
 
 from typing import Optional
@@ -12,10 +12,10 @@ from .pool import Settings
 
 
 class Admin(Caller):
-    """with Admin("http://127.0.0.1:8081") as admin: admin.is_ready()"""
+    """A client of the admin port. `with Admin("http://127.0.0.1:8081") as admin: admin.is_ready()`"""
 
     def __init__(self, url: str, timeout: Optional[float] = 10.0, *, settings: Settings = Settings()) -> None:
-        """Raises FractureError of type "bad-url"."""
+        """`timeout`: s for each call; None: no limit. Raises FractureError of type "bad-url"."""
         super().__init__(url, None, timeout, False, None, settings)
 
     def __enter__(self) -> "Admin":
@@ -25,20 +25,20 @@ class Admin(Caller):
         self.close()
 
     def is_alive(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """False where nobody answers."""
+        """Whether the server process answers (/livez). False if there is no answer in time. Raises FractureError."""
         return self._probe("/livez", timeout, cancel)
 
     def is_ready(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """False where the server stops, or nobody answers."""
+        """Whether the server takes requests (/readyz). False if it is shutting down or does not answer. Raises FractureError."""
         return self._probe("/readyz", timeout, cancel)
 
     def metrics(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> str:
-        """Counts and gauges in the text format of Prometheus. Raises FractureError."""
+        """The server's metrics in the text format of Prometheus. Raises FractureError."""
         response = self._ask("GET", "/metrics", b"", {}, asking.check_nothing, timeout, cancel)
         return response.body.decode("utf-8", "replace")
 
     def _probe(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """Once: who asks a probe wants to know now."""
+        """Sends one request, without retries, because a probe reports the state of this moment."""
         try:
             with self._call(timeout, cancel, f"GET {path}") as call:
                 once = Settings(**{**vars(self.settings), "tries": 1})

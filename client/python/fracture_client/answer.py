@@ -1,4 +1,4 @@
-"""Fragments as the server answers, and what is made of them."""
+"""The fragments that the server returns, and the calls that save or hit them."""
 from __future__ import annotations
 
 import contextlib
@@ -23,11 +23,14 @@ Point = Sequence[float]  # x, y, z in metres, y up
 
 
 class Answer:
-    """One GLB with its figures. Immutable: a hit gives another answer."""
+    """One GLB with its figures. Immutable: hit() returns a new answer."""
 
     def __init__(self, content: bytes, mesh: Optional["Mesh"] = None, headers: Optional[Mapping[str, str]] = None) -> None:
-        """`headers`: of the HTTP answer, names in lower case. Raises FractureError of type "damaged" for what is no GLB
-        of a fracture server."""
+        """content  the bytes of a GLB
+        mesh     the mesh that was fractured; hit() needs it
+        headers  the fields of the HTTP answer, names in lower case
+        Raises FractureError of type "damaged" if `content` is not a GLB of a fracture server.
+        """
         self._file = glb_file.Glb(content)
         self._figures = figures_of(self._file)
         self._mesh = mesh
@@ -37,47 +40,50 @@ class Answer:
 
     @classmethod
     def load(cls, path: Path) -> "Answer":
-        """Of a file that save() or anybody else wrote. Such an answer can be looked at, and not be hit. Raises OSError."""
+        """Reads a GLB file of a fracture server. hit() does not work on such an answer, because its mesh is not known.
+        Raises OSError, and FractureError of type "damaged"."""
         return cls(pathlib.Path(path).read_bytes())
 
     @property
     def glb(self) -> bytes:
+        """The bytes of the GLB."""
         return self._file.content
 
     @property
     def figures(self) -> Dict[str, Any]:
-        """All that the server says beside the geometry: `extras.fracture` of the root node."""
+        """Everything except the geometry: `extras.fracture` of the root node."""
         return self._figures
 
     @property
     def parameters(self) -> Dict[str, Any]:
-        """The request as the server understood it. Together with the mesh they give the same answer again."""
+        """The parameters as the server understood them. The same mesh with these parameters gives the same answer."""
         return self._figures.get("parameters", {})
 
     @property
     def report(self) -> Dict[str, Any]:
-        """What was repaired, what sizes the fragments have, what was not as it was asked for."""
+        """The repairs of the mesh, the sizes of the fragments, and the warnings."""
         return self._figures.get("report", {})
 
     @property
     def warnings(self) -> List[str]:
+        """The warnings of the report: results that may differ from those that you wanted."""
         return list(self.report.get("warnings", []))
 
     @property
     def certificate(self) -> Dict[str, Any]:
-        """What proves the answer: open edges (0), volumes in and out (m³), fragments, …"""
+        """The figures that prove the answer: open edges (0), volumes in and out (m³), number of fragments, …"""
         return self._figures["certificate"]  # type: ignore[no-any-return]
 
     @property
     def fragments(self) -> List[Fragment]:
-        """Read from the file when they are asked for the first time."""
+        """The fragments in the order of the file. The first use reads them. Raises FractureError of type "damaged"."""
         if self._fragments is None:
             self._fragments = read_fragments(self._file)
         return self._fragments
 
     @property
     def bonds(self) -> List[Bond]:
-        """Which fragments hold together. Read when they are asked for the first time."""
+        """The connections between fragments. The first use reads them. Raises FractureError of type "damaged"."""
         if self._bonds is None:
             self._bonds = read_bonds(self._figures.get("bonds", {}))
         return self._bonds
@@ -89,29 +95,29 @@ class Answer:
 
     @property
     def delta(self) -> Optional[Delta]:
-        """What the last hit changed; None where there was none, or nobody asked."""
+        """The changes of the last hit. None without a hit, and after a hit with delta="none"."""
         said = self._figures.get("delta")
         return None if said is None else Delta(*(tuple(said[key]) for key in ("new", "changed", "gone")))
 
     @property
     def location(self) -> str:
-        """The answer's address, "/fractures/sha256:…", good for Client.answer() while the server has it cached; after a hit
-        it is the address of what changed. "" for a file."""
+        """The address of the answer for Client.answer(): "/fractures/sha256:…". It works while the server has the answer in its
+        cache. After a hit it is the address of the changes. "" for a file."""
         return self._headers.get("content-location", "")
 
     @property
     def etag(self) -> str:
-        """Of what came over the wire, for `unless` of Client.answer()."""
+        """The ETag of the HTTP answer, for `unless` of Client.answer()."""
         return self._headers.get("etag", "")
 
     @property
     def algorithm(self) -> int:
-        """The version of the algorithm: equal requests give equal bytes as long as it is the same."""
+        """The version of the algorithm. Equal requests give equal bytes while this version stays the same."""
         return int(self._figures.get("algorithm", 0))
 
     @property
     def timing(self) -> Dict[str, float]:
-        """Milliseconds that the server took for each step (Server-Timing). What is not understood is left out."""
+        """Milliseconds that the server took for each step (Server-Timing). Entries that cannot be read are left out."""
         times: Dict[str, float] = {}
         for entry in self._headers.get("server-timing", "").split(","):
             name, *parameters = (part.strip() for part in entry.split(";"))
@@ -125,23 +131,29 @@ class Answer:
 
     @property
     def headers(self) -> Dict[str, str]:
-        """All of the HTTP answer, names in lower case."""
+        """All fields of the HTTP answer, names in lower case."""
         return dict(self._headers)
 
     @property
     def mesh(self) -> Optional["Mesh"]:
-        """What was fractured; None for a file."""
+        """The mesh that was fractured; None for a file."""
         return self._mesh
 
     def of_mesh(self, mesh: "Mesh") -> "Answer":
-        """The same answer, whose mesh is known."""
+        """A copy of this answer with this mesh, so that hit() works."""
         same = copy.copy(self)
         same._mesh = mesh
         return same
 
     def save(self, path: Path) -> pathlib.Path:
-        """Writes a GLB if the path ends in .glb or has no ending, glTF as one JSON text for .gltf, the figures alone for .json.
-        Whole or not at all. Raises FractureError of type "bad-parameter" for any other ending, and OSError."""
+        """Writes a file; its ending chooses the format, and the path is returned.
+
+        .glb or no ending  GLB
+        .gltf              glTF as one JSON text
+        .json              only the figures
+        An existing file is replaced. If writing fails, the existing file is unchanged.
+        Raises FractureError of type "bad-parameter" for any other ending, and OSError.
+        """
         path = pathlib.Path(path)
         kind = kind_of_file(path)
         content = self.glb
@@ -155,19 +167,22 @@ class Answer:
     def hit(self, point: Union[Point, Sequence[Point]], radius: Union[float, Sequence[float]],
             sites: Union[int, Sequence[int], None] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **parameters: Any) -> "Answer":
-        """The answer after one more hit (or several): a whole one, with `delta`.
+        """The answer after one more hit, or several hits. It has all fragments, and `delta` lists the changes.
 
-        point       where it is hit, metres, y up, in the frame of the answer; a list of points for several hits
-        radius      how far it reaches, metres; one for all, or one for each
-        sites       how many cells it adds (the server's default: 30); one for all, or one for each
-        parameters  `gravity` and `broken`; with delta="none" whatever decides neither mesh nor cells
+        point       centre of the hit in the frame of the answer (m, y up): (x, y, z), or a list of them for several hits
+        radius      reach of the hit (m); one number for all hits, or a list with one for each
+        sites       number of cells that the hit adds (the server's default: 30); one for all hits, or a list
+        timeout     s for everything, retries included; None: the client's
+        realtime    the request goes before batch work; None: the client's
+        parameters  `gravity` and `broken`; with delta="none" also the parameters that decide neither mesh nor cells
 
-        Only what changed is sent; it is put together with this answer here. A server that has forgotten this answer is asked
-        for the same by its parameters. Raises FractureError.
+        The server sends only the changes, and the client merges them with this answer. If the server has forgotten this answer,
+        the client asks for the same result by its parameters.
+        Raises FractureError; its type is "bad-parameter" for an answer that load() read from a file.
         """
         if self._mesh is None:
-            raise FractureError("bad-parameter", "An answer that was read from a file cannot be hit: ask for it with its "
-                                                 "parameters, then hit that.")
+            raise FractureError("bad-parameter", "This answer was read from a file, so its mesh is not known and it cannot be hit. "
+                                                 "Call fracture() with the mesh and `parameters` of the answer, and hit that answer.")
         hits: Dict[str, Any] = {"local_point": point, "local_radius": radius, "local_sites": sites}
         wanted = {"delta": "only" if self._can_be_merged() else "stated", **hits, **parameters}
         options: Dict[str, Any] = {"timeout": timeout, "cancel": cancel, "realtime": realtime}
@@ -185,13 +200,14 @@ class Answer:
         return Answer(merge(self._file, after._file), self._mesh, after._headers)
 
     def _can_be_merged(self) -> bool:
-        """Hierarchies and anchors are about all fragments, and the relief of cuts is not sent twice: then all comes again."""
+        """Whether delta="only" works. Not with levels and anchors, because a hit can change them in all fragments. Not with the
+        relief of cut faces, because the server sends it only with the whole answer."""
         about_all = ("levels", "anchor_plane", "anchor_box", "anchor_points")
         return not any(name in self.parameters for name in about_all) and \
             self.parameters.get("interior_detail", "none") == "none"
 
     def _spelt_out(self, wanted: Mapping[str, Any]) -> Dict[str, Any]:
-        """The request that names no earlier answer: its parameters, with the hits behind its own."""
+        """The same request without `of`: the parameters of this answer, with the new hits appended to its own."""
         given: Dict[str, Any] = json.loads(json_text(wanted))
         before = {name: value for name, value in self.parameters.items() if name not in ("delta", "local_new", "format")}
         points = given.pop("local_point")
@@ -210,18 +226,18 @@ class Answer:
 
 
 def kind_of_file(path: pathlib.Path) -> str:
-    """What save() writes: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for another ending, because
-    a GLB in a file called .obj is found only when it is read."""
+    """The format that save() writes to a path: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for
+    another ending: a GLB in a file named .obj would fail only when another program reads it."""
     kind = path.suffix.lower() or ".glb"
     if kind not in (".glb", ".gltf", ".json"):
-        raise FractureError("bad-parameter", f"'{path.suffix}' is not written: the file '{path}' must end in .glb, .gltf (one JSON "
-                                             "text) or .json (the figures), or have no ending (GLB). `fracture-server bake` "
-                                             "writes .obj, .ply and .stl.")
+        raise FractureError("bad-parameter", f"'{path}': the format '{path.suffix}' cannot be written. Name a file that ends in .glb, "
+                                             ".gltf (one JSON text) or .json (the figures), or that has no ending (GLB). "
+                                             "`fracture-server bake` writes .obj, .ply and .stl.")
     return kind
 
 
 def write_whole(path: pathlib.Path, content: bytes) -> None:
-    """Into a file beside it first, so that nobody reads half of it. Raises OSError."""
+    """Writes to a temporary file in the same folder and renames it, so that no program reads half a file. Raises OSError."""
     beside = path.with_name(f"{path.name}.{secrets.token_hex(4)}.tmp")
     try:
         with open(beside, "xb") as file:
@@ -231,5 +247,5 @@ def write_whole(path: pathlib.Path, content: bytes) -> None:
         with contextlib.suppress(OSError):
             os.unlink(beside)
         if isinstance(error, OSError):
-            error.filename, error.filename2 = str(path), None  # the file that the caller knows of
+            error.filename, error.filename2 = str(path), None  # the name that the caller knows, not that of the temporary file
         raise

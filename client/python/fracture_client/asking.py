@@ -1,8 +1,11 @@
-"""Asks until there is an answer: what goes wrong is tried again as long as tries and time last.
+"""Sends a request until there is an answer, within the number of tries and the time of the call.
 
-A server that is absent (with growing pauses), one that is busy (after its Retry-After), a mesh that it has forgotten (PUT,
-then once more), an answer that is cut off or whose digest is wrong. All requests are repeatable: the same one gives the
-same bytes. These are the manners of the game's own client (client/protocol/client.hpp).
+- If the server is absent, it asks again with growing pauses.
+- If the server is busy, it asks again after the server's Retry-After.
+- If the server has forgotten the mesh, it sends the mesh with PUT and asks again.
+- If an answer is cut off or its digest is wrong, it asks again at once.
+
+All requests can be repeated, because the same request gives the same bytes. client/protocol/client.hpp has the same rules.
 """
 from __future__ import annotations
 
@@ -19,10 +22,11 @@ from .http1 import Request, Response, Trouble
 from .pool import Pool, Settings
 from .problems import Reaction, reaction_to
 
-DONE = (200, 201, 202, 204, 206, 304)  # 304 and 206 come only where they were asked for
-LONGEST_RETRY_AFTER = 86_400  # s; what is longer is taken for nonsense
+DONE = (200, 201, 202, 204, 206, 304)  # 304 and 206 come only if the request asked for them
+LONGEST_RETRY_AFTER = 86_400  # s; a longer value is ignored
+WRONG_DIGEST = "The bytes of the answer do not match its Repr-Digest: they were changed on the way."
 
-# What is wrong with an answer of 200; "" where nothing is.
+# Returns the fault of an answer of 200; "" if it is sound.
 Check = Callable[[Response], str]
 
 
@@ -30,8 +34,8 @@ def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Che
         put: Optional[Callable[[float], bool]] = None) -> Response:
     """Raises FractureError.
 
-    `put`: called when the server says that it has not got the mesh, with the moment at which it was asked
-    (time.monotonic()). It sends the mesh, once for all who miss it, and says whether asking again makes sense.
+    `put`: called if the server does not have the mesh, with the time of the request (time.monotonic()). It sends the mesh,
+    once for all calls that need it, and returns whether to ask again.
     """
     pause, damaged, tries = settings.first_pause, 0, 0
     while True:
@@ -61,7 +65,7 @@ def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Che
                     after = retry_after(response)
                     wait = pause if after is None else after
                 elif reaction is Reaction.PUT and response.status == 404 and put is not None and put(sent):
-                    wait, tries = 0.0, tries - 1  # the mesh is there now: that was no try that failed
+                    wait, tries = 0.0, tries - 1  # the server has the mesh now, so this does not count as a failed try
                 else:
                     raise failure
         left = call.remaining()
@@ -86,24 +90,25 @@ def _with_tries(failure: FractureError, tries: int) -> FractureError:
 
 
 def refusal(response: Response, request: Request) -> FractureError:
-    """Of an answer that is none of DONE."""
+    """The error for an answer whose status is not in DONE."""
     document = json_object(response.body)
     if document is not None and isinstance(document.get("type"), str) and document["type"].startswith("/problems/"):
         return FractureError.of_problem(document, response.status)
     said = re.sub(r"<[^>]*>", " ", response.body[:2000].decode("utf-8", "replace"))  # pages of proxies
     said = " ".join(said.split())[:200]
     where = response.headers.get("location")
-    detail = f"{request.what} was answered with HTTP {response.status} and no problem document, which a fracture server sends."
+    detail = (f"{request.what}: the answer is HTTP {response.status} without the problem document of a fracture server. "
+              "Check the address: a proxy or another server may answer there.")
     if where:
-        detail += f" It leads to {where}."
+        detail += f" It redirects to {where}."
     elif said:
-        detail += f" It says: {said}"
+        detail += f" Its text: {said}"
     return FractureError(f"http-{response.status}", detail, status=response.status,
-                         title="Somebody else than a fracture server answered", problem=document)
+                         title="The answer is not from a fracture server", problem=document)
 
 
 def retry_after(response: Response) -> Optional[float]:
-    """Seconds (RFC 9110, section 10.2.3); None for a date or nonsense, or beyond a day."""
+    """Seconds (RFC 9110, section 10.2.3); None for a date, for a value that is not a number, and for more than a day."""
     text = response.headers.get("retry-after", "").strip()
     if not re.fullmatch(r"[0-9]{1,9}", text) or int(text) > LONGEST_RETRY_AFTER:
         return None
@@ -111,7 +116,7 @@ def retry_after(response: Response) -> Optional[float]:
 
 
 def digest_matches(field: str, content: bytes) -> bool:
-    """Does a Repr-Digest (RFC 9530) name the SHA-256 of this content? False for a field without sha-256."""
+    """Whether a Repr-Digest (RFC 9530) has the SHA-256 of this content. False for a field without sha-256."""
     for entry in field.split(","):
         entry = entry.strip()
         if entry.startswith("sha-256="):
@@ -121,22 +126,22 @@ def digest_matches(field: str, content: bytes) -> bool:
 
 
 def check_digest(response: Response) -> str:
-    """Of an answer with fragments."""
+    """The check for answers with fragments."""
     if response.status in (204, 206, 304):
-        return ""  # no body, or a part of one, whose digest is that of the whole
+        return ""  # without a body, or with a part of it, whose digest is that of the whole
     field = response.headers.get("repr-digest", "")
     if not field:
-        return "The answer has no Repr-Digest."
+        return "The answer has no Repr-Digest, so it cannot be checked."
     if not digest_matches(field, response.body):
-        return "The answer has another digest than its Repr-Digest says."
+        return WRONG_DIGEST
     return ""
 
 
 def check_json(response: Response) -> str:
-    """Of an answer that is one JSON object."""
+    """The check for answers that are one JSON object."""
     if "repr-digest" in response.headers and not digest_matches(response.headers["repr-digest"], response.body):
-        return "The answer has another digest than its Repr-Digest says."
-    return "" if json_object(response.body) is not None else "The answer is no JSON object."
+        return WRONG_DIGEST
+    return "" if json_object(response.body) is not None else "The answer is not a JSON object."
 
 
 def check_figures(response: Response) -> str:
@@ -148,7 +153,7 @@ def check_digest_if_any(response: Response) -> str:
 
 
 def check_nothing(response: Response) -> str:
-    """Of an answer for people: any text will do, and so will none."""
+    """The check for texts and empty answers: accepts everything."""
     return ""
 
 

@@ -1,4 +1,4 @@
-"""Meshes of several GLBs in the buffers of one."""
+"""Copies meshes of several GLB files into the buffers of one."""
 from __future__ import annotations
 
 import copy
@@ -11,15 +11,14 @@ _SHORT = (5120, 5121, 5122, 5123)  # component types of less than four bytes
 
 
 class Buffers:
-    """The bufferViews and accessors of a file that is being put together: one view for each use ("POSITION", indices, …),
-    as the server writes them."""
+    """The bufferViews and accessors of a new file: one view for each use ("POSITION", indices, …), as the server writes them."""
 
     def __init__(self) -> None:
         self._views: Dict[str, Tuple[Json, bytearray]] = {}  # in the order in which they get their first byte
         self._accessors: List[Json] = []
 
     def add_mesh(self, glb: Glb, index: int) -> Json:
-        """A copy of the mesh, whose accessors are here now."""
+        """A copy of the mesh whose accessors refer to these buffers. Raises FractureError of type "damaged"."""
         mesh: Json = copy.deepcopy(glb.item("meshes", index))
         spans = _Spans(glb)
         uses = list(_uses(glb, mesh))
@@ -36,7 +35,7 @@ class Buffers:
         return mesh
 
     def add_image(self, glb: Glb, image: Json) -> Json:
-        """A copy of the image, whose bytes are here now."""
+        """A copy of the image whose bytes are in these buffers. Raises FractureError of type "damaged"."""
         if "bufferView" not in image:
             return image
         name = f"image {len(self._views)}"
@@ -44,7 +43,7 @@ class Buffers:
         return {**image, "bufferView": len(self._views) - 1}
 
     def finish(self, document: Json) -> bytes:
-        """Writes the members `accessors` and `bufferViews`; returns the buffer."""
+        """Writes the members `accessors` and `bufferViews` of the document and returns the buffer."""
         binary, views = bytearray(), []
         for properties, content in self._views.values():
             at = {"byteOffset": len(binary)} if binary else {}
@@ -57,7 +56,7 @@ class Buffers:
         return bytes(binary)
 
     def _append(self, glb: Glb, view: int, span: "_Span") -> Tuple[int, int]:
-        """The new view and by how many bytes what was in the old one has moved."""
+        """(index of the new view, bytes by which the content has moved)."""
         source = glb.item("bufferViews", view)
         properties = {key: source[key] for key in ("byteStride", "target") if key in source}
         _, content = self._views.setdefault(span.use, (properties, bytearray()))
@@ -73,7 +72,7 @@ class _Span:
 
 
 class _Spans:
-    """What a mesh has of each bufferView: from the first byte to the last one, in which nobody else has any."""
+    """The range of bytes that a mesh uses in each bufferView. No other mesh uses bytes of this range."""
 
     def __init__(self, glb: Glb) -> None:
         self._glb = glb
@@ -97,12 +96,11 @@ class _Spans:
         span = self.of_view.setdefault(view, _Span(use, at, at + size))
         span.first, span.last = min(span.first, at), max(span.last, at + size)
         if span.first < 0 or span.last > len(self._glb.view(view)):
-            raise damaged(f"bufferViews[{view}] is too short for what is said to be in it")
+            raise damaged(f"bufferViews[{view}] is too short for its accessors")
 
 
 def _uses(glb: Glb, mesh: Json) -> Iterator[Tuple[Json, str, str]]:
-    """Each place of the mesh that names an accessor: the object, its key, and what the accessor is for. In the order in
-    which the server writes them."""
+    """(object, key, use) for each reference of the mesh to an accessor, in the order in which the server writes them."""
     def of_indices(holder: Json) -> str:
         return "indices16" if glb.item("accessors", holder["indices"])["componentType"] in _SHORT else "indices32"
 

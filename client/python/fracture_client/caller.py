@@ -1,4 +1,4 @@
-"""What all requests of a client share: its connections, its deadlines, its end."""
+"""The base of Client and Admin: connections, deadlines, retries and close()."""
 from __future__ import annotations
 
 import contextlib
@@ -17,11 +17,11 @@ from .pool import Address, Pool, Settings
 from .puts import PutOnce
 from .version import VERSION
 
-STALL = 30.0  # s without a byte after which a stream of events is taken for dead: the server says something every 10 s
+STALL = 30.0  # s without a byte after which a stream of events counts as broken; the server sends a comment every 10 s
 
 
 class Caller:
-    """Of Client, which says what is asked."""
+    """Sends the requests of Client and Admin."""
 
     def __init__(self, url: str, token: Optional[str], timeout: Optional[float], realtime: bool,
                  tls: Optional[ssl.SSLContext], settings: Settings) -> None:
@@ -30,8 +30,8 @@ class Caller:
         self.realtime = realtime
         self.settings = settings
         if token is not None and not re.fullmatch(r"[\x21-\x7e]+", token):
-            raise FractureError("bad-parameter", "The token has characters that cannot be sent: is there a line break in it?",
-                                parameter="token")
+            raise FractureError("bad-parameter", "The token has characters that HTTP cannot send. Only printable ASCII without spaces "
+                                                 "is allowed; check for a line break at its end.", parameter="token")
         self._headers = {"User-Agent": f"fracture-client-python/{VERSION}"}
         if token is not None:
             self._headers["Authorization"] = f"Bearer {token}"
@@ -42,17 +42,17 @@ class Caller:
         self._closed = False
 
     def close(self) -> None:
-        """Takes back what is open, in whatever thread, and closes the connections. A closed client raises "cancelled"."""
+        """Cancels the calls of all threads and closes the connections. Later calls raise FractureError of type "cancelled"."""
         with self._lock:
             self._closed = True
             calls = list(self._calls)
-        self._pool.close()  # first: a seat that the first call leaves is not for one that is about to be taken back
+        self._pool.close()  # before the calls, so that no waiting call takes the connection of a cancelled one
         for call in calls:
             call.cancel("The client was closed.")
 
     @contextlib.contextmanager
     def _call(self, timeout: Optional[float], cancel: Optional[Cancel], what: str, forever: bool = False) -> Iterator[Call]:
-        """`forever`: where there is no timeout, there is none of the client either."""
+        """`forever`: without a timeout of its own, the call does not take the timeout of the client."""
         call = Call(self.timeout if timeout is None and not forever else timeout, what)
         with self._lock:
             if self._closed:
@@ -70,7 +70,7 @@ class Caller:
 
     def _ask(self, method: str, path: str, body: bytes, headers: Mapping[str, str], check: asking.Check,
              timeout: Optional[float], cancel: Optional[Cancel], mesh: Optional[Mesh] = None) -> Response:
-        """`mesh`: what the path is about, which is sent where the server has forgotten it."""
+        """`mesh`: the mesh that the path names; it is sent again if the server has forgotten it."""
         request = Request(method, path, dict(headers), body)
         with self._call(timeout, cancel, request.what) as call:
             return self._send(call, request, check, None if mesh is None else self._putting(mesh, call))
@@ -82,11 +82,12 @@ class Caller:
     def _complete(self, request: Request) -> Request:
         target = self._pool.address.path + request.target
         if re.search(r"[^\x21-\x7e]", target):
-            raise FractureError("bad-parameter", f"{target!r} cannot be a path: quote what is not ASCII (urllib.parse.quote).")
+            raise FractureError("bad-parameter", f"The path {target!r} has spaces or characters outside of ASCII. Quote them with "
+                                                 "urllib.parse.quote().")
         return Request(request.method, target, {**self._headers, **request.headers}, request.body)
 
     def _putting(self, mesh: Mesh, call: Call) -> Callable[[float], bool]:
-        done = False  # a 404 after a PUT is the server's own no
+        done = False  # one PUT for each call: a 404 after it is an error
 
         def put(sent: float) -> bool:
             nonlocal done
@@ -110,7 +111,7 @@ class Caller:
         return asking.json_object(response.body) or {}
 
     def _delete(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """False where nothing was there (any more)."""
+        """False if the server did not have it."""
         try:
             self._ask("DELETE", path, b"", {}, asking.check_nothing, timeout, cancel)
         except FractureError as error:
@@ -120,12 +121,12 @@ class Caller:
         return True
 
     def _urgency(self, realtime: Optional[bool]) -> Dict[str, str]:
-        """RFC 9218: what is asked of a stored mesh is realtime work unless it says otherwise."""
+        """The Priority field (RFC 9218). It is always sent, because fractures of stored meshes are realtime work by default."""
         return {"Priority": "u=1" if (self.realtime if realtime is None else realtime) else "u=3"}
 
 
 def query_of(parameters: Mapping[str, Any]) -> str:
-    """"?name=value&…", as a query of the interface has it: vectors as x,y,z and lists of them as x,y,z;x,y,z."""
+    """The query "?name=value&…" of the interface: vectors as x,y,z and lists of vectors as x,y,z;x,y,z. None is left out."""
     pairs = [(name, query_value(value)) for name, value in parameters.items() if value is not None]
     return "?" + urllib.parse.urlencode(pairs, quote_via=urllib.parse.quote, safe=",;:") if pairs else ""
 

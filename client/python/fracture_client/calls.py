@@ -1,4 +1,4 @@
-"""How long a call may take, and how it is taken back."""
+"""The deadline of a call, and how another thread cancels it."""
 from __future__ import annotations
 
 import contextlib
@@ -10,10 +10,10 @@ from .errors import FractureError
 
 
 class Cancel:
-    """Takes back what it was given to: `mesh.fracture(…, cancel=token)`, from any other thread `token.cancel()`.
+    """Cancels calls from another thread: `mesh.fracture(…, cancel=token)`, then `token.cancel()`.
 
-    The connection is closed at once, which stops the computation unless somebody else waits for the same answer; the call
-    raises FractureError of type "cancelled". A token may be given to several calls, and stays cancelled.
+    The connection is closed at once, so the server stops the computation, unless another client waits for the same answer. The
+    call raises FractureError of type "cancelled". Several calls can share a token. A cancelled token stays cancelled.
     """
 
     def __init__(self) -> None:
@@ -23,7 +23,7 @@ class Cancel:
         self._next = 0
 
     def cancel(self) -> None:
-        """From any thread, as often as one likes."""
+        """Cancels the calls that have this token. Any thread may call it, also more than once."""
         with self._lock:
             self._event.set()
             callbacks = list(self._callbacks.values())
@@ -36,12 +36,12 @@ class Cancel:
         return self._event.is_set()
 
     def wait(self, seconds: float) -> bool:
-        """Until it is cancelled, or so long; True where it is."""
+        """Waits until cancel() is called, but at most this time. Returns whether it was called."""
         return self._event.wait(seconds)
 
     @contextlib.contextmanager
     def calling(self, callback: Callable[[], None]) -> Iterator[None]:
-        """Calls back when it is cancelled, at once where it has been."""
+        """Within this, cancel() calls `callback`; a token that is already cancelled calls it at once."""
         with self._lock:
             key, self._next = self._next, self._next + 1
             self._callbacks[key] = callback
@@ -60,21 +60,21 @@ class OutOfTime(Exception):
 
 
 class Call:
-    """One call of the client, with all that is tried again: its deadline, and what it waits for just now."""
+    """One call of the client with its retries: its deadline, and how to end its present wait."""
 
     def __init__(self, seconds: Optional[float], what: str) -> None:
-        """`seconds`: None for no limit. `what`: for messages, "POST /fracture"."""
+        """`seconds`: None for no limit. `what`: the request as messages name it, "POST /fracture"."""
         self.what = what
         self.seconds = seconds
         self._end = None if seconds is None else time.monotonic() + max(0.0, seconds)
         self._limit: Optional[float] = None
         self._lock = threading.Lock()
         self._over = threading.Event()
-        self._why = "The call was taken back."
+        self._why = "The call was cancelled."
         self._wake: Optional[Callable[[], None]] = None
 
-    def cancel(self, why: str = "The call was taken back.") -> None:
-        """From any thread. Whatever the call waits for ends now."""
+    def cancel(self, why: str = "The call was cancelled.") -> None:
+        """Ends the call and its present wait. Any thread may call it."""
         with self._lock:
             if not self._over.is_set():
                 self._why = why
@@ -83,13 +83,13 @@ class Call:
                 self._wake()
 
     def check(self) -> None:
-        """Raises "cancelled"."""
+        """Raises FractureError of type "cancelled" if the call was cancelled."""
         if self._over.is_set():
             raise FractureError("cancelled", self._why)
 
     @contextlib.contextmanager
     def waking(self, wake: Callable[[], None]) -> Iterator[None]:
-        """While the call waits for something that `wake` ends. Must not wait itself."""
+        """Within this, cancel() calls `wake` to end the present wait. `wake` must not wait itself."""
         with self._lock:
             before, self._wake = self._wake, wake
         try:
@@ -101,7 +101,7 @@ class Call:
 
     @contextlib.contextmanager
     def at_most(self, seconds: Optional[float]) -> Iterator[None]:
-        """Within this, left() counts to the end of one exchange where that comes before the end of the call."""
+        """Within this, left() also counts to the end of one exchange, `seconds` from now."""
         before = self._limit
         if seconds is not None:
             limit = time.monotonic() + seconds
@@ -116,7 +116,7 @@ class Call:
         return None if self._end is None else self._end - time.monotonic()
 
     def left(self) -> Optional[float]:
-        """Seconds that something may be waited for; None: no limit. Raises OutOfTime, and "cancelled"."""
+        """Seconds until the nearest deadline; None: no limit. Raises OutOfTime, and FractureError of type "cancelled"."""
         self.check()
         now = time.monotonic()
         ends = [end for end in (self._end, self._limit) if end is not None]
@@ -128,6 +128,6 @@ class Call:
         return left
 
     def pause(self, seconds: float) -> None:
-        """Waits. Raises "cancelled"."""
+        """Waits. Raises FractureError of type "cancelled"."""
         self._over.wait(seconds)
         self.check()

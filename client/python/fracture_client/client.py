@@ -1,4 +1,4 @@
-"""The client: one server, and everything that the interface has."""
+"""The client of one server: one method for each operation of the interface."""
 from __future__ import annotations
 
 import re
@@ -21,27 +21,28 @@ AnyMesh = Union[Mesh, Path, Content]
 
 
 class Client(Caller):
-    """Asks one server. Thread-safe: one client for a whole program, whose threads share its connections.
+    """The client of one server. Thread-safe: use one client for a whole program; its threads share the connections.
 
         with Client("http://127.0.0.1:8080") as client:
             mesh = client.put("barrel.glb")
             answer = mesh.fracture(material="wood", fragments=40)
             answer.save("broken.glb")
 
-    Every call takes `timeout` (s, for everything that is tried again; None: the client's) and `cancel` (a Cancel, for another
-    thread). What goes wrong on the way is tried again; what is left raises FractureError.
+    Every call takes `timeout` (s, retries included; None: the client's) and `cancel` (a Cancel, with which another thread ends
+    the call). The client repeats a request if the server is busy or the connection breaks. If that does not help, and for every
+    other error, it raises FractureError.
     """
 
     def __init__(self, url: str, token: Optional[str] = None, timeout: Optional[float] = 300.0, *, realtime: bool = False,
                  tls: Optional[ssl.SSLContext] = None, settings: Settings = Settings()) -> None:
         """
-        url       "http://127.0.0.1:8080"; https checks the certificate
+        url       "http://127.0.0.1:8080"; with https the certificate is checked
         token     sent as `Authorization: Bearer …`
-        timeout   s of each call, with everything that is tried again; None: as long as tries last
-        realtime  fractures go before batch work, with the server's short deadline (2 s by default), as a game wants it
-        tls       whom to believe; None: those that this system trusts
-        settings  how often and how long the server is asked
-        Does not connect yet. Raises FractureError: "bad-url", or "bad-parameter" for a token that cannot be sent.
+        timeout   s for each call, retries included; None: until the tries of `settings` are used up
+        realtime  fractures go before batch work and have the server's short deadline (2 s by default), as games need it
+        tls       the certificates to trust; None: those of this system
+        settings  times, number of tries, number of connections
+        Does not connect yet. Raises FractureError of type "bad-url", or "bad-parameter" for a token that cannot be sent.
         """
         super().__init__(url, token, timeout, realtime, tls, settings)
 
@@ -55,14 +56,14 @@ class Client(Caller):
 
     def put(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
             timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Mesh:
-        """Makes a mesh known to the server. One that the server has already is not sent again.
+        """Stores a mesh on the server. A mesh that the server already has is not sent again.
 
-        mesh         a path, or the bytes
-        files        what the mesh names (.bin, .mtl, textures): {name: path or bytes}, or paths. None: of a path, what it
-                     names, from its folder and below; () for nothing
-        format       "glb", "obj", …, where neither ending nor first bytes say it
-        preparation  what decides the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …): the mesh is prepared with
-                     it when it is sent, and its fractures have it unless they say otherwise
+        mesh         a path, or the bytes of a file
+        files        the files that the mesh names (.bin, .mtl, textures): {name: path or bytes}, or a list of paths. None: with a
+                     path, the files that it names in its folder and below; () for no files
+        format       "glb", "obj", …; needed only if the file's ending and first bytes do not show it
+        preparation  parameters that decide the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …). The server
+                     prepares the mesh with them. They are the defaults of the fractures of this mesh.
         Raises FractureError, and OSError for a file that cannot be read.
         """
         upload = Upload.of(mesh, files, format)
@@ -78,15 +79,18 @@ class Client(Caller):
         return made
 
     def mesh(self, id: str) -> Mesh:
-        """A mesh that the server has, by its id ("sha256:…"). Asks nobody. It cannot be sent again when it is forgotten."""
+        """A mesh that is stored on the server, by its id ("sha256:…"). Sends no request. If the server forgets the mesh, the client
+        cannot send it again. Raises FractureError of type "bad-parameter" for a malformed id."""
         if not re.fullmatch(r"sha256:[0-9a-f]{64}", id):
-            raise FractureError("bad-parameter", f"'{id}' is no id of a mesh: 'sha256:' and 64 hex digits.", parameter="id")
+            raise FractureError("bad-parameter", f"'{id}' is not the id of a mesh: an id is 'sha256:' and 64 hex digits in lower "
+                                                 "case.", parameter="id")
         return Mesh(self, id)
 
     def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Dict[str, Any]:
-        """What a mesh is worth, without fracturing it: verdict, solid, frame, nodes, materials, images, warnings. It is sent,
-        prepared with what is given, and stored. Raises FractureError; of a mesh that is of no use, too."""
+        """The report on a mesh, without fracturing it: verdict, solid, frame, nodes, materials, images, warnings. The mesh is sent,
+        prepared with `preparation`, and stored. The arguments are those of put(). Raises FractureError, also if the mesh cannot be
+        fractured, and OSError."""
         upload = Upload.of(mesh, files, format)
         kind, body = upload.body()
         target = "/meshes" + query_of({**upload.query, **preparation})
@@ -98,8 +102,12 @@ class Client(Caller):
     def fracture(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, files: Optional[Files] = None,
                  format: Optional[str] = None, timeout: Optional[float] = None, cancel: Optional[Cancel] = None,
                  realtime: Optional[bool] = None, **more: Any) -> Answer:
-        """Mesh and parameters in one request, for what is broken once; of a Mesh the same as Mesh.fracture(). Raises
-        FractureError, and OSError for a file that cannot be read."""
+        """Sends mesh and parameters in one request, for a mesh that is fractured once. With a Mesh it is Mesh.fracture().
+
+        mesh, files, format   as for put()
+        parameters, realtime  as for Mesh.fracture()
+        Raises FractureError, and OSError for a file that cannot be read.
+        """
         if isinstance(mesh, Mesh):
             return mesh.fracture(parameters, timeout=timeout, cancel=cancel, realtime=realtime, **more)
         upload = Upload.of(mesh, files, format)
@@ -112,8 +120,9 @@ class Client(Caller):
 
     def answer(self, location: str, *, unless: Optional[str] = None, timeout: Optional[float] = None,
                cancel: Optional[Cancel] = None) -> Optional[Answer]:
-        """An answer again, by its address (Answer.location), while the server has it cached. `unless`: an etag that is known:
-        None where the answer is still that one. Raises FractureError; "not-found" where it is not cached any more."""
+        """Fetches an answer again by its address (Answer.location), while it is in the server's cache. `unless`: the etag of an
+        answer that you have; if it is still current, the result is None. Raises FractureError; its type is "not-found" if the
+        answer is no longer in the cache."""
         target = "/fractures/" + urllib.parse.quote(location.rsplit("/", 1)[-1], safe=":")
         headers = {"Accept": "model/gltf-binary", **({"If-None-Match": unless} if unless else {})}
         response = self._ask("GET", target, b"", headers, asking.check_digest, timeout, cancel)
@@ -126,21 +135,21 @@ class Client(Caller):
 
     def job(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, **more: Any) -> Job:
-        """Starts a fracture that nobody waits for on a connection (Mesh.job()). Where the connection breaks between request
-        and answer a second job is started, which shares the computation of the first. Raises FractureError."""
+        """Starts a fracture as background work and returns at once; see Mesh.job(). If the connection breaks before the server
+        answers, a second job is started, which shares the computation of the first. Raises FractureError, and OSError."""
         if not isinstance(mesh, Mesh):
             mesh = self.put(mesh, timeout=timeout, cancel=cancel)
         response = mesh._ask(parameters, more, "model/gltf-binary", asking.check_json, timeout, cancel, False, {"Prefer": "respond-async"})
         return Job(self, JobState.of(asking.json_object(response.body) or {}), mesh)
 
     def find_job(self, id: str, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Job:
-        """A job that was started before, maybe by another program. Raises FractureError; "not-found" for none."""
+        """A job that was started earlier, also by another program. Raises FractureError of type "not-found" for an unknown id."""
         return Job(self, JobState.of(self._json("GET", "/jobs/" + urllib.parse.quote(id, safe=""), timeout, cancel)))
 
     def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None,
              cancel: Optional[Cancel] = None) -> Iterator[Job]:
-        """One's jobs, the newest first; `state`: "queued", "running", "done", "failed", "cancelled". Asks page by page while
-        they are iterated. Raises FractureError."""
+        """Your jobs, the newest first. `state`: only those "queued", "running", "done", "failed" or "cancelled". The iterator fetches
+        them in pages of 100. Raises FractureError."""
         target = "/jobs" + query_of({"state": state, "limit": 100})
         while target:
             page = self._json("GET", target, timeout, cancel)
@@ -151,28 +160,28 @@ class Client(Caller):
     # -- discovery
 
     def index(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """What this is, and where to go from here."""
+        """The start page of the interface: the server's name, version and links. Raises FractureError."""
         return self._json("GET", "/", timeout, cancel)
 
     def version(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """`name`, `version` of the server, `algorithm`."""
+        """`name` and `version` of the server, and `algorithm`, the version of the algorithm. Raises FractureError."""
         return self._json("GET", "/version", timeout, cancel)
 
     def limits(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """Sizes, times and formats, and every parameter with its type, unit, range and default."""
+        """Limits of size and time, formats, and every parameter with its type, unit, range and default. Raises FractureError."""
         return self._json("GET", "/limits", timeout, cancel)
 
     def patterns(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """How a mesh may break: `patterns`, `materials` and `parameters`."""
+        """The `patterns` and `materials` of the server, and the `parameters` that they take. Raises FractureError."""
         return self._json("GET", "/patterns", timeout, cancel)
 
     def openapi(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The interface as OpenAPI 3.1."""
+        """The description of the interface in OpenAPI 3.1. Raises FractureError."""
         return self._json("GET", "/openapi.json", timeout, cancel)
 
     def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None) -> str:
-        """What a type of problem means and what to do, for people."""
+        """A text for people: the meaning of a type of error, and what to do. Raises FractureError."""
         name = problem.type if isinstance(problem, FractureError) else problem.rsplit("/", 1)[-1]
         target = "/problems/" + urllib.parse.quote(name, safe="")
         response = self._ask("GET", target, b"", {"Accept": "text/plain"}, asking.check_nothing, timeout, cancel)
@@ -180,7 +189,7 @@ class Client(Caller):
 
     def request(self, method: str, path: str, *, body: bytes = b"", headers: Optional[Mapping[str, str]] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Response:
-        """Anything else that the interface has (the Range of a result, another Accept), with the same manners. `path`: with
-        its query. A whole answer with a Repr-Digest is checked. Raises FractureError."""
+        """Sends any other request of the interface (the Range of a result, another Accept), with the same retries. `path`
+        includes the query. The Repr-Digest of a whole answer is checked, if there is one. Raises FractureError."""
         check = asking.check_nothing if method == "HEAD" else asking.check_digest_if_any
         return self._ask(method, path, body, headers or {}, check, timeout, cancel)

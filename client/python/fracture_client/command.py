@@ -1,4 +1,4 @@
-"""The command line: one mesh, one answer."""
+"""The command line: breaks one mesh and writes one file."""
 from __future__ import annotations
 
 import argparse
@@ -22,15 +22,20 @@ examples:
   python -m fracture_client http://127.0.0.1:8080 vase.glb shards.glb material=ceramic impacts=0.1,0.4,0.2
   python -m fracture_client http://127.0.0.1:8080 house.obj house.glb --job material=brick fragments=5000
 
-exits with 0 done; 1 a file cannot be read or written, or the server does not answer; 2 wrong command line;
-3 mesh or parameter refused; 4 the server failed; 130 interrupted"""
+exits with:
+  0    done
+  1    a file cannot be read or written, or the server does not answer or is busy
+  2    the command line is wrong
+  3    the server refused the mesh or a parameter
+  4    the server failed
+  130  interrupted"""
 
 DONE, UNREACHABLE, USAGE, REFUSED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
-AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # no word of the server's own
+AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # errors without an answer of the server
 
 
 def main(arguments: List[str]) -> int:
-    """Returns the exit code; prints to standard output what was made, and to standard error what went wrong."""
+    """Returns the exit code. The result is printed to standard output; warnings, progress and errors to standard error."""
     parser = _parser()
     options = parser.parse_intermixed_args(arguments)
     query = _query(parser, options.parameters)
@@ -40,7 +45,8 @@ def main(arguments: List[str]) -> int:
         parser.error(error.detail)
     token = _token(parser, options.token_file)
     if not options.out.parent.is_dir():  # before a minute of work
-        print(f"fracture_client: {options.out}: there is no folder {options.out.parent}", file=sys.stderr)
+        print(f"fracture_client: {options.out}: the folder {options.out.parent} does not exist. Create it, or name another file.",
+              file=sys.stderr)
         return UNREACHABLE
     try:
         with Client(options.server, token, options.timeout) as client:
@@ -68,28 +74,29 @@ def main(arguments: List[str]) -> int:
     for warning in answer.warnings:
         if warning not in mesh.report.get("warnings", []):
             _say(options.quiet, f"answer: {warning}")
-    print(f"{options.out}: {_summary(answer)}, {options.out.stat().st_size} bytes")
+    print(f"{options.out}: {_summary(answer)}, {options.out.stat().st_size:,} bytes")
     return DONE
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="fracture_client", usage=USAGE_LINE, description=DESCRIPTION, epilog=EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("server", metavar="SERVER", help="its address: http://127.0.0.1:8080")
-    parser.add_argument("mesh", metavar="MESH", type=pathlib.Path, help=".glb, .gltf, .obj, .stl, .ply, .off, or another format "
-                        "that the server reads; what it names (.bin, .mtl, textures) is sent with it, from its folder and below")
-    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help=".glb or no ending, .gltf (one JSON text) or .json (the figures "
-                        "alone)")
-    parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="any parameter of the interface, as a query has it: "
+    parser.add_argument("server", metavar="SERVER", help="address of the server, such as http://127.0.0.1:8080")
+    parser.add_argument("mesh", metavar="MESH", type=pathlib.Path, help="mesh: .glb, .gltf, .obj, .stl, .ply, .off, or another format "
+                        "that the server reads; files that it names (.bin, .mtl, textures) are sent too, from its folder and below")
+    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help="result: .glb or no ending, .gltf (one JSON text) or .json "
+                        "(only the figures)")
+    parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="any parameter of the interface: "
                         "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; GET /patterns of the server lists them")
-    parser.add_argument("--file", metavar="FILE", action="append", help="a further file of the mesh, repeated for more; then "
-                        "none is looked for")
-    parser.add_argument("--format", metavar="NAME", help="format of the mesh, where its ending does not say it")
-    parser.add_argument("--job", action="store_true", help="as background work, which may take half an hour, with its progress")
-    parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="the token is the first line of this file "
-                        "(else of the variable FRACTURE_TOKEN, where it is set)")
-    parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="for each step (default: 300)")
-    parser.add_argument("--quiet", action="store_true", help="no warnings and no progress")
+    parser.add_argument("--file", metavar="FILE", action="append", help="a further file of the mesh; repeat it for more files; "
+                        "with it, no other files are looked for")
+    parser.add_argument("--format", metavar="NAME", help="format of the mesh, if its ending does not show it")
+    parser.add_argument("--job", action="store_true", help="break the mesh as background work, which may take half an hour, and "
+                        "show the progress")
+    parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="file whose first line is the token "
+                        "(default: the variable FRACTURE_TOKEN, if it is set)")
+    parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="limit for each step (default: 300)")
+    parser.add_argument("--quiet", action="store_true", help="print neither warnings nor progress")
     parser.add_argument("--version", action="version", version=VERSION)
     return parser
 
@@ -99,7 +106,7 @@ def _query(parser: argparse.ArgumentParser, words: List[str]) -> str:
     for word in words:
         name, equals, value = word.partition("=")
         if not equals or not name:
-            parser.error(f"'{word}' is no parameter: they are written name=value, such as fragments=40")
+            parser.error(f"'{word}' is not a parameter: write name=value, such as fragments=40")
         pairs.append((name, value))
     return urllib.parse.urlencode(pairs, quote_via=urllib.parse.quote, safe=",;:", encoding="utf-8", errors="surrogateescape")
 
@@ -112,7 +119,7 @@ def _token(parser: argparse.ArgumentParser, file: Optional[pathlib.Path]) -> Opt
     except (OSError, UnicodeDecodeError) as error:
         parser.error(f"--token-file {file}: {getattr(error, 'strerror', None) or error}")
     if not lines or not lines[0].strip():
-        parser.error(f"--token-file {file} has no token in its first line")
+        parser.error(f"--token-file {file}: the first line is empty; write the token there")
     return lines[0].strip()
 
 
@@ -126,7 +133,7 @@ def _seconds(text: str) -> float:
 def _followed(job: Job, quiet: bool) -> Answer:
     try:
         for state in job.progress():
-            waiting = "" if state.queue_position is None else f", {state.queue_position} before it"
+            waiting = "" if state.queue_position is None else f", {state.queue_position} ahead of it"
             _say(quiet, f"job {state.id}: {state.state} {state.percent} % {state.stage}{waiting}".rstrip())
         return job.result()
     except KeyboardInterrupt:
@@ -141,5 +148,6 @@ def _say(quiet: bool, text: str) -> None:
 
 def _summary(answer: Answer) -> str:
     certificate = answer.certificate
-    return (f"{certificate['fragments']} fragments of {certificate['volume_out']:.6g} m³ together, "
-            f"{certificate['open_edges']} open edges, algorithm {answer.algorithm}")
+    fragments, edges = certificate["fragments"], certificate["open_edges"]
+    return (f"{fragments:,} fragment{'' if fragments == 1 else 's'}, {certificate['volume_out']:.6g} m³ in total, "
+            f"{edges:,} open edge{'' if edges == 1 else 's'}, algorithm {answer.algorithm}")

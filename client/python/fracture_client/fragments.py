@@ -12,77 +12,79 @@ Vector = Tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A convex collision hull, in the frame of its fragment's node, metres."""
+    """A convex collision hull, in metres in the frame of its fragment's node."""
 
     points: Array  # (n, 3) float32
-    triangles: Array  # (m, 3) uint16: indices of points, counter-clockwise seen from outside
+    triangles: Array  # (m, 3) uint16: indices into points, counter-clockwise seen from outside
 
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
     """The triangles of a fragment that have one material."""
 
-    material: str  # its name; "" where it has none
-    material_index: Optional[int]  # into the file's materials
-    interior: bool  # cut faces, which the mesh did not have
-    indices: Array  # (m, 3): of the fragment's vertices
+    material: str  # name of the material; "" without one
+    material_index: Optional[int]  # index into the file's materials
+    interior: bool  # True for cut faces, which the mesh did not have
+    indices: Array  # (m, 3): indices of the fragment's vertices
     attributes: Dict[str, Array]  # "POSITION", "NORMAL", "TEXCOORD_0", …: one row for each vertex of the fragment
 
 
 @dataclass(frozen=True, eq=False)
 class Fragment:
-    """A closed piece. Geometry is in the frame of its node; a vertex is at `translation` + position, metres, y up."""
+    """A closed fragment. Its geometry is in the frame of its node: a vertex is at `translation` + position (m, y up)."""
 
-    id: int  # the same piece has the same id in the answer to the next hit
-    name: str  # of its node
+    id: int  # a fragment that a hit does not change keeps its id
+    name: str  # name of its node
     node: int  # index of its node
     translation: Vector  # m
     volume: float  # m³
     mass: float  # kg
-    area: float  # m², of the whole surface
-    exterior_area: float  # m², of what was the surface of the mesh
+    area: float  # m², the whole surface
+    exterior_area: float  # m², the part that was the surface of the mesh
     center_of_mass: Vector  # m, in the frame of the scene
     inertia_diagonal: Optional[Vector]  # kg m², about the centre of mass; None without physics=khr
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
-    anchored: bool  # held: it does not fall
-    part: int  # which connected part of the mesh it is of
-    level: int  # of the hierarchy; 0 without one
+    anchored: bool  # True if an anchor holds it, so that it does not fall
+    part: int  # number of the connected part of the mesh that it belongs to
+    level: int  # level in the hierarchy; 0 without one
     parent: Optional[int]  # the id of its cluster
-    sites: Tuple[int, ...]  # the cells that it is made of
-    collision_system: Optional[int]  # fragments of the same one overlap and do not collide with one another
+    sites: Tuple[int, ...]  # the cells that it consists of
+    collision_system: Optional[int]  # fragments with the same number overlap, so they must not collide with each other
     primitives: Tuple[Primitive, ...]
     hulls: Tuple[Hull, ...]  # empty with physics=none
     extras: Dict[str, Any] = field(repr=False)  # `extras.fracture` of its node, all of it
 
     @property
     def positions(self) -> Array:
-        """(n, 3) float32, m: all vertices, those of the cut faces too."""
+        """All vertices, those of the cut faces included: (n, 3) float32, m."""
         return self.primitives[0].attributes["POSITION"]
 
     @property
     def triangles(self) -> int:
+        """Number of triangles."""
         return sum(len(primitive.indices) for primitive in self.primitives)
 
     @property
     def materials(self) -> Tuple[str, ...]:
+        """The name of each primitive's material; "" without one."""
         return tuple(primitive.material for primitive in self.primitives)
 
 
 @dataclass(frozen=True)
 class Bond:
-    """What two fragments share, and how strongly that holds them together."""
+    """The shared cut faces of two fragments, and how strongly they hold together."""
 
-    a: int  # fragment ids, or those of clusters in a level
+    a: int  # id of a fragment, or of a cluster in a level
     b: int
     area: float  # m²
     centroid: Vector  # m, in the frame of the scene
-    normal: Vector  # from a to b, unit length; zero where they share no plane
-    strength: float  # N: the tension that it withstands
+    normal: Vector  # from a to b, unit length; zero if the shared faces have no common plane
+    strength: float  # N: the tension at which it breaks
 
 
 @dataclass(frozen=True)
 class Delta:
-    """What a hit changed, as ids of fragments. All others are what they were, to the bit."""
+    """The ids of the fragments that a hit made, changed or removed. All other fragments are bit for bit the same."""
 
     new: Tuple[int, ...]
     changed: Tuple[int, ...]
@@ -90,27 +92,29 @@ class Delta:
 
 
 def figures_of(glb: Glb) -> Dict[str, Any]:
-    """`extras.fracture` of the root: parameters, report, certificate, bonds. Raises "damaged" where there is none."""
+    """`extras.fracture` of the root node: parameters, report, certificate, bonds. Raises FractureError of type "damaged" without
+    one."""
     for node in glb.list("nodes"):
         own = extras_of(node)
         if "certificate" in own:
             return own
-    raise damaged("no node has extras.fracture.certificate")
+    raise damaged("no node has extras.fracture.certificate, which every answer of a fracture server has")
 
 
 def extras_of(node: Dict[str, Any]) -> Dict[str, Any]:
+    """`extras.fracture` of a node; {} without one."""
     own = node.get("extras", {}).get("fracture", {}) if isinstance(node.get("extras"), dict) else {}
     return own if isinstance(own, dict) else {}
 
 
 def read_fragments(glb: Glb) -> List[Fragment]:
-    """In the order of the file. Raises "damaged" for what contradicts itself."""
+    """The fragments in the order of the file. Raises FractureError of type "damaged" for a file that contradicts itself."""
     interior = set(figures_of(glb).get("interior_materials", []))
     return [_fragment(glb, index, node, own, interior) for index, node, own in fragment_nodes(glb)]
 
 
 def fragment_nodes(glb: Glb) -> Iterator[Tuple[int, Dict[str, Any], Dict[str, Any]]]:
-    """Index, node and its `extras.fracture` of each fragment."""
+    """(index of the node, node, its `extras.fracture`) for each fragment."""
     for index, node in enumerate(glb.list("nodes")):
         own = extras_of(node)
         if "id" in own:
@@ -136,11 +140,11 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
             primitives=tuple(_primitive(glb, p, interior) for p in glb.item("meshes", node.get("mesh"))["primitives"]),
             hulls=tuple(_hull(glb, mesh) for mesh in meshes), extras=own)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise damaged(f"nodes[{index}] is a fragment that cannot be read: {error!r}") from None
+        raise damaged(f"the fragment nodes[{index}] cannot be read: {error!r}") from None
 
 
 def _body(node: Dict[str, Any]) -> Dict[str, Any]:
-    """Its rigid body, of either extension."""
+    """The rigid body of a node, in the KHR or OMI extension; {} without one."""
     extensions = node.get("extensions", {})
     return extensions.get("KHR_physics_rigid_bodies") or extensions.get("OMI_physics_body") or {}
 
@@ -152,7 +156,7 @@ def _systems(node: Dict[str, Any]) -> Iterator[int]:
 
 
 def _hull_meshes(glb: Glb, node: Dict[str, Any]) -> Iterator[int]:
-    """Of its collider, and of itself where it is a hull for Unreal."""
+    """The mesh of the node's collider, or of the node itself if it is a hull for Unreal (UCX_…)."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
         yield collider["geometry"]["mesh"]
@@ -182,7 +186,7 @@ def _triangles(glb: Glb, accessor: int) -> Array:
 def _vector(value: Any) -> Vector:
     x, y, z = (float(v) for v in value)
     if not math.isfinite(x + y + z):
-        raise ValueError("a vector that is not finite")
+        raise ValueError(f"a vector is not finite: {value}")
     return x, y, z
 
 
@@ -192,12 +196,12 @@ def _quaternion(value: Any) -> Tuple[float, float, float, float]:
 
 
 def read_bonds(columns: Dict[str, Any]) -> List[Bond]:
-    """Of the arrays `a`, `b`, `area`, … in which they stand. Raises "damaged"."""
+    """The bonds in the arrays `a`, `b`, `area`, … of the figures. Raises FractureError of type "damaged"."""
     try:
         lists = [columns[key] for key in ("a", "b", "area", "centroid", "normal", "strength")]
         if len({len(values) for values in lists}) != 1:
-            raise ValueError("columns of several lengths")
+            raise ValueError("the arrays have different lengths")
         return [Bond(int(a), int(b), float(area), _vector(centroid), _vector(normal), float(strength))
                 for a, b, area, centroid, normal, strength in zip(*lists)]
     except (KeyError, TypeError, ValueError) as error:
-        raise damaged(f"its bonds cannot be read: {error!r}") from None
+        raise damaged(f"the bonds cannot be read: {error!r}") from None

@@ -1,6 +1,6 @@
-"""The container of glTF 2.0 (section 4.4), and the accessors in it as arrays: what this package needs of both.
+"""Reads and writes GLB, the binary container of glTF 2.0 (section 4.4), and reads its accessors as arrays.
 
-Nothing is copied: arrays are views of the file's bytes, of numpy where numpy is installed, else memoryviews.
+Arrays are views of the file's bytes: numpy arrays if numpy is installed, otherwise memoryviews.
 """
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from typing import Any, Dict, List, Tuple
 
 from .errors import FractureError
 
-FORMATS = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}  # componentType as struct and array name it
+FORMATS = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}  # componentType: its letter in struct and array
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 BYTES = {"b": 1, "B": 1, "h": 2, "H": 2, "I": 4, "f": 4}
 
-# An array of numbers: a numpy array, or a memoryview of the same shape (which .tolist() makes lists of).
+# A numpy array, or a memoryview of the same shape (.tolist() converts it to lists).
 Array = Any
 
 
 class Glb:
-    """Raises FractureError of type "damaged" for what is no GLB, or names what it has not."""
+    """A parsed GLB file. All methods raise FractureError of type "damaged" if the file is malformed or refers to missing parts."""
 
     def __init__(self, content: bytes) -> None:
         self.content = content
         if len(content) < 20 or content[:4] != b"glTF":
-            raise damaged("it does not begin as a GLB does")
+            raise damaged("it does not begin with the header of a GLB")
         version, length = struct.unpack_from("<II", content, 4)
         if version != 2 or length != len(content):
-            raise damaged(f"a GLB of version {version} that says it has {length} bytes, and has {len(content)}")
+            raise damaged(f"its header has version {version} and {length:,} bytes; expected are version 2 and {len(content):,} bytes")
         at = 12
         chunks: Dict[bytes, memoryview] = {}
         while at + 8 <= length:
             size, kind = struct.unpack_from("<I4s", content, at)
             if at + 8 + size > length:
-                raise damaged("a chunk leads out of the file")
+                raise damaged(f"the chunk at byte {at:,} ends after the end of the file")
             chunks.setdefault(kind, memoryview(content)[at + 8:at + 8 + size])
             at += 8 + size
         try:
@@ -44,19 +44,19 @@ class Glb:
         except (KeyError, ValueError, RecursionError) as error:
             raise damaged(f"its JSON cannot be read: {error}") from None
         if not isinstance(self.document, dict):
-            raise damaged("its JSON is no object")
+            raise damaged("its JSON is not an object")
         self.binary: memoryview = chunks.get(b"BIN\0", memoryview(b""))
 
     def list(self, key: str) -> List[Any]:
         value = self.document.get(key, [])
         if not isinstance(value, list):
-            raise damaged(f"'{key}' is no list")
+            raise damaged(f"'{key}' is not a list")
         return value
 
     def item(self, key: str, index: Any) -> Dict[str, Any]:
         items = self.list(key)
         if not isinstance(index, int) or not 0 <= index < len(items) or not isinstance(items[index], dict):
-            raise damaged(f"it names {key}[{index}], which is not there")
+            raise damaged(f"it refers to {key}[{index}], which does not exist")
         item: Dict[str, Any] = items[index]
         return item
 
@@ -65,11 +65,12 @@ class Glb:
         view = self.item("bufferViews", index)
         at, size = int(view.get("byteOffset", 0)), int(view["byteLength"])
         if at < 0 or size < 0 or at + size > len(self.binary):
-            raise damaged(f"bufferViews[{index}] leads out of the file")
+            raise damaged(f"bufferViews[{index}] ends after the end of the file")
         return self.binary[at:at + size]
 
     def elements(self, index: Any) -> Tuple[memoryview, str, int]:
-        """The bytes of an accessor without gaps, their format and how many of them are an element. Not of sparse ones."""
+        """(bytes of an accessor without gaps, format of a component, number of components of an element). Does not read sparse
+        accessors."""
         accessor = self.item("accessors", index)
         try:
             kind, width, count = FORMATS[accessor["componentType"]], WIDTHS[accessor["type"]], int(accessor["count"])
@@ -80,19 +81,19 @@ class Glb:
             raise damaged(f"accessors[{index}] cannot be read: {error}") from None
         view = self.view(accessor["bufferView"])
         if count < 0 or at < 0 or stride < size or (count > 0 and at + stride * (count - 1) + size > len(view)):
-            raise damaged(f"accessors[{index}] leads out of its bufferView")
+            raise damaged(f"accessors[{index}] ends after the end of its bufferView")
         if stride == size:
             return view[at:at + size * count], kind, width
         packed = b"".join(bytes(view[k:k + size]) for k in range(at, at + stride * count, stride))
         return memoryview(packed), kind, width
 
     def array(self, index: Any) -> Array:
-        """An accessor: of shape (count,) or (count, width)."""
+        """An accessor as an array of shape (count,) or (count, width)."""
         return as_array(*self.elements(index))
 
 
 def as_array(data: memoryview, kind: str, width: int, rows: bool = False) -> Array:
-    """`rows`: two dimensions also where the width is 1."""
+    """The bytes as an array of shape (count,) or (count, width). `rows`: two dimensions also if the width is 1."""
     count = len(data) // (BYTES[kind] * width)
     shape = (count, width) if width > 1 or rows else (count,)
     numpy = _numpy()
@@ -109,7 +110,7 @@ _INTEGERS = {"b": "i1", "B": "u1", "h": "i2", "H": "u2", "I": "u4"}
 
 
 def _numpy() -> Any:
-    """The module, or None: looked for when the first array is asked for, since importing it takes a while."""
+    """The module, or None. The first array imports it, because the import is slow."""
     if not _NUMPY:
         try:
             _NUMPY.append(importlib.import_module("numpy"))
@@ -122,7 +123,7 @@ _NUMPY: List[Any] = []
 
 
 def pack(document: Dict[str, Any], binary: bytes) -> bytes:
-    """The GLB. `document` has no buffers, or one without a uri."""
+    """The bytes of a GLB. `document` must have no buffers, or one without a uri."""
     if binary:
         binary += b"\0" * (-len(binary) % 4)
         document = {**document, "buffers": [{"byteLength": len(binary)}]}
@@ -135,7 +136,7 @@ def pack(document: Dict[str, Any], binary: bytes) -> bytes:
 
 
 def to_gltf(glb: Glb) -> bytes:
-    """The same as one JSON text, the buffer in a data URI."""
+    """The file as one JSON text (glTF), with the buffer in a data URI."""
     document = dict(glb.document)
     if len(glb.binary) > 0:
         uri = "data:application/octet-stream;base64," + base64.b64encode(glb.binary).decode("ascii")
@@ -144,4 +145,5 @@ def to_gltf(glb: Glb) -> bytes:
 
 
 def damaged(what: str) -> FractureError:
-    return FractureError("damaged", f"The file cannot be used: {what}.")
+    """The error for a GLB that cannot be read."""
+    return FractureError("damaged", f"The GLB cannot be used: {what}.")

@@ -1,7 +1,7 @@
 """HTTP/1.1 (RFC 9112) over one socket, read strictly and within the time of a call.
 
-The standard library's client is lenient where it should not be here (a header line that is none, bytes behind an answer),
-and can neither be stopped from another thread nor kept from waiting for ever on a server that sends a byte a minute.
+http.client is not used for three reasons. It accepts malformed headers and bytes after an answer. Another thread cannot stop
+it. It has no limit for a whole answer, so a server that sends one byte a minute would hold it for ever.
 """
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from typing import Dict, Generator, Iterator, Tuple, Union
 
 from .calls import Call, OutOfTime
 
-MOST_HEAD_BYTES = 64 << 10  # of an answer's header; the server's have less than one KiB
-BLOCK = 1 << 18  # bytes of one read: enough that the system calls do not count
-TURN = 0.2  # s; an interrupt is never noticed later than this
+MOST_HEAD_BYTES = 64 << 10  # maximum of an answer's header; those of the server have less than 1 KiB
+BLOCK = 1 << 18  # bytes of one read: large enough that the cost of the system calls does not matter
+TURN = 0.2  # s; an interrupt is noticed within this time
 
 _STATUS = re.compile(rb"HTTP/1\.[01] ([1-5][0-9][0-9])(?: [^\r\n]*)?")
 _FIELD = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]+):[ \t]*([^\r\n]*?)[ \t]*")
 
 
 class Trouble(Exception):
-    """An exchange that ended without an answer. The caller of the package never sees it."""
+    """An exchange that ended without an answer. Internal: users of the package get FractureError."""
 
     def __init__(self, type: str, detail: str, *, began: bool = False, again: bool = True) -> None:
         super().__init__(detail)
-        self.type = type  # of problems.LOCAL
+        self.type = type  # a key of problems.LOCAL
         self.detail = detail
-        self.began = began  # some of the answer had come
-        self.again = again  # another try may end better
+        self.began = began  # a part of the answer had arrived
+        self.again = again  # another try may succeed
 
 
 @dataclass
@@ -41,14 +41,14 @@ class Request:
 
     @property
     def what(self) -> str:
-        """For messages: without the parameters, and a digest no longer than one knows it by."""
+        """The request as messages name it: without parameters, and with digests cut to 8 digits."""
         path = re.sub(r"(sha256:[0-9a-f]{8})[0-9a-f]+", r"\1…", self.target.split("?")[0])
         return f"{self.method} {path}"
 
 
 @dataclass
 class Response:
-    """An answer. Names of header fields are in lower case; fields of one name are joined by commas."""
+    """An HTTP answer. The names of its header fields are in lower case; fields with the same name are joined by commas."""
 
     status: int
     headers: Dict[str, str]
@@ -56,12 +56,12 @@ class Response:
 
 
 class Connection:
-    """One connection, for one request after the other. Not thread-safe but for what Call does."""
+    """One connection, for one request after the other. Not thread-safe, except that a Call may wake it."""
 
     def __init__(self, sock: socket.socket) -> None:
         self.socket = sock
         self._buffer = bytearray()
-        self._began = False  # something of the present answer has come
+        self._began = False  # a part of the present answer has arrived
         self.used = time.monotonic()
         self.reusable = True
 
@@ -69,14 +69,15 @@ class Connection:
         self.socket.close()
 
     def wake(self) -> None:
-        """From another thread: whatever is waited for ends, as if the other side had hung up."""
-        try:  # of the base class: the one of TLS forgets its state while another thread reads
+        """Ends the present wait, as if the server had closed the connection. Called by another thread."""
+        try:  # the method of the base class, because that of TLS drops its state while another thread reads
             socket.socket.shutdown(self.socket, socket.SHUT_RDWR)
         except OSError:
-            pass  # the other side was faster
+            pass  # the connection is closed already
 
     def exchange(self, request: Request, authority: str, call: Call, most: int) -> Response:
-        """Raises Trouble, and "cancelled". `most`: bytes of a body that are taken."""
+        """Sends the request and returns the answer. `most`: maximum bytes of its body. Raises Trouble, and FractureError of type
+        "cancelled"."""
         with call.waking(self.wake):
             head = self._ask(request, authority, call)
             body = bytearray()
@@ -88,8 +89,8 @@ class Connection:
             return head
 
     def stream(self, request: Request, authority: str, call: Call, stall: float) -> Generator[Response, None, None]:
-        """The head, then a Response for each block of the body as it comes; Trouble where nothing comes for `stall`
-        seconds. The connection is of no use afterwards."""
+        """Yields the head, then a Response for each block of the body as it arrives. Raises Trouble if nothing arrives for `stall`
+        seconds, and FractureError of type "cancelled". The connection cannot be used again."""
         with call.waking(self.wake):
             self.reusable = False
             with call.at_most(stall):
@@ -114,7 +115,7 @@ class Connection:
         for at in range(BLOCK, len(request.body), BLOCK):
             going = going and self._send(memoryview(request.body)[at:at + BLOCK], call)
         status = 100
-        while status < 200:  # 1xx are no answers yet
+        while status < 200:  # a status 1xx comes before the answer
             text = self._until(b"\r\n\r\n", MOST_HEAD_BYTES, call)
             status, headers = self._parse(text)
         if "close" in headers.get("connection", "").lower() or text.startswith(b"HTTP/1.0"):
@@ -122,25 +123,25 @@ class Connection:
         return Response(status, headers)
 
     def _send(self, data: Union[bytes, memoryview], call: Call) -> bool:
-        """False where the other side does not read on: a server that refuses a large body answers before it has it."""
+        """False if the server stopped reading: a server that refuses a large body answers before it has the whole body."""
         try:
             self.socket.settimeout(call.left())
             self.socket.sendall(data)
             return True
         except (socket.timeout, OutOfTime):
-            raise Trouble("timeout", "The request could not be sent in time.") from None
+            raise Trouble("timeout", "The server did not take the whole request in time.") from None
         except OSError:
             call.check()
             self.reusable = False
             return False
 
     def _receive(self, call: Call) -> bool:
-        """More into the buffer; False at the end of the stream."""
+        """Reads more bytes into the buffer; False at the end of the stream."""
         try:
             block = self._next_block(call)
         except OutOfTime:
-            raise Trouble("timeout", "There was no whole answer in time.", began=self._began) from None
-        except (OSError, ValueError) as error:  # ValueError: a TLS socket that has lost its connection
+            raise Trouble("timeout", "The whole answer did not arrive in time.", began=self._began) from None
+        except (OSError, ValueError) as error:  # ValueError: a TLS socket without its connection
             call.check()
             raise Trouble("connection", f"The connection broke: {error}.", began=self._began) from None
         if block:
@@ -151,18 +152,18 @@ class Connection:
         return False
 
     def _next_block(self, call: Call) -> bytes:
-        """What has come, waited for in short turns: an interrupt that comes just before the thread begins to wait is kept by
-        Python until the wait is over."""
+        """The next bytes. It waits in short turns, because Python holds back an interrupt that comes just before a wait until that
+        wait is over."""
         while True:
             left = call.left()
             self.socket.settimeout(TURN if left is None else min(left, TURN))
             try:
                 return self.socket.recv(BLOCK)
             except socket.timeout:
-                pass  # the turn is over; left() knows whether the time is
+                pass  # the turn is over; left() raises OutOfTime at the deadline
 
     def _until(self, mark: bytes, most: int, call: Call) -> bytes:
-        """What stands before the mark, which is dropped."""
+        """The bytes before the mark. The mark is removed."""
         searched = 0
         while True:
             at = self._buffer.find(mark, searched)
@@ -172,15 +173,15 @@ class Connection:
                 return text
             searched = max(0, len(self._buffer) - len(mark) + 1)
             if len(self._buffer) > most:
-                raise self._no_http(f"a line or header of more than {most} bytes")
+                raise self._no_http(f"a line or header has more than {most:,} bytes")
             if not self._receive(call):
                 raise self._cut()
 
     def _cut(self) -> Trouble:
-        return Trouble("connection", "The connection was closed before the answer was whole.", began=self._began)
+        return Trouble("connection", "The connection was closed before the whole answer had arrived.", began=self._began)
 
     def _no_http(self, what: str) -> Trouble:
-        return Trouble("damaged", f"What came is no HTTP: {what}.", began=True)
+        return Trouble("damaged", f"The answer is not valid HTTP: {what}.", began=True)
 
     def _parse(self, text: bytes) -> Tuple[int, Dict[str, str]]:
         lines = text.split(b"\r\n")
@@ -191,7 +192,7 @@ class Connection:
         for line in lines[1:]:
             parts = _FIELD.fullmatch(line)
             if parts is None:
-                raise self._no_http(f"{line[:40]!r} in a header")
+                raise self._no_http(f"its header has the line {line[:40]!r}")
             name, value = parts.group(1).decode("ascii").lower(), parts.group(2).decode("latin-1")
             headers[name] = f"{headers[name]}, {value}" if name in headers else value
         return int(status.group(1)), headers
@@ -201,7 +202,7 @@ class Connection:
             return
         if "transfer-encoding" in head.headers:
             if head.headers["transfer-encoding"].lower() != "chunked":
-                raise self._no_http("a transfer coding that was not asked for")
+                raise self._no_http(f"its transfer coding is {head.headers['transfer-encoding'][:40]!r}, not 'chunked'")
             yield from self._chunks(call, most)
             return
         length = head.headers.get("content-length")
@@ -209,7 +210,7 @@ class Connection:
             yield from self._rest(call, most)
             return
         if not re.fullmatch(r"[0-9]{1,18}", length):
-            raise self._no_http(f"a Content-Length of {length[:40]!r}")
+            raise self._no_http(f"its Content-Length is {length[:40]!r}")
         if int(length) > most:
             raise self._too_large(most)
         yield from self._exactly(int(length), call)
@@ -229,7 +230,7 @@ class Connection:
         while True:
             size = self._until(b"\r\n", MOST_HEAD_BYTES, call).split(b";")[0].strip()
             if not re.fullmatch(rb"[0-9a-fA-F]{1,15}", size):
-                raise self._no_http(f"{size[:40]!r} for the size of a chunk")
+                raise self._no_http(f"the size of a chunk is {size[:40]!r}")
             count = int(size, 16)
             if count == 0:
                 while self._until(b"\r\n", MOST_HEAD_BYTES, call):
@@ -240,10 +241,10 @@ class Connection:
                 raise self._too_large(most)
             yield from self._exactly(count, call)
             if self._until(b"\r\n", 2, call):
-                raise self._no_http("a chunk of another size than it says")
+                raise self._no_http(f"a chunk does not have the {count:,} bytes that it announces")
 
     def _rest(self, call: Call, most: int) -> Iterator[bytes]:
-        """To the end of the stream: whether that is all only a digest can tell."""
+        """All bytes until the end of the stream. Only a digest can show whether they are the whole answer."""
         self.reusable = False
         total = 0
         while self._buffer or self._receive(call):
@@ -255,4 +256,5 @@ class Connection:
             yield block
 
     def _too_large(self, most: int) -> Trouble:
-        return Trouble("answer-too-large", f"The answer is larger than {most} bytes.", began=True, again=False)
+        return Trouble("answer-too-large", f"The answer has more than {most:,} bytes, the limit of this client. Ask for fewer "
+                                           "fragments, or raise Settings.max_answer_bytes.", began=True, again=False)

@@ -1,4 +1,4 @@
-"""Fractures that nobody waits for on a connection."""
+"""Jobs: fractures as background work of the server."""
 from __future__ import annotations
 
 import json
@@ -18,63 +18,64 @@ if TYPE_CHECKING:
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
 FINISHED = STATES[2:]
-LONGEST_WAIT = 30.0  # s that one request waits for the end of a job: less than proxies have patience for
-SHORTEST_LOOK = 1.0  # s between two looks at a job
-MOST_EVENT_BYTES = 1 << 20  # a job is a few hundred
+LONGEST_WAIT = 30.0  # s that one request waits for the end of a job: shorter than the timeouts of common proxies
+SHORTEST_LOOK = 1.0  # s between two requests for the state of a job
+MOST_EVENT_BYTES = 1 << 20  # a job's event has a few hundred bytes
 
 
 @dataclass(frozen=True)
 class JobState:
-    """A job at one moment."""
+    """The state of a job at one moment."""
 
     id: str
     state: str  # "queued", "running", "done", "failed", "cancelled"
     stage: str  # "", "import", "prepare", "tetrahedralize", "clip", "encode"
-    percent: int  # never falls while the server runs
-    created: str  # RFC 3339
-    finished: str  # "" until then
-    durable: bool  # it survives the server
-    queue_position: Optional[int]  # how many go before it, while it is queued
-    result: str  # the address of the answer, when it is done
-    error: Dict[str, Any]  # the problem document, when it has failed
-    document: Dict[str, Any] = field(repr=False)  # all that the server says
+    percent: int  # never decreases while the server runs
+    created: str  # time in RFC 3339
+    finished: str  # time in RFC 3339; "" while it is not finished
+    durable: bool  # True if the job survives a restart of the server
+    queue_position: Optional[int]  # number of jobs ahead of it while it is queued, else None
+    result: str  # address of the answer when it is done, else ""
+    error: Dict[str, Any]  # the problem document when it has failed, else {}
+    document: Dict[str, Any] = field(repr=False)  # the whole document of the server
 
     @property
     def is_finished(self) -> bool:
+        """Whether it is done, failed or cancelled."""
         return self.state in FINISHED
 
     @classmethod
     def of(cls, document: Dict[str, Any]) -> "JobState":
-        """Raises FractureError of type "damaged" for what is no job."""
+        """The state in a document of the server. Raises FractureError of type "damaged" if a member is missing or malformed."""
         try:
             return cls(str(document["id"]), str(document["state"]), str(document["stage"]), int(document["percent"]),
                        str(document["created"]), str(document.get("finished", "")), bool(document["durable"]),
                        document.get("queue_position"), str(document.get("result", "")), dict(document.get("error", {})),
                        document)
         except (KeyError, TypeError, ValueError) as error:
-            raise FractureError("damaged", f"The answer is no job: {error!r}.") from None
+            raise FractureError("damaged", f"The answer does not describe a job: {error!r}.") from None
 
 
 class Job:
-    """A job of the server. Not thread-safe but for cancel()."""
+    """A job of the server. Not thread-safe, except cancel()."""
 
     def __init__(self, client: "Client", state: JobState, mesh: Optional["Mesh"] = None) -> None:
         self._client = client
         self._mesh = mesh
-        self.state = state  # as it was heard of last
+        self.state = state  # the last known state
 
     @property
     def id(self) -> str:
         return self.state.id
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
-        """Asks how far it is. Raises FractureError; "not-found" where the server has forgotten it."""
+        """Asks the server for the state. Raises FractureError of type "not-found" if the server has forgotten the job."""
         self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", timeout, cancel))
         return self.state
 
     def progress(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Iterator[JobState]:
-        """Each change as it comes (server-sent events), the last one when it has finished. A stream that breaks is opened
-        again. `timeout`: s for all of it; None: no limit but the server's. Raises FractureError."""
+        """Yields the state at each change (server-sent events), until the job has finished. A broken stream is opened again.
+        `timeout`: s for the whole iteration; None: no limit except the server's. Raises FractureError."""
         settings = self._client.settings
         request = self._client._complete(Request("GET", f"/jobs/{self.id}/events", {"Accept": "text/event-stream"}))
         pause, tries = settings.first_pause, 0
@@ -89,10 +90,10 @@ class Job:
                         heard = True
                         if state.is_finished:
                             return
-                    failure = FractureError("connection", f"{request.what}: the stream ended before the job did.")
+                    failure = FractureError("connection", f"{request.what}: the stream of events ended before the job had finished.")
                 except Trouble as trouble:
                     failure = FractureError(trouble.type, f"{request.what}: {trouble.detail}")
-                if heard:  # it goes on; what counts are tries without a word
+                if heard:  # only tries without any event count
                     pause, tries = settings.first_pause, 0
                 tries += 1
                 left = call.remaining()
@@ -102,40 +103,42 @@ class Job:
                 pause = min(2 * pause, settings.longest_pause)
 
     def wait(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
-        """Until it has finished. Raises FractureError; "timeout" where it has not in time, and it goes on then."""
+        """Waits until the job has finished. `timeout`: s; None: no limit. Raises FractureError; if its type is "timeout", the job
+        goes on."""
         end = None if timeout is None else time.monotonic() + timeout
         longest = max(1.0, min(LONGEST_WAIT, self._client.settings.answer_timeout / 2))
         while not self.state.is_finished:
             left = longest if end is None else min(longest, end - time.monotonic())
             if left <= 0:
                 raise FractureError("timeout", f"The job {self.id} has not finished in {timeout:g} s; it is at "
-                                               f"{self.state.percent} %.")
+                                               f"{self.state.percent} % and goes on. Call wait() again, or cancel().")
             asked = time.monotonic()
             headers = {"Prefer": f"wait={int(left)}"} if left >= 1 else {}
             self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", None, cancel, headers))
-            if not self.state.is_finished:  # who does not know `wait` answers at once
+            if not self.state.is_finished:  # a server or proxy that ignores `wait` answers at once
                 (cancel or Cancel()).wait(max(0.0, min(left, SHORTEST_LOOK) - (time.monotonic() - asked)))
         return self.state
 
     def result(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Answer:
-        """The answer, when it has finished. Raises FractureError: that of the job where it has failed or was cancelled;
-        "not-found" where the server has forgotten the result."""
+        """Waits until the job has finished and returns its answer. `timeout`: s for the wait, and again for fetching the answer.
+        Raises the FractureError of the job if it has failed or was cancelled, and FractureError of type "not-found" if the server
+        has forgotten the result."""
         state = self.wait(timeout=timeout, cancel=cancel)
         if state.state != "done":
             if state.error:
                 raise FractureError.of_problem(state.error)
             raise FractureError("cancelled", f"The job {self.id} was cancelled.")
         answer = self._client.answer(state.result, timeout=timeout, cancel=cancel)
-        assert answer is not None  # None only where an etag was given
+        assert answer is not None  # None only with `unless`
         return answer if self._mesh is None else answer.of_mesh(self._mesh)
 
     def cancel(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Stops it, or forgets it where it has finished. From any thread. False where the server did not know it any more.
-        Raises FractureError."""
+        """Stops the job; if it has finished, the server forgets it. Any thread may call it. Returns False if the server did not know
+        the job. Raises FractureError."""
         return self._client._delete(f"/jobs/{self.id}", timeout, cancel)
 
     def _listen(self, request: Request, call: Call) -> Iterator[JobState]:
-        """Raises Trouble, and FractureError for an answer that is no stream of jobs."""
+        """The states in the stream of events. Raises Trouble, and FractureError for an answer without such a stream."""
         from .caller import STALL
         with self._client._pool.stream(request, call, STALL) as responses:
             head = next(responses)
@@ -150,13 +153,14 @@ class Job:
 
 
 def events(blocks: Iterator[bytes]) -> Iterator[Dict[str, Any]]:
-    """The data of server-sent events (WHATWG HTML, section 9.2), each of them one JSON object. Comments are left out."""
+    """The data of server-sent events (WHATWG HTML, section 9.2), each a JSON object; comments are skipped. Raises FractureError
+    of type "damaged"."""
     text = bytearray()
     data: List[bytes] = []
     for block in blocks:
         text += block
         if len(text) > MOST_EVENT_BYTES:
-            raise FractureError("damaged", f"An event has more than {MOST_EVENT_BYTES} bytes.")
+            raise FractureError("damaged", f"An event of the job has more than {MOST_EVENT_BYTES:,} bytes.")
         if b"\n" not in block:
             continue
         *lines, rest = bytes(text).replace(b"\r\n", b"\n").split(b"\n")
@@ -170,6 +174,6 @@ def events(blocks: Iterator[bytes]) -> Iterator[Dict[str, Any]]:
                 except ValueError:
                     document = None
                 if not isinstance(document, dict):
-                    raise FractureError("damaged", "An event is no JSON object.")
+                    raise FractureError("damaged", "An event of the job is not a JSON object.")
                 yield document
                 data = []

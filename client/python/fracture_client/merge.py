@@ -1,8 +1,8 @@
-"""The whole of what was hit: an answer, and what the hit changed of it (`delta=only`), as one answer.
+"""Merges an answer and the changes of a hit (`delta=only`) into one answer with all fragments.
 
-What comes out has the fragments, figures and bonds of the answer that the server gives with `delta=stated`, in the same
-order where that can be told: fragments stand in the order of their first site, then of the part of the mesh they are of.
-Only where a cell has several pieces in one part, and a hit leaves some of them as they were, their order may be another.
+The result has the fragments, figures and bonds of the server's answer to `delta=stated`. Fragments are ordered by their first
+site, then by their part of the mesh. The order can differ from the server's in one case: a cell has several pieces in one part,
+and the hit leaves some of them unchanged.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .buffers import Buffers, Json
 from .fragments import extras_of, figures_of, fragment_nodes
 from .glb import Glb, damaged, pack
 
-NAME_ROOM = 51  # bytes of a fragment's name that leave room for what a hull's name adds (63 is the most that tools take)
+NAME_ROOM = 51  # bytes of a fragment's name; the rest of 63, the maximum of common tools, is for the names of its hulls
 KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
 
 
@@ -25,7 +25,7 @@ class _Piece:
     glb: Glb
     node: Json
     own: Json  # its extras.fracture
-    name: str = ""  # in the file that is made
+    name: str = ""  # its name in the merged file
 
     @property
     def id(self) -> int:
@@ -33,15 +33,15 @@ class _Piece:
 
 
 def merge(whole: Glb, delta: Glb) -> bytes:
-    """The GLB of the whole. Raises FractureError of type "damaged" where `delta` is not one of `whole`."""
+    """The GLB with all fragments. Raises FractureError of type "damaged" if `delta` does not belong to `whole`."""
     figures = figures_of(delta)
     pieces = _pieces(whole, delta, figures)
     _rename(pieces)
-    # Materials, textures and what passes through uncut are those of the whole: a delta may leave textures out.
+    # Materials, textures and uncut nodes come from the whole, because a delta may leave textures out.
     document: Json = {key: copy.deepcopy(value) for key, value in whole.document.items()
                       if key not in ("nodes", "meshes", "accessors", "bufferViews", "buffers", "images", "extensions")}
     if [m.get("name") for m in whole.list("materials")] != [m.get("name") for m in delta.list("materials")]:
-        raise damaged("what the hit changed has other materials than the whole")
+        raise damaged("its materials differ from those of the answer that was hit")
     document["asset"] = _stated(delta.document["asset"], "extras")
     figures = {**_stated(figures, None), "bonds": _bonds(whole, figures, pieces)}
     buffers = Buffers()
@@ -53,7 +53,7 @@ def merge(whole: Glb, delta: Glb) -> bytes:
 
 
 def _stated(holder: Json, below: Any) -> Json:
-    """The same with the parameters of an answer that has all fragments."""
+    """A copy with delta=stated in its parameters, as in an answer with all fragments."""
     holder = copy.deepcopy(holder)
     inner = holder if below is None else holder.get(below, {})
     if inner.get("parameters", {}).get("delta") == "only":
@@ -64,25 +64,26 @@ def _stated(holder: Json, below: Any) -> Json:
 def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
     said = figures.get("delta")
     if not isinstance(said, dict):
-        raise damaged("it does not say what the hit changed")
+        raise damaged("it does not list the changes of the hit")
     new, changed, gone = ({int(id) for id in said.get(key, ())} for key in ("new", "changed", "gone"))
     before = [_Piece(whole, node, own) for _, node, own in fragment_nodes(whole)]
     after = [_Piece(delta, node, own) for _, node, own in fragment_nodes(delta)]
     known = {piece.id for piece in before}
     if not changed | gone <= known or new & known or {piece.id for piece in after} != new | changed:
-        raise damaged("what the hit changed is not of this answer")
+        raise damaged("its changes do not belong to the answer that was hit")
     stay = [piece for piece in before if piece.id not in changed | gone]
     if len(stay) + len(after) != figures["certificate"]["fragments"]:
-        raise damaged(f"the whole has {figures['certificate']['fragments']} fragments, and {len(stay) + len(after)} came "
-                      "together")
+        raise damaged(f"its certificate counts {figures['certificate']['fragments']} fragments, but the merged answer has "
+                      f"{len(stay) + len(after)}")
     before = [piece for piece in before if piece.id not in gone]
     return _in_order(before, after, changed)
 
 
 def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> List[_Piece]:
-    """Both are parts of one order, and what has changed is in both: in between it goes by site and part."""
+    """Merges two lists of fragments. The changed fragments are in both and keep their order; the fragments between two of them are
+    ordered by site and part."""
     if [p.id for p in before if p.id in changed] != [p.id for p in after if p.id in changed]:
-        raise damaged("what the hit changed stands in another order than before")
+        raise damaged("its changed fragments are in another order than in the answer that was hit")
     ordered: List[_Piece] = []
     old, new = iter(before), iter(after)
     for _ in range(len(changed) + 1):
@@ -99,7 +100,7 @@ def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> L
 
 
 def _rename(pieces: List[_Piece]) -> None:
-    """"<node of the mesh>_007": names are unique because the number is, in as many digits as there are fragments."""
+    """Gives each fragment the name "<node of the mesh>_007". The number makes it unique; it has as many digits as the last one."""
     width = len(str(len(pieces) - 1))
     for number, piece in enumerate(pieces):
         base = str(piece.node["name"]).rpartition("_")[0]
@@ -107,7 +108,7 @@ def _rename(pieces: List[_Piece]) -> None:
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
-    """Those between fragments that stay, and those that came: from the lower to the higher fragment, in order."""
+    """The bonds between unchanged fragments and those of the delta, sorted, each from the lower to the higher fragment."""
     place = {piece.id: k for k, piece in enumerate(pieces)}
     stay = {piece.id for piece in pieces if piece.glb is whole}
     columns = list(figures["bonds"])
@@ -115,7 +116,7 @@ def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
     rows += _rows(figures["bonds"], columns)
     for row in rows:
         if row["a"] not in place or row["b"] not in place:
-            raise damaged("a bond leads to a fragment that is not there")
+            raise damaged(f"the bond of fragments {row['a']} and {row['b']} names a fragment that does not exist")
         if place[row["a"]] > place[row["b"]]:
             row["a"], row["b"] = row["b"], row["a"]
             row["normal"] = [-x if x else 0 for x in row["normal"]]
@@ -128,12 +129,12 @@ def _rows(bonds: Json, columns: List[str]) -> List[Json]:
 
 
 def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json, buffers: Buffers) -> None:
-    """Nodes and meshes in the order of the server: the root, fragments, what is below them, what passes through."""
+    """Writes nodes and meshes in the order of the server: the root, the fragments, the nodes below them, the uncut nodes."""
     meshes: List[Json] = []
     for piece in pieces:
         meshes.append({**buffers.add_mesh(piece.glb, piece.node["mesh"]), "name": piece.name})
     hulls = [_hull_meshes(piece) for piece in pieces]
-    hull_number: List[Dict[int, int]] = []  # of each piece: mesh in its file -> mesh here
+    hull_number: List[Dict[int, int]] = []  # for each piece: mesh in its file -> mesh in the merged file
     for piece, old_meshes in zip(pieces, hulls):
         numbers: Dict[int, int] = {}
         for mesh in old_meshes:
@@ -172,7 +173,7 @@ def _root(whole: Glb) -> Json:
 
 
 def _passing_through(whole: Glb) -> List[Json]:
-    """Nodes of the mesh that were not to be fractured: children of the root that are no fragments."""
+    """The uncut nodes of the mesh: children of the root that are not fragments."""
     nodes = [whole.item("nodes", child) for child in _root(whole).get("children", [])]
     return [node for node in nodes if not extras_of(node)]
 
@@ -183,7 +184,8 @@ def _body(node: Json) -> Json:
 
 
 def _hull_meshes(piece: _Piece) -> List[int]:
-    """Each once, in their order: of its collider, or of those below it; the same ones may be there for Unreal."""
+    """The hulls of the colliders of the fragment's node and of its children, each once, in order. Unreal's nodes (UCX_…) can name
+    the same hulls."""
     meshes: List[int] = []
     for node in (piece.node, *(piece.glb.item("nodes", child) for child in piece.node.get("children", []))):
         collider = _body(node).get("collider", {})
@@ -201,7 +203,7 @@ def _shapes(glb: Glb) -> List[Json]:
 
 
 def _refer(node: Json, piece: _Piece, hull_number: Dict[int, int], system: Any, first_hull: int) -> None:
-    """Names hulls and collision systems as they are called here."""
+    """Changes the numbers of hulls and collision systems in a node to those of the merged file."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
         collider["geometry"]["mesh"] = hull_number[collider["geometry"]["mesh"]]
@@ -220,8 +222,8 @@ def _renamed(name: str, piece: _Piece) -> str:
 
 
 def _collision_systems(pieces: List[_Piece]) -> List[Any]:
-    """Fragments that share a site, also by way of others, overlap and are not to collide: the number of their system, in
-    the order of its first fragment; None for fragments that share none."""
+    """The number of the collision system of each fragment; None for a fragment that shares no site. Fragments that share a site,
+    directly or through others, overlap and must not collide. Systems are numbered in the order of their first fragment."""
     first: List[int] = list(range(len(pieces)))
 
     def find(k: int) -> int:

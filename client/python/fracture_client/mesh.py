@@ -1,4 +1,4 @@
-"""A mesh that the server knows by its digest."""
+"""A mesh that is stored on the server under its digest."""
 from __future__ import annotations
 
 import urllib.parse
@@ -14,44 +14,46 @@ if TYPE_CHECKING:
     from .client import Client
     from .jobs import Job
 
-# Parameters as the interface has them: a mapping, or the text of a query ("material=stone&fragments=40").
+# Parameters of the interface: a mapping, or a query ("material=stone&fragments=40").
 Parameters = Union[Mapping[str, Any], str]
-# Bytes of JSON that the path of a stored mesh takes (max_parameters_bytes of GET /limits).
+# Maximum bytes of JSON in a request about a stored mesh (max_parameters_bytes of GET /limits).
 MOST_PARAMETER_BYTES = 4096
 
 
 class Mesh:
-    """Made by Client.put(). Thread-safe; keeps the bytes of the mesh, for a server that forgets it."""
+    """A mesh on the server. Client.put() makes it. Thread-safe. It keeps the bytes, to send them again if the server forgets the
+    mesh."""
 
     def __init__(self, client: "Client", id: str, upload: Optional[Upload] = None,
                  preparation: Optional[Mapping[str, Any]] = None) -> None:
         self._client = client
         self.id = id  # "sha256:…"
-        self.upload = upload  # what is sent; None where that is not here
-        self.preparation = dict(preparation or {})  # what decides the solid, unless a request says otherwise
-        self.stored: Dict[str, Any] = {}  # what the server said of it: id, format, bytes, files, ttl_s, report
+        self.upload = upload  # the files to send; None for a mesh that is known by its id only
+        self.preparation = dict(preparation or {})  # default parameters of its fractures, those of the solid
+        self.stored: Dict[str, Any] = {}  # the server's description: id, format, bytes, files, ttl_s, report
 
     @property
     def report(self) -> Dict[str, Any]:
-        """What the mesh is worth: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings. As the
-        server said at put(); {} where nobody asked (refresh())."""
+        """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings. It
+        is from put() or the last refresh(), and {} without either."""
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """Asks what the server has of it: what `stored` is from then on. Raises FractureError; "not-found" where it has
-        forgotten the mesh."""
+        """Fetches the server's description of the mesh, and keeps it in `stored`. Raises FractureError of type "not-found" if the
+        server has forgotten the mesh."""
         self.stored = self._client._json("GET", f"/meshes/{self.id}", timeout, cancel)
         return self.stored
 
     def fracture(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                  cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **more: Any) -> Answer:
-        """Breaks it. Parameters are those of the interface (proto/parameters.md, Client.patterns()), as keywords or as a
-        mapping; a query text will do as well. What is None is left out.
+        """Breaks the mesh.
 
             mesh.fracture(material="stone", fragments=40, impacts=[[0, 0.5, 0]])
 
-        timeout   s for everything, tries included; None: the client's
-        realtime  goes before batch work, with the server's short deadline (2 s by default); None: the client's
+        parameters  those of the interface (proto/parameters.md, Client.patterns()), as keywords, as a mapping, or as a query.
+                    Parameters that are None are left out.
+        timeout     s for everything, retries included; None: the client's
+        realtime    the request goes before batch work, with the server's short deadline (2 s by default); None: the client's
         Raises FractureError.
         """
         response = self._ask(parameters, more, "model/gltf-binary", check_digest, timeout, cancel, realtime)
@@ -59,18 +61,19 @@ class Mesh:
 
     def figures(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **more: Any) -> Dict[str, Any]:
-        """The figures of the same answer, without the geometry: what Answer.figures has. Raises FractureError."""
+        """Breaks the mesh and returns only the figures (Answer.figures), without the geometry. Its arguments are those of fracture().
+        Raises FractureError."""
         response = self._ask(parameters, more, "application/json", check_figures, timeout, cancel, realtime)
         return json_object(response.body) or {}
 
     def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, **more: Any) -> "Job":
-        """Starts the fracture and does not wait for it. Background work: it stands still while anybody waits for another
-        answer, and may take half an hour by default. Raises FractureError."""
+        """Starts the fracture as background work and returns at once. The job pauses while a client waits for another answer. By
+        default it may take half an hour. Raises FractureError."""
         return self._client.job(self, parameters, timeout=timeout, cancel=cancel, **more)
 
     def forget(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Deletes it on the server. False where the server had forgotten it already. Raises FractureError."""
+        """Deletes the mesh on the server. Returns False if the server did not have it. Raises FractureError."""
         return self._client._delete(f"/meshes/{self.id}", timeout, cancel)
 
     def _ask(self, parameters: Optional[Parameters], more: Mapping[str, Any], accept: str, check: Check,
@@ -93,8 +96,8 @@ class Mesh:
 
 def _split(parameters: Optional[Parameters], more: Mapping[str, Any],
            preparation: Mapping[str, Any]) -> Tuple[str, Dict[str, Any]]:
-    """A query, and what is sent as JSON: with what the mesh was prepared with, where the request does not say otherwise. A hit
-    (`of`) takes that from the answer that it names."""
+    """(query, parameters for the JSON body). The preparation of the mesh gives defaults. A hit (`of`) does not need them, because
+    the server takes them from the answer that `of` names."""
     query = parameters.lstrip("?") if isinstance(parameters, str) else ""
     given = {**({} if isinstance(parameters, str) else parameters or {}), **more}
     named = set(urllib.parse.parse_qs(query, keep_blank_values=True))

@@ -1,4 +1,4 @@
-"""Where the server is, and a few connections to it that are kept."""
+"""The address of a server, and a pool of connections to it."""
 from __future__ import annotations
 
 import contextlib
@@ -17,35 +17,37 @@ from .http1 import Connection, Request, Response, Trouble
 
 @dataclass(frozen=True)
 class Address:
-    """Of a server: http://host:port, https://host, http://host/below/a/path."""
+    """The address of a server: http://host:port, https://host, http://host/below/a/path."""
 
     host: str
     port: int
     tls: Optional[ssl.SSLContext]
-    path: str = ""  # before that of each request; no slash at its end
+    path: str = ""  # prefix of the path of each request, without a slash at its end
 
     @property
     def authority(self) -> str:
+        """host:port, for the Host field and for messages."""
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
     @classmethod
     def of(cls, url: str, tls: Optional[ssl.SSLContext] = None) -> "Address":
         """Raises FractureError of type "bad-url"."""
         if "://" not in url:
-            raise FractureError("bad-url", f"'{url}' does not say how to get there: did you mean 'http://{url}'?")
+            raise FractureError("bad-url", f"The address '{url}' must begin with http:// or https://. Did you mean 'http://{url}'?")
         try:
             parts = urllib.parse.urlsplit(url)
             port = parts.port
         except ValueError as error:
-            raise FractureError("bad-url", f"'{url}' is no address of a server: {error}.") from None
+            raise FractureError("bad-url", f"The address '{url}' is malformed: {error}. Write it like http://127.0.0.1:8080.") from None
         if parts.scheme not in ("http", "https"):
-            raise FractureError("bad-url", f"'{url}' begins with '{parts.scheme}'; a server is at http://… or https://….")
+            raise FractureError("bad-url", f"The address '{url}' begins with '{parts.scheme}'; it must begin with http:// or https://.")
         if not parts.hostname:
-            raise FractureError("bad-url", f"'{url}' names no host.")
+            raise FractureError("bad-url", f"The address '{url}' has no host. Write it like http://127.0.0.1:8080.")
         if parts.username is not None:
-            raise FractureError("bad-url", "A name and password in the address are not sent; give the token as `token`.")
+            raise FractureError("bad-url", "The address contains a name or password, which is not sent. Use the argument `token`.")
         if parts.query or parts.fragment:
-            raise FractureError("bad-url", f"'{url}' goes on behind the path; parameters are given to each call.")
+            raise FractureError("bad-url", f"The address '{url}' has a query or fragment after its path. Remove it, and give "
+                                           "parameters to each call.")
         if parts.scheme == "https":
             context = tls or ssl.create_default_context()
             return cls(parts.hostname, port or 443, context, parts.path.rstrip("/"))
@@ -54,34 +56,33 @@ class Address:
 
 @dataclass(frozen=True)
 class Settings:
-    """How long the server is waited for, and how often it is asked. The values are those of the game's client where a
-    script waits as a game does."""
+    """The times, tries and connections of a client."""
 
-    connect_timeout: float = 5.0  # s
-    answer_timeout: float = 120.0  # s, of one exchange: first byte sent to last byte received
-    connections: int = 4  # kept, and at most; further calls wait for one of them
-    idle: float = 10.0  # s; a connection unused for longer is replaced (the server's own limit is 15 s)
-    max_answer_bytes: int = 1 << 30
-    tries: int = 10  # requests that one call may send
-    damaged_answers: int = 3  # so many damaged answers to one call, and it has failed
-    first_pause: float = 0.05  # s before asking again where nobody listens; doubles …
-    longest_pause: float = 1.0  # … up to this
+    connect_timeout: float = 5.0  # s for opening a connection
+    answer_timeout: float = 120.0  # s for one exchange: from the first byte sent to the last byte received
+    connections: int = 4  # maximum of open connections; further calls wait until one is free
+    idle: float = 10.0  # s; a connection that was unused for longer is replaced (the server closes it after 15 s)
+    max_answer_bytes: int = 1 << 30  # bytes; a larger answer is an error of type "answer-too-large"
+    tries: int = 10  # maximum of requests that one call sends
+    damaged_answers: int = 3  # a call fails after this many damaged answers
+    first_pause: float = 0.05  # s before the first retry if the server is absent or busy; the pause doubles with each retry
+    longest_pause: float = 1.0  # s; maximum of that pause
 
 
 class Pool:
-    """Thread-safe."""
+    """The connections of one client. Thread-safe."""
 
     def __init__(self, address: Address, settings: Settings) -> None:
         self.address = address
         self._settings = settings
-        self._idle: List[Connection] = []  # the last used one at the end
+        self._idle: List[Connection] = []  # the last used connection is the last item
         self._busy = 0
         self._closed = False
         self._free = threading.Condition()
 
     def exchange(self, request: Request, call: Call) -> Response:
-        """Raises Trouble, and "cancelled". A kept connection that the server had closed in the meantime is replaced once,
-        unseen: RFC 9112, section 9.3.1 lets it, and that says nothing of the request."""
+        """Sends the request over a free connection. If the server had closed a kept connection (RFC 9112, section 9.3.1), a new one
+        replaces it, once, and this does not count as a try. Raises Trouble, and FractureError of type "cancelled"."""
         self._take_seat(call)
         try:
             with call.at_most(self._settings.answer_timeout):
@@ -93,7 +94,7 @@ class Pool:
                         call.check()
                         if trouble.type != "connection" or trouble.began:
                             raise
-                        self.close_idle()  # the others are as old
+                        self.close_idle()  # the others are just as old
                 return self._ask(self._connect(call), request, call)
         finally:
             with self._free:
@@ -102,7 +103,7 @@ class Pool:
 
     @contextlib.contextmanager
     def stream(self, request: Request, call: Call, stall: float) -> Iterator[Iterator[Response]]:
-        """As Connection.stream(), over a connection of its own: a stream may be open for hours."""
+        """Connection.stream() over a separate connection, because a stream can be open for hours."""
         connection = self._connect(call)
         stream = connection.stream(request, self.address.authority, call, stall)
         try:
@@ -112,13 +113,14 @@ class Pool:
             connection.close()
 
     def close(self) -> None:
-        """Nobody gets a connection any more."""
+        """Closes the free connections. Waiting and later calls raise FractureError of type "cancelled"."""
         with self._free:
             self._closed = True
             self._free.notify_all()
         self.close_idle()
 
     def close_idle(self) -> None:
+        """Closes the free connections."""
         with self._free:
             idle, self._idle = self._idle, []
         for connection in idle:
@@ -144,8 +146,9 @@ class Pool:
                 try:
                     left = call.left()
                 except OutOfTime:
-                    raise Trouble("timeout", "No connection of this client became free in time.") from None
-                self._free.wait(0.1 if left is None else min(left, 0.1))  # a call that is taken back looks up
+                    raise Trouble("timeout", f"All {self._settings.connections} connections of this client stayed busy. Raise the "
+                                             "timeout or Settings.connections.") from None
+                self._free.wait(0.1 if left is None else min(left, 0.1))  # short turns, to notice a cancelled call
             if self._closed:
                 raise FractureError("cancelled", "The client was closed.")
             self._busy += 1
@@ -165,14 +168,14 @@ class Pool:
 
 
 def connect(to: Address, call: Call, seconds: float) -> Connection:
-    """Raises Trouble, and "cancelled"."""
+    """Opens a connection within this time. Raises Trouble, and FractureError of type "cancelled"."""
     try:
         found = socket.getaddrinfo(to.host, to.port, type=socket.SOCK_STREAM)
     except OSError as error:
-        again = error.errno == socket.EAI_AGAIN  # the name server had no time; any other answer is one
-        raise Trouble("connection", f"The name {to.host} cannot be resolved: {error.strerror}.", again=again) from None
+        again = error.errno == socket.EAI_AGAIN  # a passing failure of the name server; all others are final
+        raise Trouble("connection", f"The host name {to.host} cannot be resolved: {error.strerror}.", again=again) from None
     except UnicodeError:
-        raise Trouble("connection", f"The name {to.host} is no name of a host.", again=False) from None
+        raise Trouble("connection", f"{to.host} is not a valid host name.", again=False) from None
     trouble: Optional[Trouble] = None
     for family, kind, protocol, _, address in found:
         connection = Connection(socket.socket(family, kind, protocol))
@@ -181,12 +184,13 @@ def connect(to: Address, call: Call, seconds: float) -> Connection:
                 _connect(connection, to, address, call)
             return connection
         except ssl.SSLCertVerificationError as error:
-            trouble = Trouble("connection", f"The certificate of {to.authority} is not accepted: {error.verify_message}.",
-                              again=False)
+            trouble = Trouble("connection", f"The certificate of {to.authority} is not trusted: {error.verify_message}. To trust it, "
+                                            "give an ssl.SSLContext as `tls`.", again=False)
         except ssl.SSLError as error:
-            trouble = Trouble("connection", f"{to.authority} does not speak TLS as it should: {error.reason}.", again=False)
+            trouble = Trouble("connection", f"The TLS handshake with {to.authority} failed: {error.reason}. Is it an http:// address?",
+                              again=False)
         except (socket.timeout, OutOfTime):
-            trouble = Trouble("timeout", f"{to.authority} did not take the connection in {seconds:g} s.")
+            trouble = Trouble("timeout", f"{to.authority} did not accept the connection in {seconds:g} s.")
         except OSError as error:
             trouble = Trouble("connection", f"{to.authority} does not answer: {error.strerror or error}.")
         except BaseException:
@@ -204,7 +208,7 @@ def _connect(connection: Connection, to: Address, address: object, call: Call) -
     connection.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     if to.tls is None:
         return
-    # The new object first, the handshake then: who takes the call back has to find it.
+    # The connection gets the TLS socket before the handshake, so that another thread can end it.
     tls = to.tls.wrap_socket(connection.socket, server_hostname=to.host, do_handshake_on_connect=False)
     connection.socket = tls
     tls.settimeout(call.left())

@@ -1,7 +1,7 @@
-"""What may go wrong, by name, and what this package does about it.
+"""The names of all errors, and the reaction of this package to each.
 
-The server names what is wrong by the last segment of the `type` of a problem document (RFC 9457). A test holds SERVER to
-the interface description, so that a new name fails until it stands here.
+The name of a server's error is the last segment of `type` in its problem document (RFC 9457). A test compares SERVER with the
+interface description, so that a new name fails until it is listed here.
 """
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Dict
 
 
 class Reaction(enum.Enum):
-    """What is done before the caller hears of a problem."""
+    """The reaction to an error, before the caller gets it."""
 
-    RAISE = "nothing: asking the same again gives the same"
-    WAIT = "asked again after Retry-After, as long as tries and time last"
-    PUT = "a mesh that the server has forgotten is sent again, once"
-    REMAKE = "an answer that the server has forgotten is asked for by its parameters"
+    RAISE = "none, because the same request gives the same error again"
+    WAIT = "ask again after Retry-After, within the tries and the time of the call"
+    PUT = "send the mesh that the server has forgotten, once, and ask again"
+    REMAKE = "ask for the answer that the server has forgotten by its parameters"
 
 
-# Of the server. Statuses 429 and 503 say that it is busy; the others are about the request.
+# Errors of the server. Statuses 429 and 503 mean that it is busy; the others are about the request.
 SERVER: Dict[str, Reaction] = {
     "bad-parameter": Reaction.RAISE,
     "unknown-parameter": Reaction.RAISE,
@@ -74,18 +74,18 @@ SERVER: Dict[str, Reaction] = {
     "version-not-supported": Reaction.RAISE,
 }
 
-# Of this side: no problem document came, so that these have no status.
+# Errors of this client. They come without a problem document, and most of them without a status.
 LOCAL: Dict[str, str] = {
-    "connection": "Nobody answers at this address, or the connection broke",
-    "timeout": "There was no whole answer in time",
-    "damaged": "What came is cut off, changed on its way, or no answer of a fracture server",
-    "answer-too-large": "The answer is larger than this client takes",
-    "cancelled": "The call was taken back, or the client is closed",
-    "bad-url": "The address of the server is none",
+    "connection": "No server answers at this address, or the connection broke",
+    "timeout": "The whole answer did not arrive in time",
+    "damaged": "The answer is cut off, was changed on its way, or is not from a fracture server",
+    "answer-too-large": "The answer is larger than this client accepts",
+    "cancelled": "The call was cancelled, or the client is closed",
+    "bad-url": "The address of the server is malformed",
     "bad-parameter": "A parameter cannot be sent",
 }
 
 
 def reaction_to(slug: str, status: int) -> Reaction:
-    """Also for what a newer server, or a proxy before it, says."""
+    """The reaction to an error of this name and status. Names of newer servers and of proxies are judged by the status."""
     return SERVER.get(slug, Reaction.WAIT if status in (429, 503) else Reaction.RAISE)

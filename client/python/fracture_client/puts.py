@@ -1,4 +1,4 @@
-"""Of all who miss a mesh at the same time one sends it; the others wait for that, then ask again."""
+"""Sends a missing mesh once. If several calls miss the same mesh, one sends it; the others wait for that and ask again."""
 from __future__ import annotations
 
 import threading
@@ -10,16 +10,16 @@ from .errors import FractureError
 
 
 class PutOnce:
-    """Thread-safe."""
+    """Coordinates the PUT requests of one client. Thread-safe."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._pending: Set[str] = set()
-        self._stored: Dict[str, float] = {}  # when the last PUT of a mesh had ended well
+        self._stored: Dict[str, float] = {}  # when the last PUT of a mesh succeeded (time.monotonic())
 
     def put(self, mesh: str, sent: float, call: Call, send: Callable[[], None]) -> bool:
-        """For who asked at `sent` and was told that the mesh is missing: True where it was sent by this call, False where
-        somebody else has sent it since. Raises what `send` does, "timeout" and "cancelled"."""
+        """For a request that was sent at `sent` and found the mesh missing. Returns True if this call sent the mesh, False if another
+        call has sent it since. Raises the errors of `send`, and FractureError of type "timeout" or "cancelled"."""
         with self._changed:
             while True:
                 if self._stored.get(mesh, sent - 1) >= sent:
@@ -30,8 +30,9 @@ class PutOnce:
                 try:
                     left = call.left()
                 except OutOfTime:
-                    raise FractureError("timeout", f"{call.what}: another call did not store the mesh in time.") from None
-                self._changed.wait(0.05 if left is None else min(left, 0.05))  # a call that is taken back looks up
+                    raise FractureError("timeout", f"{call.what}: the server does not have the mesh, and another call of this client "
+                                                   "did not finish sending it in time.") from None
+                self._changed.wait(0.05 if left is None else min(left, 0.05))  # short turns, to notice a cancelled call
         stored = False
         try:
             send()

@@ -1,4 +1,4 @@
-"""A mesh as it is sent: its files, the key that the server knows it by, and the form that carries several."""
+"""The bytes of a mesh and its further files, its id on the server, and the form that sends them."""
 from __future__ import annotations
 
 import hashlib
@@ -14,27 +14,31 @@ from .errors import FractureError
 
 Content = Union[bytes, bytearray, memoryview]
 Path = Union[str, "os.PathLike[str]"]
-# Further files of a mesh: under the names that the mesh has for them, or paths, which are known by their last component.
+# Further files of a mesh: {name in the mesh: content or path}, or paths, whose last component is the name.
 Files = Union[Mapping[str, Union[Content, Path]], Iterable[Path]]
 
 MEDIA_TYPES = {"glb": "model/gltf-binary", "gltf": "model/gltf+json", "obj": "model/obj", "stl": "model/stl"}
-MOST_FILES = 254  # of one form, beside the mesh
+MOST_FILES = 254  # maximum of one form, in addition to the mesh
 
 
 @dataclass(frozen=True)
 class Upload:
-    """A mesh with the files that it names. Its content is in memory."""
+    """A mesh and its further files, in memory."""
 
     content: bytes
-    format: str  # as GET /limits names it: "glb"; "" where nothing says it
-    files: Tuple[Tuple[str, bytes], ...]  # by name, ordered
+    format: str  # a name of GET /limits, such as "glb"; "" if it is not known
+    files: Tuple[Tuple[str, bytes], ...]  # (name, content), ordered by name
     id: str  # "sha256:…"
 
     @classmethod
     def of(cls, mesh: Union[Path, Content], files: Optional[Files] = None, format: Optional[str] = None) -> "Upload":
-        """Of a path or of bytes. `files`: None: of a path those that it names, from its folder and below; () for none.
-        `format`: None: as the ending says, or the first bytes. Raises OSError for a file that cannot be read, and
-        FractureError of type "bad-parameter" for a name that cannot be sent."""
+        """Reads a mesh.
+
+        mesh    a path, or the bytes of a file
+        files   further files; None: with a path, those that the mesh names in its folder and below; () for no files
+        format  None: from the ending of the path, or the first bytes
+        Raises OSError for a file that cannot be read, and FractureError of type "bad-parameter" for a name that cannot be sent.
+        """
         if isinstance(mesh, (bytes, bytearray, memoryview)):
             content = bytes(mesh)
             known = "glb" if content[:4] == b"glTF" else ""
@@ -45,27 +49,29 @@ class Upload:
             known = path.suffix[1:].lower()
             named = files_named_by(path, content) if files is None else _read(files)
         if len(named) > MOST_FILES:
-            raise FractureError("bad-parameter", f"A mesh may have {MOST_FILES} further files; there are {len(named)}.",
-                                parameter="files")
+            raise FractureError("bad-parameter", f"The mesh has {len(named):,} further files; at most {MOST_FILES} are allowed. Send "
+                                                 "it as one GLB with its textures inside.", parameter="files")
         for name in named:
             if not name or re.search(r"[\x00-\x1f\x7f]", name):
-                raise FractureError("bad-parameter", f"A file cannot have the name {name!r}.", parameter="files")
+                raise FractureError("bad-parameter", f"A further file has the name {name!r}; a name must not be empty or have control "
+                                                     "characters.", parameter="files")
         ordered = tuple(sorted(((name, named[name]) for name in named), key=lambda file: _encoded(file[0])))
         return cls(content, (format or known).lower(), ordered, mesh_id(content, ordered))
 
     def body(self) -> Tuple[str, bytes]:
-        """Of PUT and POST /meshes: its Content-Type and its bytes."""
+        """(Content-Type, bytes) of PUT and POST /meshes."""
         if not self.files:
             return MEDIA_TYPES.get(self.format, "application/octet-stream"), self.content
         return self.form(None)
 
     @property
     def query(self) -> Dict[str, str]:
-        """What has to be said where the Content-Type does not say the format."""
+        """The parameter `format`, if the Content-Type does not name the format."""
         return {"format": self.format} if self.format and self.format not in MEDIA_TYPES else {}
 
     def form(self, parameters: Optional[Mapping[str, Any]]) -> Tuple[str, bytes]:
-        """multipart/form-data (RFC 7578). The boundary is made from the content's digest, which content cannot hold."""
+        """(Content-Type, bytes) of a multipart/form-data (RFC 7578). The boundary is made from the digest of the content, so the
+        content does not contain it."""
         boundary = "fracture-" + self.id[-40:]
         kind = MEDIA_TYPES.get(self.format, "application/octet-stream")
         parts: List[bytes] = []
@@ -79,8 +85,8 @@ class Upload:
 
 
 def mesh_id(content: bytes, files: Iterable[Tuple[str, bytes]] = ()) -> str:
-    """What the server knows the mesh by: the digest of its bytes; with further files, which are ordered by name, that of a
-    list of all digests (the description of PUT /meshes/{id} in the interface has the rule)."""
+    """The id of a mesh on the server: the SHA-256 of its bytes. With further files, ordered by name, it is the SHA-256 of a list
+    of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
     digest = hashlib.sha256(content).hexdigest()
     lines = b"".join(b"%d %b %b\n" % (len(_encoded(name)), _encoded(name), _hex(data)) for name, data in files)
     if lines:
@@ -94,8 +100,8 @@ def _hex(data: bytes) -> bytes:
 
 
 def json_text(parameters: Mapping[str, Any]) -> bytes:
-    """Parameters as the server reads them. Arrays and scalars of numpy are lists and numbers; what is None is left out.
-    Raises FractureError of type "bad-parameter"."""
+    """The parameters as a JSON object. Arrays and scalars of numpy become lists and numbers; None is left out. Raises FractureError
+    of type "bad-parameter" for a value that JSON does not have."""
     texts: List[str] = []
     for name, value in parameters.items():
         if value is None:
@@ -103,14 +109,15 @@ def json_text(parameters: Mapping[str, Any]) -> bytes:
         try:
             text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=_plain)
         except (TypeError, ValueError) as error:
-            raise FractureError("bad-parameter", f"'{name}' cannot be sent: {error}.", parameter=name) from None
+            raise FractureError("bad-parameter", f"The value of '{name}' cannot be sent as JSON: {error}.", parameter=name) from None
         texts.append(json.dumps(str(name)) + ":" + text)
     return ("{" + ",".join(texts) + "}").encode("utf-8")
 
 
 def files_named_by(path: pathlib.Path, content: bytes) -> Dict[str, bytes]:
-    """What a glTF or OBJ names, and what its material libraries name, from its folder and below. A name that leads out of
-    the folder is looked up by its last component, as the server does; what is not there is left out: the server says so."""
+    """{name: content} of the files that a glTF, or an OBJ and its material libraries, names. Files are looked for in the folder of
+    the mesh and below. If a name leads out of the folder, its last component is looked for, as in the server. Missing files are
+    left out; the server reports them."""
     kind = path.suffix[1:].lower()
     found: Dict[str, bytes] = {}
     if kind in ("gltf", "glb"):
@@ -123,20 +130,20 @@ def files_named_by(path: pathlib.Path, content: bytes) -> Dict[str, bytes]:
 
 
 def _named_by_gltf(content: bytes) -> List[str]:
-    if content[:4] == b"glTF":  # its first chunk is the JSON (glTF 2.0, section 4.4)
+    if content[:4] == b"glTF":  # the first chunk is the JSON (glTF 2.0, section 4.4)
         content = content[20:20 + int.from_bytes(content[12:16], "little")]
     try:
         document = json.loads(content)
         lists = [document.get(key) for key in ("buffers", "images")]
     except (ValueError, AttributeError, RecursionError):
-        return []  # the server says what is wrong with it
+        return []  # the server reports the error
     entries = [entry for list_ in lists if isinstance(list_, list) for entry in list_ if isinstance(entry, dict)]
     uris = [entry["uri"] for entry in entries if isinstance(entry.get("uri"), str)]
     return [urllib.parse.unquote(uri) for uri in uris if not uri.startswith("data:")]
 
 
 def _lines(content: bytes) -> Iterable[Tuple[str, str]]:
-    """Keyword and rest of each line of an OBJ or MTL file that has both."""
+    """(keyword, rest) of each line of an OBJ or MTL file that has both."""
     for match in re.finditer(rb"^[ \t]*(\S+)[ \t]+([^\r\n]*\S)", content, re.MULTILINE):
         yield match.group(1).decode("utf-8", "surrogateescape"), match.group(2).decode("utf-8", "surrogateescape")
 
@@ -145,7 +152,7 @@ def _textures(library: bytes) -> List[str]:
     names = []
     for key, rest in _lines(library):
         if key.startswith("map_") or key in ("bump", "norm", "disp", "decal", "refl"):
-            # Options such as `-bm 0.2` stand before the name; a name may hold blanks, but not after options.
+            # Options such as `-bm 0.2` come before the name. A name may contain spaces, but not after options.
             names.append(rest.split()[-1] if rest.startswith("-") else rest)
     return names
 
@@ -167,7 +174,7 @@ def _add(found: Dict[str, bytes], folder: pathlib.Path, names: Iterable[str]) ->
 
 
 def _inside(folder: pathlib.Path, name: str) -> Optional[pathlib.Path]:
-    """The file, where it is one and lies in the folder or below, links followed."""
+    """The file, if it exists and is in the folder or below, links followed; else None."""
     try:
         root, file = folder.resolve(), (folder / name).resolve()
         return file if file.is_file() and root in file.parents else None
@@ -199,4 +206,4 @@ def _part(boundary: str, name: str, filename: Optional[str], kind: str) -> bytes
 def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy, array
         return value.tolist()
-    raise TypeError(f"a {type(value).__name__} is no text, number, list or boolean")
+    raise TypeError(f"a value of type {type(value).__name__} is not a text, number, list or boolean")

@@ -1,3 +1,3 @@
-"""The version of the package. The interface has one of its own (Client.openapi()), and so has the algorithm (Client.version())."""
+"""The version of the package. Client.openapi() has the version of the interface, Client.version() that of the algorithm."""
 
 VERSION = "0.1.0"

@@ -1,29 +1,29 @@
-// Probes and figures of the admin listener, which is another address and asks for no token.
+// Health probes and metrics of the admin port. It has a separate address and does not ask for a token.
 import { FractureError } from './problems.js';
 import { type CallOptions, type Settings, Transport } from './transport.js';
 
 export class Admin {
   private readonly transport: Transport;
 
-  /** `url`: http://127.0.0.1:8081 where nothing else was said. */
+  /** `url`: address of the admin port; by default the server opens it at http://127.0.0.1:8081. Throws FractureError (bad-argument). */
   constructor(url: string | URL, settings: Settings = {}) {
     this.transport = new Transport(url, settings);
   }
 
-  /** Does the process answer? */
+  /** Whether the server process answers. */
   async live(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getLivez', call);
   }
-  /** Does the server take requests? Not while it drains. */
+  /** Whether the server takes requests. False while it shuts down. */
   async ready(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getReadyz', call);
   }
-  /** The text exposition format of Prometheus, version 0.0.4. */
+  /** The server's metrics in the text format of Prometheus, version 0.0.4. */
   async metrics(call: CallOptions = {}): Promise<string> {
     return new TextDecoder().decode((await this.transport.request('getMetrics', call)).bytes);
   }
 
-  /** A probe is not tried again: that is its answer. */
+  /** Sends one request, without retries, because a probe reports the state of this moment. */
   private async probe(operation: 'getLivez' | 'getReadyz', call: CallOptions): Promise<boolean> {
     try {
       await this.transport.request(operation, { retries: 0, ...call });

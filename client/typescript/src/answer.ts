@@ -1,4 +1,4 @@
-// Fragments as the service gave them, and what is asked about them again.
+// The fragments that the server returns, and the calls that hit them.
 import { Glb, type Vector3 } from './glb.js';
 import { type Bond, bondsOf, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece } from './fragments.js';
 import { merge } from './merge.js';
@@ -8,24 +8,24 @@ import { FractureError, localError } from './problems.js';
 import type { Reply } from './transport.js';
 import { within } from './watch.js';
 
-/** What the headers of an answer say. */
+/** The header fields of an answer. */
 export interface AnswerHead {
-  /** Where the answer can be had again while it is cached: /fractures/sha256:… */
+  /** The address of the answer while it is in the server's cache: /fractures/sha256:… */
   location: string | undefined;
   etag: string | undefined;
   requestId: string | undefined;
-  /** Milliseconds in each stage: queue, import, prepare, tetrahedralize, clip, encode; work: all without the queue. */
+  /** Milliseconds of each stage: queue, import, prepare, tetrahedralize, clip, encode; `work`: all stages without the queue. */
   timing: Record<string, number>;
-  /** RFC 9211: which caches had it. */
+  /** The caches that had the answer (Cache-Status, RFC 9211). */
   cacheStatus: string | undefined;
-  /** HTTP requests that it took. */
+  /** Number of HTTP requests, retries included. */
   exchanges: number;
 }
 
 export interface HitOptions extends FractureOptions {
-  /** Sites that each hit adds, or one number for each of them. Default: the server's, 30. */
+  /** Number of sites that a hit adds: one number for all hits, or one for each. Default: the server's, 30. */
   sites?: number | readonly number[];
-  /** What else may be given beside a hit: `gravity`, `broken`. */
+  /** Further parameters of a hit: `gravity`, `broken`. */
   parameters?: Parameters;
 }
 
@@ -41,9 +41,9 @@ export function headOf({ headers, exchanges }: Pick<Reply, 'headers' | 'exchange
 }
 
 export class Answer {
-  /** The whole file, as it is saved. */
+  /** The bytes of the GLB file. */
   readonly glb: Uint8Array;
-  /** Its JSON and typed arrays. */
+  /** The parsed file: JSON and typed arrays. */
   readonly document: Glb;
   /** The object under extras.fracture of the root node: parameters, report, certificate, bonds, … */
   readonly figures: Figures;
@@ -53,7 +53,7 @@ export class Answer {
   private byId: Map<number, Fragment> | undefined;
   private readBonds: Bond[] | undefined;
 
-  /** Throws FractureError (damaged-answer) for what the service did not write. */
+  /** Throws FractureError (damaged-answer) if `glb` is not a file of the server. */
   constructor(glb: Uint8Array, readonly head: AnswerHead, private readonly meshOf: (id: string) => Mesh) {
     this.document = new Glb(glb);
     this.glb = this.document.bytes;
@@ -70,7 +70,7 @@ export class Answer {
   get certificate(): Figures['certificate'] {
     return this.figures.certificate;
   }
-  /** What the answer was made with: all of them, those of the material too. */
+  /** All parameters of the answer, those of the material included. */
   get parameters(): Record<string, any> {
     return this.figures.parameters;
   }
@@ -80,26 +80,28 @@ export class Answer {
   get fragments(): readonly Fragment[] {
     return (this.readFragments ??= fragmentsOf(this.document, this.figures));
   }
-  /** Which fragments hold together. */
+  /** The connections between fragments. */
   get bonds(): readonly Bond[] {
     return (this.readBonds ??= bondsOf(this.figures));
   }
-  /** Nodes of the mesh that were not to be fractured. */
+  /** The nodes of the mesh that were left uncut. */
   get passedThrough(): Piece[] {
     return passedThrough(this.document, this.figures);
   }
+  /** The fragment with this id, if the answer has one. */
   fragment(id: number): Fragment | undefined {
     this.byId ??= new Map(this.fragments.map(fragment => [fragment.id, fragment]));
     return this.byId.get(id);
   }
-  /** The file as a Blob, to be saved or loaded. */
+  /** The GLB file as a Blob, for saving or loading it. */
   blob(): Blob {
     return new Blob([this.glb as BlobPart], { type: 'model/gltf-binary' });
   }
 
-  /** Breaks what is near `point` (metres, in the frame of the mesh, where nothing has moved yet) within `radius`; several
-   * hits come one after the other. Only what changed travels; the result is the whole, equal to what the service gives
-   * with delta=stated. Its `figures.delta` says which fragments are new, changed and gone. Realtime unless said otherwise. */
+  /** Breaks the fragments within `radius` of `point`, and returns an answer with all fragments. Both are in metres, in the frame of
+   * the mesh before anything moved. Several points are several hits, one after the other. The server sends only the changes; the
+   * result equals its answer with delta=stated. `figures.delta` lists the ids that are new, changed and gone. The request is
+   * realtime by default. Throws FractureError. */
   async hit(point: Vector3 | readonly Vector3[], radius: number | readonly number[], hitOptions: HitOptions = {}): Promise<Answer> {
     const { sites, parameters, ...options } = hitOptions;
     const points = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[];
@@ -112,7 +114,7 @@ export class Answer {
     try {
       changes = await ask('only');
     } catch (error) {
-      // Where there is no delta the service says so by this parameter.
+      // The server names this parameter if it cannot send a delta.
       if (error instanceof FractureError && error.problem === 'bad-parameter' && error.parameter === 'delta') return ask('stated');
       throw error;
     }
@@ -120,14 +122,14 @@ export class Answer {
     return whole ? new Answer(whole, changes.head, this.meshOf) : ask('stated');
   }
 
-  /** Fractures one fragment again: its parts are the answer, where the fragment was. */
+  /** Breaks one fragment again. The answer has only its parts, at the place of the fragment. Throws FractureError. */
   async refracture(fragment: number, more: FractureOptions & { sites?: number; seed?: number } = {}): Promise<Answer> {
     const { sites, seed, ...options } = more, own: Parameters = { fragment, fragment_sites: sites, fragment_seed: seed };
     const left = within(options.deadline ?? this.mesh.deadline);
     return this.again(own, () => ({ ...this.parametersWithoutDelta(), ...own }), { realtime: true, ...options }, left);
   }
 
-  /** By the address of this answer; where the server does not know it any more, by its parameters: the bytes are the same. */
+  /** Asks with the address of this answer. If the server has forgotten it, asks with its parameters, which give the same bytes. */
   private async again(more: Parameters, parameters: () => Parameters, options: FractureOptions, left: () => number): Promise<Answer> {
     const { location, mesh } = this;
     if (location !== undefined) {
@@ -140,7 +142,8 @@ export class Answer {
     return mesh.fracture(parameters(), { ...options, deadline: left() });
   }
 
-  /** Levels and anchors are about all fragments; with maps of the cuts a delta has not the tangents that they need. */
+  /** Whether a delta cannot work. A hit can change levels and anchors in all fragments. With maps on the cuts, a delta lacks the
+   * tangents that the maps need. */
   private wholeOnly(): boolean {
     const { interior_detail: detail, ...names } = this.parameters;
     return this.figures.levels !== undefined || (detail ?? 'none') !== 'none' ||
@@ -158,7 +161,8 @@ export class Answer {
     const all = (value: unknown, otherwise: number): number[] =>
       Array.isArray(value) ? value.length === 1 ? Array(count).fill(value[0]) : value : Array(count).fill(value ?? otherwise);
     if (parameters['fragment'] !== undefined)
-      throw localError('bad-argument', 'This answer has the parts of one fragment; hits need a whole one.', { parameter: 'fragment' });
+      throw localError('bad-argument', 'This answer has only the parts of one fragment and cannot be hit. Hit the answer that has ' +
+        'all fragments.', { parameter: 'fragment' });
     return {
       ...parameters, ...more, delta, local_new: count, local_rest: local_rest ?? 'fractured',
       local_point: [...points, ...(local_point as readonly Vector3[])], local_radius: [...radii, ...all(local_radius, 0)],

@@ -1,24 +1,24 @@
-// A mesh as a caller has it, bytes or files, as the service takes it: a form, and the content key that it is stored
-// under (PUT /meshes/{id} of proto/openapi.yaml says how).
+// Turns a mesh, bytes or files, into the form that the server reads, and computes the content key under which the server stores
+// it (rule: PUT /meshes/{id} in proto/openapi.yaml).
 import { localError } from './problems.js';
 import { hex, sha256 } from './sha256.js';
 
 export type Bytes = ArrayBuffer | ArrayBufferView | Blob;
 
-/** A file where there is no File: `data` with its name, which may have folders. */
+/** A file, for platforms without File: `data` and its name, which may contain folders. */
 export interface NamedFile {
   name: string;
   data: Bytes;
 }
 
-/** One mesh: its bytes, a file, or files of which one is the mesh and the others are what it names (OBJ + MTL + textures,
- * glTF + buffers + images). */
+/** A mesh: its bytes, a file, or several files: the mesh and the files that it names (OBJ + MTL + textures, glTF + buffers +
+ * images). */
 export type MeshInput = Bytes | NamedFile | Iterable<Blob | NamedFile>;
 
 export interface MeshFormat {
-  /** `obj`, `glb`, …, where neither name nor first bytes say it. */
+  /** `obj`, `glb`, …; needed only if neither the name nor the first bytes show it. */
   format?: string | undefined;
-  /** Of several files: the name of the one that is the mesh. */
+  /** With several files: the name of the file that is the mesh. */
   main?: string | undefined;
 }
 
@@ -31,7 +31,7 @@ export interface Asset {
   /** "sha256:" and 64 hex digits. */
   id: string;
   main: AssetFile;
-  /** Further files, ordered as the content key orders them. */
+  /** Further files, in the order of the content key. */
   files: AssetFile[];
   format: string | undefined;
 }
@@ -46,26 +46,28 @@ function asFile(input: Bytes | NamedFile, number: number): AssetFile {
     return { name: plainName(webkitRelativePath || name || ''), data: input };
   }
   if (input instanceof ArrayBuffer || ArrayBuffer.isView(input)) return { name: '', data: new Blob([input as BufferSource]) };
-  const what = typeof input === 'string' ? 'a text, of which nobody can know whether it is a path' : typeof input;
-  throw localError('bad-argument', `A mesh is bytes, a Blob, a File or a list of files; item ${number} is ${what}.`, { parameter: 'mesh' });
+  const what = typeof input === 'string' ? 'a string. Read the file first' : typeof input;
+  throw localError('bad-argument', `A mesh must be bytes, a Blob, a File or a list of files; item ${number} is ${what}.`,
+    { parameter: 'mesh' });
 }
 
-/** As an asset would write it, and as the service keeps it: forward slashes, no leading "./". */
+/** The name as meshes and the server write it: forward slashes, no leading "./". */
 function plainName(name: string): string {
   if (/[\r\n\0]/.test(name))
-    throw localError('bad-argument', `A file name with a line break cannot be sent: ${JSON.stringify(name)}.`, { parameter: 'mesh' });
+    throw localError('bad-argument', `The file name ${JSON.stringify(name)} has a line break and cannot be sent. Rename the file.`,
+      { parameter: 'mesh' });
   return name.replaceAll('\\', '/').replace(/^(\.\/)+/, '');
 }
 
 const extensionOf = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
 
-/** `formats`: asked only where it has to be found out which of several files is the mesh. */
+/** `formats`: called only to find out which of several files is the mesh. */
 export async function readAsset(input: MeshInput, { format, main }: MeshFormat, formats: Formats): Promise<Asset> {
   const several = typeof input === 'object' && input !== null && !ArrayBuffer.isView(input) && Symbol.iterator in input;
   const given = (several ? [...(input as Iterable<Blob | NamedFile>)] : [input as Bytes | NamedFile]).map(asFile);
   const chosen = given.length === 1 ? given[0] : await mainOf(given, main, formats);
-  if (!chosen) throw localError('bad-argument', 'There is no file in the list.', { parameter: 'mesh' });
-  // A folder that was chosen as a whole: what the mesh names is named from where the mesh is.
+  if (!chosen) throw localError('bad-argument', 'The list of files is empty. Give at least the mesh.', { parameter: 'mesh' });
+  // If a whole folder was chosen: the names in the mesh are relative to the folder of the mesh.
   const folder = chosen.name.slice(0, chosen.name.lastIndexOf('/') + 1);
   const files = given.filter(file => file !== chosen).map(file => ({
     data: file.data, name: folder !== '' && file.name.startsWith(folder) ? file.name.slice(folder.length) : file.name,
@@ -81,19 +83,19 @@ async function mainOf(files: AssetFile[], main: string | undefined, formats: For
   if (main !== undefined) {
     const wanted = plainName(main);
     const found = files.find(file => file.name === wanted) ?? files.find(file => file.name.endsWith(`/${wanted}`));
-    if (!found) throw localError('bad-argument', `'${main}' is none of the files: ${names()}.`, { parameter: 'main' });
+    if (!found) throw localError('bad-argument', `No file has the name '${main}'. The files are: ${names()}.`, { parameter: 'main' });
     return found;
   }
   if (files.length === 0) return undefined;
   const known = await formats(), meshes = files.filter(file => known.includes(extensionOf(file.name)));
   if (meshes.length === 1) return meshes[0];
-  throw localError('bad-argument', `${meshes.length} of ${files.length} files are meshes that this server reads (${known.join(', ')}): ` +
-    `say by \`main\` which one is meant. They are ${names()}.`, { parameter: 'main' });
+  throw localError('bad-argument', `Exactly one file must be a mesh that this server reads (${known.join(', ')}); of these files ` +
+    `${meshes.length} are: ${names()}. Name the mesh with \`main\`.`, { parameter: 'main' });
 }
 
 const bytesOf = async (data: Blob) => new Uint8Array(await data.arrayBuffer());
 
-/** The digest of a mesh with further files, which it sorts by the bytes of their names. */
+/** The digest of a mesh with further files. Sorts the files by the bytes of their names. */
 async function keyOf(mesh: string, files: AssetFile[]): Promise<string> {
   const utf8 = new TextEncoder();
   const listed = await Promise.all(files.map(async file =>
@@ -111,14 +113,14 @@ function compareBytes(a: Uint8Array, b: Uint8Array): number {
   return a.length - b.length;
 }
 
-/** The form of a mesh (RFC 7578), with parameters in it where they are given. A format that is not said is known to the
- * service by the name of the file or its first bytes. */
+/** The multipart form of a mesh (RFC 7578), with its parameters. Without a format, the server takes it from the name of the file
+ * or from its first bytes. */
 export function formOf({ main, files, format }: Asset, params?: string): Blob {
   const boundary = `fracture-${Math.random().toString(36).slice(2)}${Math.random().toString(36).slice(2)}`;
   const parts: (Blob | string)[] = [];
   const part = (name: string, data: Blob | string, more: string) =>
     parts.push(`--${boundary}\r\nContent-Disposition: form-data; name="${name}"${more}\r\n\r\n`, data, '\r\n');
-  // Types of files are whatever the system's table has for their ending: names say more. A Blob without a name has its type.
+  // The type of a File comes from a table of the system, so the name is more reliable. A Blob without a name keeps its type.
   const type = main.name === '' && /^model\//.test(main.data.type) ? `\r\nContent-Type: ${main.data.type}` : '';
   part('mesh', main.data, (main.name === '' ? '' : `; filename="${quoted(main.name)}"`) + type);
   for (const { name, data } of files) part('file', data, `; filename="${quoted(name)}"`);

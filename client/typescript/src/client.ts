@@ -1,4 +1,4 @@
-// The service as a caller sees it.
+// The client of one server.
 //
 //     const client = new Client('http://127.0.0.1:8080');
 //     const mesh = await client.put(file);
@@ -33,7 +33,7 @@ export interface Patterns {
   materials: { name: string; description: string; parameters: Record<string, any>; [member: string]: any }[];
 }
 
-/** What this client knows of a mesh that it put. */
+/** The state of a mesh that this client put. */
 interface Put {
   pending?: Promise<unknown> | undefined;
   storedAt: number;
@@ -46,14 +46,15 @@ interface JobPage {
 }
 
 export interface PutOptions extends CallOptions, MeshFormat {
-  /** Those that the mesh will be fractured with, as far as they decide the solid (`material`, `shell`, `repair`, `unit`, …):
-   * it is prepared with them; a fracture with others prepares it anew. */
+  /** The parameters of later fractures that decide the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the
+   * mesh with them. A fracture with other values prepares it again. */
   parameters?: Parameters;
-  /** Ask first whether the server has it? A no is a 404, which a browser writes to its console. Default: of more than 64 KiB. */
+  /** Whether to ask first if the server has the mesh. If it does not, browsers write the 404 to their console. Default: only for
+   * meshes of more than 64 KiB. */
   ask?: boolean;
 }
 
-/** What is smaller is sent sooner than asked for. */
+/** Bytes; smaller meshes are sent at once, because that is faster than asking. */
 const SMALL = 1 << 16;
 
 export class Client {
@@ -62,14 +63,14 @@ export class Client {
   private readonly assets = new Map<string, WeakRef<Asset>>();
   private formats: Promise<readonly string[]> | undefined;
 
-  /** `url`: of the server, with a path where it stands behind one. Throws FractureError (bad-argument). */
+  /** `url`: address of the server, with a path if the server is behind one. Throws FractureError (bad-argument). */
   constructor(url: string | URL, settings: Settings = {}) {
     this.transport = new Transport(url, settings);
   }
 
   // -- meshes
 
-  /** Stores a mesh under its content key. What this client has stored, or the server says that it has, is not sent again. */
+  /** Stores a mesh on the server under its content key. A mesh that the server already has is not sent again. Throws FractureError. */
   async put(input: MeshInput, { parameters, format, main, ask, ...call }: PutOptions = {}): Promise<Mesh> {
     const asset = await this.read(input, { format, main }, call), { stored } = this.puts.get(asset.id) ?? {};
     if (stored) return new Mesh(this, asset, asset.id, stored);
@@ -87,18 +88,18 @@ export class Client {
     return new Mesh(this, asset, sent.id, sent);
   }
 
-  /** What a mesh is worth, without fracturing it: the server reads it, keeps it, and says what it found. */
+  /** The report on a mesh, without fracturing it. The mesh is sent and stored. Throws FractureError. */
   async inspect(input: MeshInput, { parameters, format, main, ...call }: PutOptions = {}): Promise<StoredMesh> {
     const body = formOf(await this.read(input, { format, main }, call), parameters && parametersText(parameters));
     return json<StoredMesh>(await this.request('postMesh', { ...call, body, headers: { 'Content-Type': body.type }, json: true }));
   }
 
-  /** One that the server has, by its content key; nothing is asked. */
+  /** A mesh that is stored on the server, by its content key. Sends no request. */
   mesh(id: string): Mesh {
     return new Mesh(this, this.assets.get(id)?.deref(), id, undefined);
   }
 
-  /** In one request, storing nothing: for a mesh that breaks once. */
+  /** Sends mesh and parameters in one request and stores nothing: for a mesh that breaks once. Throws FractureError. */
   async fracture(input: MeshInput, parameters: Parameters = {}, options: FractureOptions & MeshFormat = {}): Promise<Answer> {
     const { format, main, realtime, priority, ...call } = options;
     const body = formOf(await this.read(input, { format, main }, call), parametersText(parameters));
@@ -111,22 +112,23 @@ export class Client {
 
   // -- results and jobs
 
-  /** A result that is still in the cache, by its address or key (/fractures/sha256:…). */
+  /** An answer that is still in the server's cache, by its address or key (/fractures/sha256:…). Throws FractureError (not-found). */
   async answer(location: string, call: CallOptions = {}): Promise<Answer> {
     const id = location.slice(location.lastIndexOf('/') + 1);
     return this.answerOf(await this.request('getFracture', { ...call, path: { id }, headers: { Accept: 'model/gltf-binary' } }));
   }
 
-  /** One that was saved: it can be hit while the server has its mesh. */
+  /** An answer that was saved as a GLB. It can be hit while the server has its mesh. Throws FractureError (damaged-answer). */
   open(glb: Uint8Array): Answer {
     return this.answerOf({ bytes: glb, headers: new Headers(), exchanges: 0 });
   }
 
+  /** A job that was started earlier, by its id. Throws FractureError (not-found). */
   async job(id: string, call: CallOptions = {}): Promise<Job> {
     return new Job(this, json<JobDocument>(await this.request('getJob', { ...call, path: { id }, json: true })));
   }
 
-  /** One's jobs, the newest first. `limit`: of one page, 1 to 100; further pages are asked for as they are needed. */
+  /** Your jobs, the newest first. `limit`: jobs of one page, 1 to 100; further pages are fetched as needed. Throws FractureError. */
   async *jobs({ state, limit, ...call }: CallOptions & { state?: JobState; limit?: number } = {}): AsyncGenerator<Job, void, undefined> {
     for (let query: Ask['query'] = { state, limit: limit?.toString() }; ;) {
       const page: JobPage = json<JobPage>(await this.request('getJobs', { ...call, query, json: true }));
@@ -136,34 +138,36 @@ export class Client {
     }
   }
 
-  // -- what may be asked
+  // -- discovery
 
+  /** The start page of the interface: name, version, links. */
   async index(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getIndex', call);
   }
+  /** The versions of the server and of the algorithm. */
   async version(call: CallOptions = {}): Promise<{ name: string; version: string; algorithm: number }> {
     return this.discover('getVersion', call);
   }
-  /** Limits of this server, every parameter with its range, and the formats that are read. */
+  /** The limits of this server, every parameter with its range, and the formats that it reads. */
   async limits(call: CallOptions = {}): Promise<Limits> {
     return this.discover('getLimits', call);
   }
-  /** Patterns and materials with their parameters. */
+  /** The patterns and materials of the server, with their parameters. */
   async patterns(call: CallOptions = {}): Promise<Patterns> {
     return this.discover('getPatterns', call);
   }
-  /** The whole interface as OpenAPI 3.1. */
+  /** The description of the interface in OpenAPI 3.1. */
   async openapi(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getOpenapi', call);
   }
-  /** What a problem means and what to do, for people. */
+  /** A text for people: the meaning of an error, and what to do. `problem`: its name or type. */
   async explain(problem: string, call: CallOptions = {}): Promise<string> {
     const name = problem.slice(problem.lastIndexOf('/') + 1);
     const { bytes } = await this.request('getProblem', { ...call, path: { name }, headers: { Accept: 'text/plain' } });
     return new TextDecoder().decode(bytes);
   }
 
-  /** Any operation of the interface, with all manners of this client: token, timeouts, what is tried again, digests. */
+  /** Sends any request of the interface, with this client's token, timeouts, retries and digest checks. Throws FractureError. */
   request(operation: OperationId, ask: Ask = {}): Promise<Reply> {
     return this.transport.request(operation, ask);
   }
@@ -182,7 +186,7 @@ export class Client {
   get deadline(): number {
     return this.transport.deadline;
   }
-  /** Seconds after which nobody waits for the answer. @internal */
+  /** Seconds after which this client no longer waits for the answer. @internal */
   requestTimeout({ timeout = this.timeout, deadline = this.transport.settings.deadline ?? Infinity }: CallOptions): string | undefined {
     const seconds = Math.min(timeout, deadline) / 1000;
     return seconds > 0 && seconds <= 86400 ? String(Number(seconds.toFixed(3))) : undefined;
@@ -201,14 +205,15 @@ export class Client {
     return new Answer(reply.bytes, head, id => this.mesh(id));
   }
 
-  /** After a 404: of all who miss a mesh at the same time one puts it, the others wait and ask again. @internal */
+  /** Sends a missing mesh after a 404. If several calls miss it at the same time, one sends it; the others wait and ask again.
+   * @internal */
   async putMissing(asset: Asset | undefined, sentAt: number, call: CallOptions): Promise<'retry' | 'retry-once' | 'give-up'> {
     if (!asset) return 'give-up';
     const put = this.putOf(asset.id);
     if (put.storedAt >= sentAt) return 'retry';
     if (put.pending) {
       const watch = new Watch(call.signal, call.deadline ?? Infinity);
-      await watch.race(put.pending).catch(() => {});  // however it ended, asking again shows
+      await watch.race(put.pending).catch(() => {});  // if it failed, the next request shows it
       watch.release();
       return 'retry';
     }
@@ -216,7 +221,7 @@ export class Client {
     return 'retry-once';
   }
 
-  /** The server was told to forget it. @internal */
+  /** Called after the mesh was deleted on the server. @internal */
   forget(id: string): void {
     this.puts.delete(id);
   }
@@ -240,7 +245,7 @@ export class Client {
     const ask = { ...call, body, headers: { 'Content-Type': body.type }, json: true };
     const put = this.putOf(asset.id);
     const sending = this.request('putMesh', { ...ask, path: { id: asset.id } }).catch((error: unknown) => {
-      // Who sorts names in another way has another key for several files: the server's counts.
+      // With several files, a server that sorts names differently has another key. The server's key counts.
       if (!(error instanceof FractureError) || error.problem !== 'digest-mismatch' || asset.files.length === 0) throw error;
       return this.request('postMesh', ask);
     });

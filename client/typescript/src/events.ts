@@ -1,4 +1,4 @@
-// Server-sent events (WHATWG HTML, section 9.2) from the body of a fetch: EventSource can send no token.
+// Server-sent events (WHATWG HTML, section 9.2) from the body of a fetch. EventSource is not used because it cannot send a token.
 
 export interface ServerEvent {
   event: string;
@@ -6,7 +6,7 @@ export interface ServerEvent {
   id: string;
 }
 
-/** Pieces of text in, events out, wherever the pieces are cut. */
+/** Reads events from pieces of text, which may be cut anywhere. */
 export class EventParser {
   private rest = '';
   private event = '';

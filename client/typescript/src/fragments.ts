@@ -1,21 +1,23 @@
-// What an answer holds, read from its GLB: figures, fragments, bonds. Lengths are metres, y is up.
+// The content of an answer, read from its GLB: figures, fragments, bonds. Lengths are in metres, y is up.
 import { type Glb, type GltfNode, type GltfPrimitive, type TypedArray, type Vector3 } from './glb.js';
 import { localError } from './problems.js';
 
-/** Columns of equal length; fragments by their ids. */
+/** The bonds as columns of equal length. */
 export interface BondColumns {
+  /** Ids of the two fragments. */
   a: number[];
   b: number[];
   /** m² */
   area: number[];
+  /** m, in the frame of the mesh. */
   centroid: Vector3[];
-  /** Unit, from a to b. */
+  /** From a to b, unit length. */
   normal: Vector3[];
-  /** Newtons of pull that it withstands. */
+  /** N: the tension at which the bond breaks. */
   strength: number[];
 }
 
-/** The object under extras.fracture of the root node, and what comes with Accept: application/json. */
+/** The object under extras.fracture of the root node. An answer with Accept: application/json is this object. */
 export interface Figures {
   version: number;
   algorithm: number;
@@ -27,61 +29,70 @@ export interface Figures {
     fragments: number; volume_in: number; volume_out: number; open_edges: number; unmirrored_caps: number; [figure: string]: any;
   };
   bonds: BondColumns;
-  /** Materials of cut faces, by their index in the file. */
+  /** Indices of the materials of cut faces. */
   interior_materials: number[];
-  /** Ids of the fragments that the last hits made, changed and took away; where `delta` was asked for. */
+  /** Ids of the fragments that the last hits made, changed and removed. Only if `delta` was requested. */
   delta?: { new: number[]; changed: number[]; gone: number[] };
-  /** Of a hierarchy, the coarsest first. */
+  /** The levels of a hierarchy, the coarsest first. */
   levels?: Record<string, any>[];
   [figure: string]: any;
 }
 
-/** What two fragments share. */
+/** The shared cut faces of two fragments, and how strongly they hold together. */
 export interface Bond {
+  /** Ids of the two fragments. */
   a: number;
   b: number;
+  /** m² */
   area: number;
+  /** m, in the frame of the mesh. */
   centroid: Vector3;
+  /** From a to b, unit length. */
   normal: Vector3;
+  /** N: the tension at which the bond breaks. */
   strength: number;
 }
 
-/** A closed convex body around a fragment, or a part of one; in the frame of the fragment's node. */
+/** A closed convex body around a fragment or a part of it, in metres in the frame of the fragment's node. */
 export interface Hull {
   /** x, y, z of each point. */
   positions: Float32Array;
-  /** Three points for each triangle. */
+  /** Indices of the points, three for each triangle. */
   triangles: Uint16Array | Uint32Array;
 }
 
-/** Triangles of one material. */
+/** The triangles of a fragment that have one material. */
 export interface Primitive {
-  /** Index of the file's material. */
+  /** Index of the material in the file. */
   material: number | undefined;
-  /** Cut faces. */
+  /** True for cut faces. */
   interior: boolean;
-  /** By glTF's names: POSITION, NORMAL, TEXCOORD_0, … Shared by the primitives of a fragment. */
+  /** Arrays by glTF's names: POSITION, NORMAL, TEXCOORD_0, … All primitives of a fragment share them. */
   attributes: Record<string, TypedArray>;
+  /** Indices of the vertices, three for each triangle. */
   triangles: Uint16Array | Uint32Array;
 }
 
-/** Of a rigid body: kilograms, metres, kg·m². In the frame of the fragment's node, which is not turned. */
+/** The motion properties of a rigid body, in the frame of the fragment's node, which has no rotation. */
 export interface Motion {
+  /** kg */
   mass: number;
+  /** m */
   centerOfMass: Vector3;
+  /** kg·m², about the centre of mass. */
   inertiaDiagonal: Vector3;
-  /** The turn from the principal axes into the node's frame: x, y, z, w. */
+  /** The rotation from the principal axes to the node's frame: x, y, z, w. */
   inertiaOrientation: [number, number, number, number];
 }
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body';
 
-/** Something that is drawn: a fragment, or a node that passed through whole. */
+/** A drawn part of the answer: a fragment, or a node of the mesh that was left uncut. */
 export class Piece {
   private readPrimitives: Primitive[] | undefined;
   private readTriangles: Uint16Array | Uint32Array | undefined;
 
-  constructor(protected readonly glb: Glb, /** Index in the file. */ readonly node: number,
+  constructor(protected readonly glb: Glb, /** Index of its node in the file. */ readonly node: number,
               protected readonly interior: readonly number[]) {}
 
   protected get source(): GltfNode {
@@ -90,7 +101,7 @@ export class Piece {
   get name(): string {
     return this.source.name ?? '';
   }
-  /** Where the node's origin is, in the frame of the mesh: world position = translation + position. */
+  /** The node's origin in the frame of the mesh (m). The place of a vertex is translation + position. */
   get translation(): Vector3 {
     return this.source.translation ?? [0, 0, 0];
   }
@@ -102,7 +113,7 @@ export class Piece {
       triangles: indicesOf(this.glb, primitive),
     })));
   }
-  /** x, y, z of each vertex, from the node's origin. */
+  /** x, y, z of each vertex (m), relative to the node's origin. */
   get positions(): Float32Array {
     return (this.primitives[0]?.attributes['POSITION'] ?? new Float32Array()) as Float32Array;
   }
@@ -112,11 +123,11 @@ export class Piece {
   get uvs(): Float32Array | undefined {
     return this.primitives[0]?.attributes['TEXCOORD_0'] as Float32Array | undefined;
   }
-  /** Three vertices for each triangle, of all materials one after the other. */
+  /** Indices of the vertices, three for each triangle; the materials come one after the other. */
   get triangles(): Uint16Array | Uint32Array {
     return (this.readTriangles ??= joined(this.primitives.map(primitive => primitive.triangles)));
   }
-  /** The accessors behind the primitives, for who shares buffers. */
+  /** The primitives of the file, with the indices of their accessors, for code that shares buffers. */
   get rawPrimitives(): readonly GltfPrimitive[] {
     return this.glb.json.meshes?.[this.source.mesh ?? -1]?.primitives ?? [];
   }
@@ -128,7 +139,7 @@ export class Fragment extends Piece {
   private get figures(): Record<string, any> {
     return this.source.extras!['fracture'];
   }
-  /** What names it in bonds, deltas and parameters; the same in every answer that has it. */
+  /** Its id in bonds, deltas and parameters. Every answer that has this fragment uses the same id. */
   get id(): number {
     return this.figures['id'];
   }
@@ -140,50 +151,53 @@ export class Fragment extends Piece {
   get mass(): number {
     return this.figures['mass'];
   }
-  /** m² of all faces, and of those that are the outside of the mesh. */
+  /** m², all faces. */
   get area(): number {
     return this.figures['area'];
   }
+  /** m², the faces that were the surface of the mesh. */
   get exteriorArea(): number {
     return this.figures['exterior_area'];
   }
-  /** In the frame of the mesh. */
+  /** m, in the frame of the mesh. */
   get centerOfMass(): Vector3 {
     return this.figures['center_of_mass'];
   }
-  /** It is held in its place. */
+  /** True if an anchor holds it, so that it does not fall. */
   get anchored(): boolean {
     return this.figures['anchored'];
   }
-  /** Which connected part of the mesh it is of. */
+  /** The number of the connected part of the mesh that it belongs to. */
   get part(): number {
     return this.figures['part'];
   }
+  /** Its level in the hierarchy; 0 without one. */
   get level(): number {
     return this.figures['level'];
   }
-  /** The id of its cluster, where there are levels. */
+  /** The id of its cluster; null without levels. */
   get parent(): number | null {
     return this.figures['parent'];
   }
+  /** The cells that it consists of. */
   get sites(): readonly number[] {
     return this.figures['sites'];
   }
-  /** With physics=khr; with omi without inertia. */
+  /** Only with physics=khr, and without inertia with physics=omi. */
   get motion(): Motion | undefined {
     return this.body?.['motion'];
   }
-  /** Fragments with the same number overlap from the start, and must not be held apart. */
+  /** Fragments with the same number overlap, so they must not collide with each other. */
   get collisionSystem(): number | undefined {
     return this.colliders.find(collider => collider['collisionFilter'] !== undefined)?.['collisionFilter'];
   }
-  /** How it rubs and bounces; with physics=khr. */
+  /** Friction and restitution of the surface. They come from the file with physics=khr; otherwise 0.6 and 0. */
   get surface(): { friction: number; restitution: number } {
     const number = this.colliders[0]?.['physicsMaterial'] as number | undefined;
     const material = this.glb.json.extensions?.[KHR]?.physicsMaterials?.[number ?? -1] ?? {};
     return { friction: material.dynamicFriction ?? 0.6, restitution: material.restitution ?? 0 };
   }
-  /** None with physics=none. */
+  /** The collision hulls; empty with physics=none. */
   get hulls(): readonly Hull[] {
     return (this.readHulls ??= this.colliders.flatMap(collider => {
       const shape = collider['shape'] as number | undefined;
@@ -212,7 +226,7 @@ function indicesOf(glb: Glb, primitive: GltfPrimitive): Uint16Array | Uint32Arra
   return Uint32Array.from({ length: glb.accessorAt(primitive.attributes['POSITION']!).count }, (_, k) => k);
 }
 
-/** One view over arrays that stand behind one another, as the service writes them; else a copy. */
+/** One view of all arrays if they follow each other in memory, as in files of the server; else a copy. */
 function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array {
   const [first] = parts;
   if (!first) return new Uint16Array();
@@ -227,12 +241,12 @@ function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array
   return Uint32Array.from(parts.flatMap(part => [...part]));
 }
 
-/** Throws FractureError (damaged-answer) for a file that is not from the service. */
+/** Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
 export function figuresOf(glb: Glb): Figures {
   const { nodes, scenes, scene } = glb.json, root = nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
   const figures = root?.extras?.['fracture'] as Figures | undefined;
   if (!figures?.parameters || !figures.certificate || !figures.bonds)
-    throw localError('damaged-answer', 'This GLB has no extras.fracture on its root: it is no answer of the service.');
+    throw localError('damaged-answer', 'The root node of this GLB has no extras.fracture: the file is not from a fracture server.');
   return figures;
 }
 
@@ -241,7 +255,7 @@ export function fragmentsOf(glb: Glb, figures: Figures): Fragment[] {
     (node.extras?.['fracture']?.id === undefined ? [] : [new Fragment(glb, k, figures.interior_materials)]));
 }
 
-/** Nodes of the mesh that were not to be fractured (`nodes`, `materials`). */
+/** The nodes of the mesh that `nodes` or `materials` left uncut. */
 export function passedThrough(glb: Glb, figures: Figures): Piece[] {
   const nodes = glb.json.nodes ?? [], root = nodes[glb.json.scenes?.[glb.json.scene ?? 0]?.nodes?.[0] ?? 0];
   return (root?.children ?? []).filter(k => nodes[k]!.mesh !== undefined && !nodes[k]!.extras?.['fracture'])

@@ -1,5 +1,5 @@
-// A GLB as the service writes it (glTF 2.0, one buffer, nothing required): its JSON, and typed arrays that look into its
-// bytes. Nothing is copied, but for interleaved and sparse accessors, which no fragment's geometry has.
+// A GLB file of the server (glTF 2.0, one buffer, no required extensions): its JSON, and typed arrays that are views of its bytes.
+// Only interleaved and sparse accessors are copied; the geometry of fragments has none.
 import { localError } from './problems.js';
 
 export interface GltfNode {
@@ -47,7 +47,7 @@ export interface GltfBufferView {
   byteStride?: number;
   target?: number;
 }
-/** What this package reads of glTF's JSON; the rest is there as well. */
+/** The JSON of a glTF file: the members that this package reads. Other members are there too. */
 export interface Gltf {
   asset: { version: string; generator?: string; copyright?: string; extras?: any };
   scene?: number;
@@ -76,19 +76,20 @@ const WIDTH: Record<string, number> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MA
 
 const MAGIC = 0x46546c67, JSON_CHUNK = 0x4e4f534a, BIN_CHUNK = 0x004e4942;
 
+const digits = (count: number): string => count.toLocaleString('en');
 export const bytesPerComponent = (componentType: number): number => componentOf(componentType).BYTES_PER_ELEMENT;
-export const widthOf = (accessor: GltfAccessor): number => WIDTH[accessor.type] ?? bad(`there is no accessor type ${accessor.type}`);
+export const widthOf = (accessor: GltfAccessor): number => WIDTH[accessor.type] ?? bad(`the accessor type ${accessor.type} is unknown`);
 
 function bad(why: string): never {
-  throw localError('damaged-answer', `This is no GLB that can be read: ${why}.`);
+  throw localError('damaged-answer', `The GLB cannot be read: ${why}.`);
 }
 
 function componentOf(componentType: number) {
-  return COMPONENTS[componentType as keyof typeof COMPONENTS] ?? bad(`there is no component type ${componentType}`);
+  return COMPONENTS[componentType as keyof typeof COMPONENTS] ?? bad(`the component type ${componentType} is unknown`);
 }
 
 export class Glb {
-  /** The whole file. */
+  /** The bytes of the file. */
   readonly bytes: Uint8Array;
   readonly json: Gltf;
   /** The binary chunk. */
@@ -96,18 +97,19 @@ export class Glb {
 
   /** Throws FractureError (damaged-answer). */
   constructor(bytes: Uint8Array) {
-    // Views of floats need them on a multiple of four; what was cut out of something else may have it elsewhere.
+    // Views of floats must begin at a multiple of four bytes. A part of a larger array may begin elsewhere, so it is copied.
     this.bytes = bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
     const view = new DataView(this.bytes.buffer, this.bytes.byteOffset, this.bytes.byteLength), size = view.byteLength;
     if (size < 20 || view.getUint32(0, true) !== MAGIC) bad('it does not begin with "glTF"');
-    if (view.getUint32(4, true) !== 2) bad(`it is of version ${view.getUint32(4, true)}`);
-    if (view.getUint32(8, true) !== size) bad(`it says that it has ${view.getUint32(8, true)} bytes, and has ${size}`);
+    if (view.getUint32(4, true) !== 2) bad(`its version is ${view.getUint32(4, true)}, not 2`);
+    if (view.getUint32(8, true) !== size)
+      bad(`its header announces ${digits(view.getUint32(8, true))} bytes, but it has ${digits(size)}`);
     const text = view.getUint32(12, true), end = 20 + text;
     if (view.getUint32(16, true) !== JSON_CHUNK || end > size) bad('its first chunk is not its JSON');
     try {
       this.json = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(this.bytes.subarray(20, end))) as Gltf;
     } catch (cause) {
-      throw localError('damaged-answer', 'This is no GLB that can be read: its JSON is damaged.', { cause });
+      throw localError('damaged-answer', 'The GLB cannot be read: its JSON is damaged.', { cause });
     }
     this.binary = this.bytes.subarray(end, end);
     if (size >= end + 8) {
@@ -119,16 +121,16 @@ export class Glb {
 
   /** The bytes of a bufferView. */
   view(index: number): Uint8Array {
-    const view = this.json.bufferViews?.[index] ?? bad(`there is no bufferView ${index}`), at = view.byteOffset ?? 0;
-    if (at + view.byteLength > this.binary.length) bad(`bufferView ${index} ends behind the buffer`);
+    const view = this.json.bufferViews?.[index] ?? bad(`bufferView ${index} does not exist`), at = view.byteOffset ?? 0;
+    if (at + view.byteLength > this.binary.length) bad(`bufferView ${index} ends after the end of the buffer`);
     return this.binary.subarray(at, at + view.byteLength);
   }
 
   accessorAt(index: number): GltfAccessor {
-    return this.json.accessors?.[index] ?? bad(`there is no accessor ${index}`);
+    return this.json.accessors?.[index] ?? bad(`accessor ${index} does not exist`);
   }
 
-  /** The numbers of an accessor, as many for each element as its type has (VEC3: three). */
+  /** The numbers of an accessor: for each element, as many as its type has (VEC3: three). */
   accessor(index: number): TypedArray {
     const accessor = this.accessorAt(index), Type = componentOf(accessor.componentType), width = widthOf(accessor);
     const length = accessor.count * width;
@@ -139,7 +141,7 @@ export class Glb {
       const view = this.view(accessor.bufferView), at = view.byteOffset + (accessor.byteOffset ?? 0);
       const element = width * Type.BYTES_PER_ELEMENT, stride = this.json.bufferViews![accessor.bufferView]!.byteStride ?? element;
       const last = accessor.count > 0 ? (accessor.count - 1) * stride + element : 0;
-      if ((accessor.byteOffset ?? 0) + last > view.byteLength) bad(`accessor ${index} ends behind its bufferView`);
+      if ((accessor.byteOffset ?? 0) + last > view.byteLength) bad(`accessor ${index} ends after the end of its bufferView`);
       if (at % Type.BYTES_PER_ELEMENT !== 0) bad(`accessor ${index} is not aligned`);
       if (stride === element) {
         values = new Type(view.buffer as ArrayBuffer, at, length);
@@ -152,7 +154,8 @@ export class Glb {
     if (!sparse) return values;
     const read = (part: { bufferView: number; byteOffset?: number }, Of: typeof Type, count: number) => {
       const view = this.view(part.bufferView), at = part.byteOffset ?? 0;
-      if (at + count * Of.BYTES_PER_ELEMENT > view.byteLength) bad(`accessor ${index} is sparse beyond its bufferView`);
+      if (at + count * Of.BYTES_PER_ELEMENT > view.byteLength)
+        bad(`the sparse values of accessor ${index} end after the end of their bufferView`);
       return new Of(view.buffer as ArrayBuffer, view.byteOffset + at, count);
     };
     const places = read(sparse.indices, componentOf(sparse.indices.componentType), sparse.count);
@@ -161,7 +164,7 @@ export class Glb {
     return copy;
   }
 
-  /** The bytes of an image that is in the file; undefined for one that is elsewhere. */
+  /** The bytes of an image that is in the file; undefined for an image outside of it. */
   image(index: number): { bytes: Uint8Array; type: string } | undefined {
     const image = this.json.images?.[index];
     if (image?.bufferView === undefined) return undefined;
@@ -169,7 +172,7 @@ export class Glb {
   }
 }
 
-/** A file of JSON and a buffer. */
+/** The bytes of a GLB with this JSON and this buffer. */
 export function packGlb(json: Gltf, binary: Uint8Array): Uint8Array {
   const text = new TextEncoder().encode(JSON.stringify(json)), aligned = (size: number) => Math.ceil(size / 4) * 4;
   const textSize = aligned(text.length), binarySize = aligned(binary.length);

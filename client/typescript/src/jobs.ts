@@ -1,4 +1,4 @@
-// Long work: a job that the server does while nobody waits on a connection.
+// Jobs: long fractures as background work of the server.
 import type { Answer } from './answer.js';
 import type { Client } from './client.js';
 import { EventParser } from './events.js';
@@ -11,30 +11,30 @@ export interface JobDocument {
   id: string;
   state: JobState;
   stage: '' | 'import' | 'prepare' | 'tetrahedralize' | 'clip' | 'encode';
-  /** 0 to 100; never falls while the server runs. */
+  /** 0 to 100; never decreases while the server runs. */
   percent: number;
   created: string;
   finished?: string;
-  /** It survives the server. */
+  /** True if the job survives a restart of the server. */
   durable: boolean;
-  /** How many go before it, while it is queued. */
+  /** Number of jobs ahead of it while it is queued. */
   queue_position?: number;
-  /** Where the fragments are, when it is done. */
+  /** The address of the answer, when it is done. */
   result?: string;
   error?: ProblemDocument;
   links: { self?: string; events?: string };
 }
 
-const KEEP_ALIVE = 30_000;  // ms; an event stream is silent for 10 s at most
-const STREAMS = 3;          // that may break before only polls are trusted
-const WAIT = 20;            // s of a poll
+const KEEP_ALIVE = 30_000;  // ms without a byte after which a stream counts as broken; the server sends something every 10 s
+const STREAMS = 3;          // after this many broken streams, only polls are used
+const WAIT = 20;            // s that one poll waits for the end of the job
 
 export class Job {
   private answer: Answer | undefined;
 
-  constructor(private readonly client: Client, /** As the server said it last. */ public document: JobDocument) {}
+  constructor(private readonly client: Client, /** The last known state. */ public document: JobDocument) {}
 
-  /** One whose answer came at once, and of which the server keeps nothing. */
+  /** A job whose answer came at once. The server does not keep it. */
   static done(client: Client, answer: Answer): Job {
     const created = new Date().toISOString();
     const job = new Job(client, { id: '', state: 'done', stage: 'encode', percent: 100, created, durable: false, links: {} });
@@ -51,11 +51,13 @@ export class Job {
   get percent(): number {
     return this.document.percent;
   }
+  /** Whether it is done, failed or cancelled. */
   get finished(): boolean {
     return this.state === 'done' || this.state === 'failed' || this.state === 'cancelled';
   }
 
-  /** How far it is now; with `wait`, when it has finished or after so many seconds. */
+  /** Asks the server for the state. `wait`: answer only when the job has finished, or after this many seconds. Throws
+   * FractureError. */
   async refresh({ wait, ...options }: CallOptions & { wait?: number } = {}): Promise<JobDocument> {
     if (this.id === '') return this.document;
     const headers = { Prefer: wait === undefined ? undefined : `wait=${wait}` };
@@ -63,8 +65,8 @@ export class Job {
     return (this.document = json<JobDocument>(reply));
   }
 
-  /** Every change until the job has finished, that one too. By server-sent events, and by asking where streams are missing
-   * or break. Aborting stops looking, not the job. */
+  /** Yields the state at each change until the job has finished. It uses server-sent events, and polls if streams are missing or
+   * break. Aborting ends the iteration, not the job. Throws FractureError. */
   async *progress(options: CallOptions = {}): AsyncGenerator<JobDocument, void, undefined> {
     yield this.document;
     for (let broken = 0; !this.finished;) {
@@ -78,7 +80,7 @@ export class Job {
         ++broken;
       }
       if (this.finished) return;
-      // The server waits no longer than the exchange may take.
+      // The server must not wait longer than the timeout of the exchange.
       const wait = Math.max(1, Math.min(WAIT, Math.floor((options.timeout ?? this.client.timeout) / 2000)));
       const before = JSON.stringify(this.document);
       await this.refresh({ ...options, wait });
@@ -86,7 +88,8 @@ export class Job {
     }
   }
 
-  /** The fragments. FractureError where the job failed or was cancelled. Aborting stops waiting, not the job. */
+  /** Waits for the job and returns its answer. Throws FractureError if the job failed or was cancelled. Aborting ends the wait, not
+   * the job. */
   async result({ onProgress, ...options }: CallOptions & { onProgress?: (job: JobDocument) => void } = {}): Promise<Answer> {
     if (this.answer) return this.answer;
     for await (const document of this.progress(options)) onProgress?.(document);
@@ -94,7 +97,7 @@ export class Job {
     return (this.answer = await this.client.answer(this.document.result!, options));
   }
 
-  /** Cancels it, or makes the server forget one that has finished. */
+  /** Cancels the job; if it has finished, the server forgets it. */
   async cancel(options: CallOptions = {}): Promise<void> {
     if (this.id !== '') await this.client.request('deleteJob', { ...options, path: { id: this.id } });
   }

@@ -1,12 +1,12 @@
-// An answer that has only what hits changed (delta=only), put into the answer before it: the whole, as the service writes
-// it with delta=stated. The layout is that of its own files (common/gltf), so that the binary chunks are equal to the bit.
+// Merges an answer and the changes of a hit (delta=only) into the answer that the server gives with delta=stated. The layout is
+// that of the server's files (common/gltf), so the binary chunks are equal bit for bit.
 //
 //   before   a b c d e          kept      a c d           order    by the first site, as the service has it
 //   changes      B' x y    ──>  changes     B' x y   ──>  names    numbered anew in that order
 //   gone     e                                            bonds    of kept pairs from before, the others from the changes
 //
-// Of pieces that are of the same cell and part, where some are kept and some are new, no file says which the service has
-// first: they may be numbered, and so named, in another order. Everything else is equal.
+// Several pieces of the same cell and part can be partly kept and partly new. The files do not show their order in the server's
+// answer, so their numbers and names can differ from it. Everything else is equal.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { type BondColumns, type Figures, figuresOf } from './fragments.js';
 import { MeshCopier } from './mesh_copier.js';
@@ -21,7 +21,7 @@ const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_
 
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
 
-/** Undefined where the parts do not make the whole that the certificate describes: then the whole has to be asked for. */
+/** The merged GLB; undefined if it would not match the certificate, so that the caller must ask for the whole answer. */
 export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   const now = figuresOf(changes), was = figuresOf(before);
   if (!now.delta || now.levels || was.levels || now.mesh !== was.mesh) return undefined;
@@ -43,7 +43,7 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** Each from its lower fragment to its higher one, and in order. */
+/** All bonds, sorted, each from its lower fragment to its higher one. */
 function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], left: ReadonlySet<number>): BondColumns {
   const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k]));
   const rows: { a: number; b: number; area: number; centroid: Vector3; normal: Vector3; strength: number }[] = [];
@@ -66,7 +66,7 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
-/** Fragments of the same system share a cell, also by way of a third. Numbered in order. */
+/** The number of the collision system of each fragment. Fragments of a system share cells, directly or through others. */
 function collisionSystems(sources: Source[]): (number | undefined)[] {
   const root = sources.map((_, k) => k), owner = new Map<number, number>(), shares = new Set<number>();
   const find = (k: number): number => (root[k] === k ? k : (root[k] = find(root[k]!)));

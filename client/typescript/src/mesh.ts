@@ -1,4 +1,4 @@
-// A mesh that the server keeps under its content key, and fractures of it.
+// A mesh that is stored on the server under its content key, and its fractures.
 import type { Answer } from './answer.js';
 import { type Asset, formOf } from './asset.js';
 import type { Client } from './client.js';
@@ -8,25 +8,25 @@ import { localError } from './problems.js';
 import { type Parameters, parametersText } from './parameters.js';
 import { type Ask, type CallOptions, json, type Reply } from './transport.js';
 
-/** What the server says of a mesh that it keeps. */
+/** The server's description of a stored mesh. */
 export interface StoredMesh {
   id: string;
   format: string;
-  /** Of the mesh and its further files. */
+  /** Bytes of the mesh and its further files together. */
   bytes: number;
-  /** How many further files it has. */
+  /** Number of further files. */
   files: number;
-  /** Seconds after its last use until it is forgotten. */
+  /** Seconds after the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** What it is worth: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings. */
+  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings. */
   report: Record<string, any>;
 }
 
 export interface FractureOptions extends CallOptions {
-  /** For the moment of a collision: goes before batch work, and has a shorter deadline (realtime_deadline_ms of GET
-   * /limits, 2 s). Default: false; of hits: true. */
+  /** For games: the request goes before batch work and has a shorter deadline (realtime_deadline_ms of GET /limits, 2 s). Default:
+   * false; for hits: true. */
   realtime?: boolean;
-  /** RFC 9218, instead of `realtime`: 0 to 2 realtime, 3 to 7 batch. */
+  /** The priority of RFC 9218, instead of `realtime`: 0 to 2 are realtime, 3 to 7 are batch work. */
   priority?: number;
 }
 
@@ -34,44 +34,45 @@ export interface FractureOptions extends CallOptions {
 const MOST_PARAMETERS = 4096;
 
 export class Mesh {
-  /** `asset`: the bytes, where this client has them; kept for a server that forgets the mesh. */
+  /** `asset`: the bytes, to send them again if the server forgets the mesh; undefined if this client does not have them. */
   constructor(private readonly client: Client, private readonly asset: Asset | undefined, /** "sha256:…" */ readonly id: string,
-              /** As the server said it last; undefined where it was not asked. */ public stored: StoredMesh | undefined) {}
+              /** The last known description; undefined before the first request. */ public stored: StoredMesh | undefined) {}
 
   get report(): Record<string, any> | undefined {
     return this.stored?.report;
   }
 
-  /** Fractures it. `parameters` as GET /patterns lists them. A server that has forgotten the mesh gets it again. */
+  /** Breaks the mesh. `parameters`: those that GET /patterns lists. If the server has forgotten the mesh, it is sent again. Throws
+   * FractureError. */
   async fracture(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Answer> {
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary' });
     return this.client.answerOf(reply);
   }
 
-  /** The figures alone, without geometry. */
+  /** Breaks the mesh and returns only the figures, without the geometry. */
   async figures(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Figures> {
     return json<Figures>(await this.ask(parameters, options, { Accept: 'application/json' }));
   }
 
-  /** The same as one JSON text with the buffer in a data URI (model/gltf+json). */
+  /** Breaks the mesh and returns one JSON text, with the buffer in a data URI (model/gltf+json). */
   async gltf(parameters: Parameters = {}, options: FractureOptions = {}): Promise<string> {
     return new TextDecoder().decode((await this.ask(parameters, options, { Accept: 'model/gltf+json' })).bytes);
   }
 
-  /** Starts a job: work that nobody waits for on a connection, with a deadline of its own (30 minutes). `wait`: seconds in
-   * which the answer may come at once. */
+  /** Starts a job: background work with a separate deadline (30 minutes by default). `wait`: seconds to wait for an answer in the
+   * same request. Throws FractureError. */
   async job(parameters: Parameters = {}, { wait, ...options }: CallOptions & { wait?: number } = {}): Promise<Job> {
     const prefer = wait === undefined ? 'respond-async' : `respond-async, wait=${wait}`;
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary', Prefer: prefer });
     return reply.status === 202 ? new Job(this.client, json<JobDocument>(reply)) : Job.done(this.client, this.client.answerOf(reply));
   }
 
-  /** What the server keeps of it now. FractureError (not-found) where it has forgotten it. */
+  /** Fetches the server's description of the mesh. Throws FractureError (not-found) if the server has forgotten it. */
   async refresh(options: CallOptions = {}): Promise<StoredMesh> {
     return (this.stored = json<StoredMesh>(await this.client.request('getMesh', { ...options, path: { id: this.id }, json: true })));
   }
 
-  /** Makes the server forget it. */
+  /** Deletes the mesh on the server. */
   async delete(options: CallOptions = {}): Promise<void> {
     await this.client.request('deleteMesh', { ...options, path: { id: this.id } });
     this.stored = undefined;
@@ -95,10 +96,11 @@ export class Mesh {
         ...call, headers, path: { id: this.id }, body: text,
         onMissing: (sentAt, left) => this.client.putMissing(asset, sentAt, { ...call, deadline: left }),
       });
-    // Points of a pattern, say: they go with the mesh, as a form.
+    // Long parameters, such as the points of a pattern, are sent in a form together with the mesh.
     if (!asset)
       throw localError('bad-argument',
-        `The parameters have over ${MOST_PARAMETERS} bytes, which go with the bytes of the mesh alone: put() it first.`,
+        `The parameters have more than ${MOST_PARAMETERS.toLocaleString('en')} bytes, so they must be sent together with the mesh, ` +
+        'which this client does not have. Call put() with the mesh first.',
         { parameter: 'parameters' });
     const body = formOf(asset, text);
     return this.client.request('postFracture', { ...call, headers: { ...headers, 'Content-Type': body.type }, body });

@@ -1,5 +1,5 @@
-// Meshes of several files in one buffer: a bufferView for each attribute, one for indices of each width and one for what
-// EXT_mesh_manifold merges, in the order in which they first get a byte; images behind them.
+// Copies meshes of several files into one buffer: one bufferView for each attribute, one for indices of each width, and one for the
+// merged vertices of EXT_mesh_manifold, in the order in which they get their first byte. Images follow.
 import { bytesPerComponent, type Glb, type Gltf, type GltfAccessor, type GltfMesh, widthOf } from './glb.js';
 
 interface View {
@@ -15,9 +15,9 @@ export class MeshCopier {
   private readonly views = new Map<string, View>();
   private readonly accessors: GltfAccessor[] = [];
 
-  /** The mesh with accessors of the new file. */
+  /** Copies a mesh. The result has accessors of the new file. */
   copy(glb: Glb, mesh: GltfMesh): GltfMesh {
-    // What each accessor is for says which view it goes to.
+    // The use of an accessor decides its view.
     const role = new Map<number, string>();
     for (const { attributes, indices } of mesh.primitives) {
       for (const [name, accessor] of Object.entries(attributes)) role.set(accessor, name);
@@ -77,7 +77,8 @@ export class MeshCopier {
     return copy;
   }
 
-  /** Writes accessors, bufferViews and the buffer's length, and moves the images, which are those of `glb`. */
+  /** Writes the accessors, the bufferViews and the length of the buffer into `json`, copies the images of `glb`, and returns the
+   * buffer. */
   finish(glb: Glb, json: Gltf): Uint8Array {
     if (json.images) json.images = json.images.map((image, k) => {
       const bytes = glb.image(k)?.bytes;

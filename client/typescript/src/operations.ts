@@ -1,14 +1,13 @@
-// The interface as data: every operation of proto/openapi.yaml with its path. Requests are made from this table, and a
-// test holds it and the document together.
+// All operations of proto/openapi.yaml with their paths. Requests are made from this table. A test compares it with the document.
 
 export interface Operation {
   readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';
   readonly path: string;
-  /** Statuses of answers that are no problems. */
+  /** Statuses of successful answers. */
   readonly good: readonly number[];
-  /** Answers carry a Repr-Digest, which is checked: one without it counts as damaged. */
+  /** Answers have a Repr-Digest, which is checked. An answer without it counts as damaged. */
   readonly digest?: boolean;
-  /** On the admin listener, which is another address. */
+  /** The operation is on the admin port, which has another address. */
   readonly admin?: boolean;
 }
 
@@ -40,10 +39,10 @@ export const operations = {
 
 export type OperationId = keyof typeof operations;
 
-/** Header fields of requests that the document names; the rest (Authorization, Accept) are HTTP's own. */
+/** Header fields of requests that the document describes. Authorization and Accept are not listed. */
 export const requestFields = [
   'Half-Close', 'If-Match', 'If-None-Match', 'If-Range', 'Prefer', 'Priority', 'Range', 'Request-Timeout',
 ] as const;
 
-/** Statuses of problems that the document names; any other one is a FractureError all the same. */
+/** Statuses of errors that the document names. Other statuses are a FractureError, too. */
 export const problemStatuses = [400, 404, 406, 408, 412, 413, 415, 416, 422, 503, 504] as const;

@@ -1,18 +1,18 @@
-// What may be asked for. No name stands here: GET /patterns and GET /limits list them, with type, unit, range and default.
+// Parameters of fractures. GET /patterns and GET /limits list their names, types, units, ranges and defaults.
 import { localError } from './problems.js';
 
-/** Values of parameters as JSON has them; typed arrays are lists of numbers. */
+/** The value of a parameter: a JSON value, or a typed array, which is sent as a list of numbers. */
 export type ParameterValue = string | number | boolean | readonly ParameterValue[] | Float32Array | Float64Array | Int32Array | Uint32Array;
-/** By the names that GET /patterns and GET /limits list. */
+/** Parameters by their names. GET /patterns and GET /limits list the names. */
 export interface Parameters {
   readonly [name: string]: ParameterValue | undefined;
 }
 
-/** Typed arrays are lists of numbers, too. */
+/** The parameters as JSON. Typed arrays become lists of numbers. Throws FractureError (bad-argument). */
 export function parametersText(parameters: Parameters): string {
   try {
     return JSON.stringify(parameters, (_, value: unknown) => {
-      if (typeof value === 'number' && !Number.isFinite(value)) throw new Error(`${value} is no number of JSON`);
+      if (typeof value === 'number' && !Number.isFinite(value)) throw new Error(`JSON does not have the number ${value}`);
       return ArrayBuffer.isView(value) && !(value instanceof DataView) ? Array.from(value as Float64Array) : value;
     }) ?? '{}';
   } catch (cause) {

@@ -1,6 +1,6 @@
-// What goes wrong, in one class: the server's problem documents (RFC 9457), and what this side of the wire finds.
+// All errors as one class: the server's problem documents (RFC 9457), and the errors of this client.
 
-/** Last segments of the `type` of the server's problems. A test holds them and proto/openapi.yaml together. */
+/** The names of the server's errors: the last segments of `type`. A test compares them with proto/openapi.yaml. */
 export const serverProblems = [
   'bad-parameter', 'unknown-parameter', 'bad-json', 'empty-body', 'unknown-format', 'malformed-mesh', 'unsupported-feature',
   'external-resource', 'importer-crashed', 'importer-limit', 'too-large', 'empty-mesh', 'not-finite', 'mesh-not-closed',
@@ -12,20 +12,20 @@ export const serverProblems = [
   'client-closed-request', 'not-implemented', 'overloaded', 'draining', 'version-not-supported',
 ] as const;
 
-/** What no server answers. */
+/** The errors of this client. */
 export const localProblems = {
-  'server-absent': 'Nobody answers at this address',
-  'timed-out': 'The answer did not come in time',
+  'server-absent': 'No server answers at this address',
+  'timed-out': 'The whole answer did not arrive in time',
   'damaged-answer': 'The answer was damaged on its way',
-  'answer-too-large': 'The answer is over the limit of this client',
-  'bad-argument': 'The call is wrong, and nothing was sent',
-  aborted: 'The caller took the request back',
+  'answer-too-large': 'The answer is larger than this client accepts',
+  'bad-argument': 'An argument of the call is wrong, so no request was sent',
+  aborted: 'The request was aborted',
 } as const;
 
 export type ServerProblem = (typeof serverProblems)[number];
 export type LocalProblem = keyof typeof localProblems;
 
-/** As the server sends it, application/problem+json. */
+/** A problem document of the server (application/problem+json, RFC 9457). */
 export interface ProblemDocument {
   type: string;
   title: string;
@@ -51,25 +51,26 @@ export interface FractureErrorFields {
   cause?: unknown;
 }
 
-/** The only thing that this package throws, or rejects with. */
+/** The only class of errors that this package throws or rejects with. */
 export class FractureError extends Error {
-  /** `/problems/bad-parameter` as the server names it; `client:timed-out` for what this side found. */
+  /** `/problems/bad-parameter` for an error of the server, `client:timed-out` for an error of this client. */
   readonly type: string;
-  /** Of the HTTP answer; 0 where there was none. */
+  /** The status of the HTTP answer; 0 without an answer. */
   readonly status: number;
+  /** The meaning of the type, for people. */
   readonly title: string;
-  /** What was wrong in this request, with the offending value and the limit; for people. */
+  /** The error in this request, with the value and the limit, for people. */
   readonly detail: string;
-  /** The parameter, part or argument concerned. */
+  /** The parameter, part or argument that is wrong. */
   readonly parameter: string | undefined;
-  /** The last segment of `type`: what programs decide by. Also a name that this version of the package does not know;
-   * 'unknown' where the answer is no problem document, of a proxy for one. */
+  /** The last segment of `type`, for programs. A newer server can send a name that is not in the lists. 'unknown' if the answer is
+   * not a problem document, such as the page of a proxy. */
   readonly problem: ServerProblem | LocalProblem | 'unknown' | (string & {});
-  /** Seconds after which a busy server wants to be asked again. */
+  /** Seconds after which to ask a busy server again. */
   readonly retryAfter: number | undefined;
-  /** All that the server said: `errors`, `request_id`, … */
+  /** The whole problem document: `errors`, `request_id`, … */
   readonly document: ProblemDocument | undefined;
-  /** How many HTTP requests it took to know. */
+  /** Number of HTTP requests that were sent. */
   exchanges: number;
 
   constructor(fields: FractureErrorFields) {
@@ -83,7 +84,7 @@ export class FractureError extends Error {
     this.retryAfter = fields.retryAfter;
     this.document = fields.document;
     this.exchanges = fields.exchanges ?? 0;
-    // Who looks for an abort by its name, as with fetch, finds it.
+    // Code that recognizes an abort by its name, as with fetch, works.
     this.name = this.problem === 'aborted' ? 'AbortError' : 'FractureError';
   }
 }
@@ -92,16 +93,16 @@ export function localError(problem: LocalProblem, detail: string, more: Partial<
   return new FractureError({ type: `client:${problem}`, status: 0, title: localProblems[problem], detail, ...more });
 }
 
-const FOREIGN = ', not in the words of a fracture-server: is this its address?';
+const FOREIGN = ' without the problem document of a fracture server. Check the address: a proxy or another server may answer there.';
 
-/** Of an answer that is no good: also of a proxy's page, which is no problem document. */
+/** The error for an answer that is not successful. It can be a page of a proxy instead of a problem document. */
 export function problemOf(status: number, headers: Headers, bytes: Uint8Array, exchanges: number): FractureError {
   let document: Partial<ProblemDocument> = {};
   try {
     const read: unknown = JSON.parse(new TextDecoder().decode(bytes));
     if (typeof read === 'object' && read !== null) document = read as Partial<ProblemDocument>;
   } catch {
-    // Not the service's words.
+    // Not a problem document.
   }
   const text = (value: unknown) => (typeof value === 'string' && value !== '' ? value : undefined);
   const type = text(document.type);
@@ -109,7 +110,7 @@ export function problemOf(status: number, headers: Headers, bytes: Uint8Array, e
     type: type ?? 'about:blank',
     status,
     title: text(document.title) ?? `HTTP status ${status}`,
-    detail: text(document.detail) ?? `The server answered ${status}${type ? '.' : FOREIGN}`,
+    detail: text(document.detail) ?? `The answer is HTTP ${status}${type ? ' without a description.' : FOREIGN}`,
     parameter: text(document.parameter),
     retryAfter: retryAfter(headers),
     document: type === undefined ? undefined : (document as ProblemDocument),
@@ -117,13 +118,14 @@ export function problemOf(status: number, headers: Headers, bytes: Uint8Array, e
   });
 }
 
-/** Of a problem inside of another document: a job that failed. */
+/** The error in a problem document that is part of another document: a job that failed. */
 export function problemIn(document: ProblemDocument): FractureError {
   const { type, status, title, detail, parameter } = document;
   return new FractureError({ type, status, title, detail, parameter, document });
 }
 
-/** Retry-After in whole seconds (RFC 9110, 10.2.3); nothing for a date or nonsense, or beyond a day. */
+/** Retry-After in whole seconds (RFC 9110, section 10.2.3); undefined for a date, for a value that is not a number, and for more
+ * than a day. */
 export function retryAfter(headers: Headers): number | undefined {
   const text = headers.get('retry-after')?.trim() ?? '';
   return /^\d{1,5}$/.test(text) && Number(text) <= 86400 ? Number(text) : undefined;

@@ -1,5 +1,5 @@
-// SHA-256 (FIPS 180-4): by WebCrypto where it is, else here. It is missing in pages that come over plain HTTP from
-// another machine, and in node 18.
+// SHA-256 (FIPS 180-4): with WebCrypto, or with the code below if WebCrypto is missing, as in pages that come over plain HTTP from
+// another machine and in node 18.
 
 /** First 32 bits of the fractional parts of roots of the first primes. */
 function constants(): { start: Uint32Array; rounds: Uint32Array } {
@@ -15,7 +15,7 @@ function constants(): { start: Uint32Array; rounds: Uint32Array } {
 
 let tables: ReturnType<typeof constants> | undefined;
 
-/** Without WebCrypto; exported for its test. About 100 MB a second. */
+/** SHA-256 without WebCrypto, about 100 MB/s. Exported for its test. */
 export function sha256Here(bytes: Uint8Array): Uint8Array {
   const { start, rounds } = (tables ??= constants());
   const state = Uint32Array.from(start), w = new Uint32Array(64);
@@ -60,7 +60,7 @@ export function hex(bytes: Uint8Array): string {
   return text;
 }
 
-/** Does Repr-Digest (RFC 9530) name the SHA-256 of these bytes? False for a field without sha-256. */
+/** Whether a Repr-Digest (RFC 9530) has the SHA-256 of these bytes. False for a field without sha-256. */
 export async function digestMatches(field: string, bytes: Uint8Array): Promise<boolean> {
   const named = /(?:^|,)\s*sha-256=:([A-Za-z0-9+/=]*):/.exec(field)?.[1];
   return named !== undefined && named === btoa(String.fromCharCode(...await sha256(bytes)));

@@ -1,38 +1,41 @@
-// One request with all that is tried again: a server that is absent (with growing pauses), one that is busy (after its
-// Retry-After), an answer that is cut off or whose digest is wrong (at once). All requests are repeatable: the same one
-// gives the same bytes.
+// Sends a request with its retries: with growing pauses if the server is absent, after its Retry-After if it is busy, at once if an
+// answer is cut off or its digest is wrong. All requests can be repeated, because the same request gives the same bytes.
 import { operations, type Operation, type OperationId } from './operations.js';
 import { FractureError, localError, problemOf } from './problems.js';
 import { digestMatches } from './sha256.js';
 import { abortedError, now, pause, Watch } from './watch.js';
 
 export interface Settings {
-  /** Sent as `Authorization: Bearer …`; a function is asked before each request. */
+  /** Sent as `Authorization: Bearer …`. A function is called before each request. */
   token?: string | (() => string | Promise<string>);
-  /** Instead of the global one. */
+  /** Used instead of the global fetch. */
   fetch?: typeof globalThis.fetch;
-  /** Milliseconds of one exchange, from the first byte sent to the last one received. Default: 60000. */
+  /** Milliseconds for one exchange, from the first byte sent to the last byte received. Default: 60000. */
   timeout?: number;
-  /** Milliseconds of one call with all that is tried again. Default: 120000. */
+  /** Milliseconds for one call, retries included. Default: 120000. */
   deadline?: number;
-  /** How often a call is tried again, at most, whatever the reason. Default: 8. */
+  /** Maximum number of retries of one call. Default: 8. */
   retries?: number;
-  /** Bytes of an answer. Default: 256 MiB. */
+  /** Maximum bytes of an answer. Default: 256 MiB. */
   maxAnswerBytes?: number;
-  /** Lets answers travel compressed. What a browser unpacks cannot be held to its Repr-Digest, which is that of the
-   * packed bytes; without this, answers come as they are and are checked. Default: false. */
+  /** Whether answers may be compressed. A browser unpacks such an answer, so its Repr-Digest, that of the packed bytes, cannot be
+   * checked. Without compression every answer is checked. Default: false. */
   compressed?: boolean;
-  /** Can bodies be read while they come? Progress of jobs is asked for where not. Default: what fetch is known to do. */
+  /** Whether bodies can be read while they arrive. If not, the progress of jobs is polled. Default: detected. */
   streams?: boolean;
   /** Further header fields of every request. */
   headers?: Record<string, string>;
 }
 
-/** What a single call may say otherwise. */
+/** Settings of a single call. */
 export interface CallOptions {
+  /** Aborts the call and its request. */
   signal?: AbortSignal | undefined;
+  /** Milliseconds for one exchange. Default: that of the client. */
   timeout?: number | undefined;
+  /** Milliseconds for the call, retries included. Default: that of the client. */
   deadline?: number | undefined;
+  /** Maximum number of retries. Default: that of the client. */
   retries?: number | undefined;
 }
 
@@ -41,9 +44,10 @@ export interface Ask extends CallOptions {
   query?: Record<string, string | undefined>;
   headers?: Record<string, string | undefined>;
   body?: Blob | string;
-  /** The answer is JSON: what is no JSON is damaged. */
+  /** The answer must be JSON; any other answer counts as damaged. */
   json?: boolean;
-  /** After a 404 whose problem is not-found: whether to try again. `sentAt`: of the request, by now(); `left`: ms of the deadline. */
+  /** Called after a 404 with the problem not-found; decides whether to ask again. `sentAt`: time of the request in now(); `left`: ms
+   * until the deadline. */
   onMissing?: (sentAt: number, left: number) => Promise<'retry' | 'retry-once' | 'give-up'>;
 }
 
@@ -51,17 +55,18 @@ export interface Reply {
   status: number;
   headers: Headers;
   bytes: Uint8Array<ArrayBuffer>;
-  /** HTTP requests that it took. */
+  /** Number of HTTP requests, retries included. */
   exchanges: number;
 }
 
-/** The document of an answer that was asked for with `json`. */
+/** The document of an answer to a request with `json`. */
 export function json<Document>({ bytes }: Reply): Document {
   return JSON.parse(new TextDecoder().decode(bytes)) as Document;
 }
 
-const FIRST_PAUSE = 50, LONGEST_PAUSE = 1000;  // ms, before asking again where nobody answered; doubles
-const DAMAGED_ANSWERS = 3;                     // so many to one request, and it has failed
+const FIRST_PAUSE = 50, LONGEST_PAUSE = 1000;  // ms before a retry if the server is absent or busy; the pause doubles
+const DAMAGED_ANSWERS = 3;                     // a call fails after this many damaged answers
+const WRONG_SERVER = 'Check the address: is it that of a fracture server?';
 
 const textOf = (error: unknown): string => {
   if (!(error instanceof Error)) return String(error);
@@ -73,21 +78,23 @@ export class Transport {
   readonly base: URL;
 
   constructor(url: string | URL, readonly settings: Settings) {
-    // In a page an address may be relative: '' is the server that the page came from.
+    // In a page the address may be relative: '' is the server of the page.
     const here = (globalThis as { location?: { href?: string } }).location?.href;
     try {
       this.base = new URL(url, here);
     } catch (cause) {
-      throw localError('bad-argument', `'${url}' is no address of a server, such as http://127.0.0.1:8080.`, { parameter: 'url', cause });
+      throw localError('bad-argument', `'${url}' is not the address of a server. Write it like http://127.0.0.1:8080.`,
+        { parameter: 'url', cause });
     }
     if (!/^https?:$/.test(this.base.protocol))
-      throw localError('bad-argument', `'${url}' is neither http:// nor https://.`, { parameter: 'url' });
+      throw localError('bad-argument', `The address '${url}' must begin with http:// or https://.`, { parameter: 'url' });
     if (this.base.username || this.base.password)
-      throw localError('bad-argument', 'An address with a name or password in it cannot be asked: give a token, or `headers`.',
+      throw localError('bad-argument', 'The address contains a name or password, which cannot be sent. Use `token` or `headers`.',
         { parameter: 'url' });
     this.base.search = this.base.hash = '';
     if (!settings.fetch && typeof globalThis.fetch !== 'function')
-      throw localError('bad-argument', 'There is no fetch here: give one, or use node 18 or later.', { parameter: 'fetch' });
+      throw localError('bad-argument', 'This platform has no fetch(). Give one in the settings, or use node 18 or newer.',
+        { parameter: 'fetch' });
   }
 
   get deadline(): number {
@@ -103,6 +110,7 @@ export class Transport {
     return url.href;
   }
 
+  /** Sends a request, with retries, until there is a successful answer. Throws FractureError. */
   async request(operation: OperationId, ask: Ask = {}): Promise<Reply> {
     const { good, digest }: Operation = operations[operation];
     const timeout = ask.timeout ?? this.settings.timeout ?? 60_000, retries = ask.retries ?? this.settings.retries ?? 8;
@@ -146,7 +154,7 @@ export class Transport {
     }
   }
 
-  /** An answer whose body is read as it comes. Nothing is tried again. The watch's time is that between two pieces. */
+  /** An answer whose body is read while it arrives, without retries. The time of the watch is that between two pieces. */
   async stream(operation: OperationId, ask: Ask, idle: number): Promise<{ response: Response; watch: Watch }> {
     const watch = new Watch(ask.signal, idle);
     try {
@@ -180,15 +188,15 @@ export class Transport {
     const given = typeof token === 'function' ? await watch.race(asked(token)) : token;
     if (given) fields['Authorization'] = `Bearer ${given}`;
     if (digest && !this.settings.compressed) {
-      // Only bytes as they are can be held to their digest. A page may not say so by Accept-Encoding, but where a range is
-      // asked for no coding is (Fetch standard, HTTP-network-or-cache fetch; the service does the same): this one is all of it.
+      // Only an answer without coding can be compared with its digest. A page must not set Accept-Encoding, but a request for a
+      // range has no coding (Fetch standard, HTTP-network-or-cache fetch; the server does the same). This range is the whole.
       fields['Range'] ??= 'bytes=0-';
     }
     let headers: Headers;
     try {
       headers = new Headers(Object.entries(fields).filter((field): field is [string, string] => field[1] !== undefined));
     } catch (cause) {
-      throw localError('bad-argument', `A header field cannot be sent: ${textOf(cause)}`, { parameter: 'token', cause });
+      throw localError('bad-argument', `The token or one of \`headers\` cannot be sent: ${textOf(cause)}`, { parameter: 'token', cause });
     }
     const request: RequestInit = { method, headers, signal: watch.signal };
     if (ask.body !== undefined) request.body = ask.body;
@@ -196,7 +204,7 @@ export class Transport {
   }
 }
 
-/** An exchange that did not come to its end. */
+/** An exchange that ended without a whole answer. */
 export class Interrupted {
   constructor(private readonly error: unknown, private readonly watch: Watch, private readonly began: boolean) {}
 
@@ -205,10 +213,10 @@ export class Interrupted {
     if (this.watch.cause === 'aborted') return abortedError(signal!, exchanges);
     if (this.watch.cause === 'timed-out')
       return localError('timed-out', `${base.origin} did not answer within ${Math.round(milliseconds) / 1000} s.`, said);
-    if (this.began) return localError('damaged-answer', `The answer ended early: ${textOf(this.error)}.`, said);
-    // A browser does not say which it is.
+    if (this.began) return localError('damaged-answer', `The answer was cut off: ${textOf(this.error)}.`, said);
+    // A browser does not show which of the two it is.
     const page = (globalThis as { location?: { origin?: string } }).location?.origin;
-    const cors = page && page !== base.origin ? ` Or it runs without --cors-origin ${page}.` : '';
+    const cors = page && page !== base.origin ? ` If it runs, start it with --cors-origin ${page}.` : '';
     return localError('server-absent', `No server answers at ${base.origin} (${textOf(this.error)}).${cors}`, said);
   }
 }
@@ -217,21 +225,22 @@ async function asked(token: () => string | Promise<string>): Promise<string> {
   try {
     return await token();
   } catch (cause) {
-    throw localError('bad-argument', `token() failed: ${textOf(cause)}`, { parameter: 'token', cause });
+    throw localError('bad-argument', `The function \`token\` failed: ${textOf(cause)}`, { parameter: 'token', cause });
   }
 }
 
-/** Was the answer packed on its way? Where a page of another origin may not see Content-Encoding, the ETag says so. */
+/** Whether the answer was compressed. A page of another origin may not see Content-Encoding, but it sees the ETag. */
 const coded = (headers: Headers) => !['', 'identity'].includes(headers.get('content-encoding') ?? '') ||
                                     /\.(gzip|zstd)"$/.test(headers.get('etag') ?? '');
 
 async function readBody(response: Response, watch: Watch, limit: number): Promise<Uint8Array<ArrayBuffer>> {
   const tooLarge = () => {
     response.body?.cancel().catch(() => {});
-    const detail = `The answer has more than the ${limit} bytes that maxAnswerBytes allows.`;
+    const detail = `The answer has more than ${limit.toLocaleString('en')} bytes, the limit maxAnswerBytes of this client. ` +
+      'Ask for fewer fragments, or raise the limit.';
     return localError('answer-too-large', detail, { status: response.status });
   };
-  // Where it can be believed the answer is read in place; what is cut off is seen by its digest.
+  // If the length is known, the buffer has that size from the start. The digest shows if the answer was cut off.
   const declared = coded(response.headers) ? 0 : Number(response.headers.get('content-length') ?? 0);
   if (declared > limit) throw tooLarge();
   if (!response.body) return new Uint8Array(await watch.race(response.arrayBuffer()));
@@ -252,21 +261,21 @@ async function readBody(response: Response, watch: Watch, limit: number): Promis
   return size === bytes.length ? bytes : bytes.slice(0, size);
 }
 
-/** Why the answer is not what was sent; nothing where it is. */
+/** The fault of an answer; undefined if it is sound. */
 async function damage({ status, headers, bytes }: Reply, digest: boolean, json: boolean): Promise<string | undefined> {
   if (json) {
     try {
       JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
     } catch {
-      return 'The answer is not JSON. (Is this the address of a fracture-server?)';
+      return `The answer is not JSON. ${WRONG_SERVER}`;
     }
   }
   if (!digest) return undefined;
   if (status === 206 && headers.get('content-range') !== `bytes 0-${bytes.byteLength - 1}/${bytes.byteLength}`)
-    return 'The answer is not the whole.';
+    return 'Only a part of the answer arrived.';
   const field = headers.get('repr-digest');
-  if (field === null) return 'The answer has no Repr-Digest. (Is this the address of a fracture-server?)';
-  // What was packed on its way has been unpacked, and proved by its coding's own checksum, before it came here.
+  if (field === null) return `The answer has no Repr-Digest, so it cannot be checked. ${WRONG_SERVER}`;
+  // A compressed answer is already unpacked here; the checksum of its coding was checked then.
   if (coded(headers) || await digestMatches(field, bytes)) return undefined;
-  return 'The answer has another digest than its Repr-Digest says.';
+  return 'The bytes of the answer do not match its Repr-Digest: they were changed on the way.';
 }

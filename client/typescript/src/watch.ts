@@ -1,24 +1,24 @@
-// Waits that end: by the caller's AbortSignal or by a time. (AbortSignal.any is not in node 18.)
+// Waits that end by the caller's AbortSignal or after a time. (node 18 does not have AbortSignal.any.)
 import { localError, type FractureError } from './problems.js';
 
 export function abortedError(signal: AbortSignal, exchanges = 0): FractureError {
-  return localError('aborted', 'The request was aborted by its caller.', { cause: signal.reason, exchanges });
+  return localError('aborted', 'The request was aborted with its AbortSignal.', { cause: signal.reason, exchanges });
 }
 
-/** One signal for an exchange, and why it fired. */
+/** The signal of one exchange, and the reason why it fired. */
 export class Watch {
   private readonly controller = new AbortController();
   private timer: ReturnType<typeof setTimeout> | undefined;
   private readonly onAbort = () => this.stop('aborted');
   private readonly stopped: Promise<never>;
-  /** Nothing while the exchange may go on. */
+  /** Undefined until the signal fires. */
   cause: 'aborted' | 'timed-out' | undefined;
 
   /** `milliseconds`: Infinity for no limit. */
   constructor(private readonly outer: AbortSignal | undefined, private readonly milliseconds: number) {
     const { signal } = this.controller;
     this.stopped = new Promise((_, reject) => signal.addEventListener('abort', () => reject(signal.reason)));
-    this.stopped.catch(() => {});  // nobody may be waiting
+    this.stopped.catch(() => {});  // without a waiting caller, the rejection must not count as unhandled
     if (outer?.aborted) this.stop('aborted');
     else outer?.addEventListener('abort', this.onAbort);
     this.restart();
@@ -28,14 +28,14 @@ export class Watch {
     return this.controller.signal;
   }
 
-  /** The time begins again: something came. */
+  /** Starts the time again, because a piece of the answer arrived. */
   restart(): void {
     clearTimeout(this.timer);
-    // Longer times than a timer can hold are none.
+    // Without a timer if the time is too long for one.
     if (this.milliseconds < 2 ** 31 && !this.cause) this.timer = setTimeout(() => this.stop('timed-out'), this.milliseconds);
   }
 
-  /** The promise, or a rejection when the watch stops first: also for a fetch that does not heed its signal. */
+  /** The promise, or a rejection if the watch stops first. It works also for a fetch that ignores its signal. */
   race<T>(promise: Promise<T>): Promise<T> {
     return Promise.race([promise, this.stopped]);
   }
@@ -68,11 +68,11 @@ export function pause(milliseconds: number, signal: AbortSignal | undefined, exc
   });
 }
 
-/** What is left of a time that several requests share. */
+/** Returns a function for the rest of a time that several requests share, in milliseconds. */
 export function within(milliseconds: number): () => number {
   const end = now() + milliseconds;
   return () => end - now();
 }
 
-/** Milliseconds since some point; never goes back. */
+/** Milliseconds of a clock that never goes back. */
 export const now = (): number => performance.now();

@@ -74,7 +74,7 @@ class Hits(InBlender):
     def test_no_empty_is_selected(self):
         add_cube()
         settings().hits = "EMPTIES"
-        self.assertIn("none is selected", self.refused())
+        self.assertIn("no empty is selected", self.refused())
 
 
 class Regions(InBlender):
@@ -153,7 +153,7 @@ class Paint(InBlender):
     def test_paint_that_is_not_there_is_named(self):
         add_cube()
         settings().paint, settings().paint_name = "GROUP", "Nowhere"
-        self.assertIn("There is no vertex group 'Nowhere'", self.refused())
+        self.assertIn("names the vertex group 'Nowhere'", self.refused())
 
 
 class Parameters(InBlender):

@@ -48,7 +48,7 @@ class Program(InBlender):
     def test_an_open_mesh_shows_its_edges(self):
         bpy.ops.mesh.primitive_plane_add()
         support.give()
-        self.assertIn("The open edges of Plane are selected", self.refused())
+        self.assertIn("The open edges of 'Plane' are selected", self.refused())
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ class Refused(InBlender):
         b.name = "B"
         support.select(a, b)
         support.give()
-        self.assertIn("The open edges of B are selected", self.refused())
+        self.assertIn("The open edges of 'B' are selected", self.refused())
         self.assertEqual(bpy.context.edit_object.name, "B")
         self.assertEqual([item.name for item in bpy.data.collections], [])
 

@@ -148,7 +148,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await page.evaluate(() => globalThis.fracture.dismiss());
     await page.getByRole('button', { name: 'Play', exact: true }).click();
     await playing();
-    await page.getByRole('button', { name: 'Back to the bench' }).click();
+    await page.getByRole('button', { name: 'Stop playing' }).click();
     assert.ok(await onBench());
     assert.deepEqual(opened.complaints, []);
     await opened.close();
@@ -157,7 +157,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
   test('what is about the bench goes with Play: rings, and hints of clicks', async () => {
     const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","fragments":300}' }), { page } = opened;
     const rings = () => page.evaluate(() => globalThis.fracture.view.rings.children.length), hits = page.getByRole('region', { name: 'Hits' });
-    await page.getByRole('tab', { name: 'Pieces' }).click();
+    await page.getByRole('tab', { name: 'Fragments' }).click();
     await page.getByRole('button', { name: 'Smallest' }).click();
     assert.equal(await rings(), 1, 'the smallest is small');
     await page.getByRole('tab', { name: 'Break' }).click();
@@ -184,7 +184,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
   test('the piece that is found is seen in the list, however far down', async () => {
     for (const [width, height] of [[1024, 700], [360, 740]]) {
       const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":120}', width, height }), { page } = opened;
-      await page.getByRole('tab', { name: 'Pieces' }).click();
+      await page.getByRole('tab', { name: 'Fragments' }).click();
       const listed = page.getByRole('table').locator('tbody tr');
       await eventually(() => listed.count(), count => assert.equal(count, 50, 'the list begins with fifty'));
       for (const name of ['Smallest', 'Largest']) {
@@ -220,18 +220,18 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     const field = page.locator('#p-fragments'), control = page.locator('.control:has(#p-fragments)'), asked = bench.site.passed.length;
     await field.fill('250000');
     await field.press('Tab');
-    await control.getByText('250,000 was not taken: 0 to 100,000.').waitFor();
+    await control.getByText('250,000 is out of range: enter 0 to 100,000.').waitFor();
     assert.deepEqual([await field.inputValue(), await state(page, s => s.wish.settings.fragments), bench.site.passed.length], ['8', 8, asked]);
     await field.fill('1');
     await field.press('Tab');
     await shown(page);
-    await control.getByText('was not taken').waitFor({ state: 'detached' });
+    await control.getByText('is out of range').waitFor({ state: 'detached' });
     await eventually(() => page.locator('.status').textContent(), said => assert.match(said, /^\s*1\s+fragment\s/));
-    await page.getByRole('tab', { name: 'Pieces' }).click();
+    await page.getByRole('tab', { name: 'Fragments' }).click();
     await page.getByRole('button', { name: 'Smallest' }).click();
     assert.doesNotMatch(await page.locator('#panel').innerText(), /\b1 (fragments|hulls|bodies)/);
     await page.getByRole('tab', { name: 'Break' }).click();
-    await control.getByRole('button', { name: /Back to the default/ }).click();
+    await control.getByRole('button', { name: /Reset to the default/ }).click();
     await shown(page);
     await eventually(async () => [await field.inputValue(), await field.getAttribute('placeholder')], found => assert.deepEqual(found, ['', 'auto']));
     await eventually(() => page.getByRole('slider', { name: 'Fragments' }).getAttribute('aria-valuetext'), said => assert.equal(said, 'auto'));
@@ -341,7 +341,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
 
   test('a preset is saved, and read for another mesh', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"material":"concrete","fragments":21,"keep_center":[0,0.5,0],"keep_radius":0.2}' }), { page } = opened;
-    await page.getByRole('tab', { name: 'Take away' }).click();
+    await page.getByRole('tab', { name: 'Export' }).click();
     const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save as a file' }).click()]);
     assert.equal(file.suggestedFilename(), 'concrete.fracture.json');
     const saved = await file.path();
@@ -349,13 +349,13 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await page.getByRole('button', { name: 'column' }).click();
     await page.waitForFunction(() => globalThis.fracture.state.source?.label === 'column');
     await shown(page);
-    await page.getByRole('tab', { name: 'Take away' }).click();
+    await page.getByRole('tab', { name: 'Export' }).click();
     await page.getByLabel('Load a file').setInputFiles(saved);
     await page.waitForFunction(() => globalThis.fracture.state.wish.settings.material === 'concrete');
     await shown(page);
     assert.deepEqual(await settings(page), { material: 'concrete', fragments: 21 });
     await page.getByLabel('Load a file').setInputFiles({ name: 'no.json', mimeType: 'application/json', buffer: Buffer.from('{"fragments":3}') });
-    assert.match((await problem(page)).title, /no preset/);
+    assert.match((await problem(page)).title, /not a preset/);
     assert.deepEqual(opened.complaints, []);
     await opened.close();
   });
@@ -375,9 +375,9 @@ describe('hands', { skip, timeout: 300_000 }, () => {
       globalThis.card = globalThis.fracture.stage.renderer.getContext().getExtension('WEBGL_lose_context');
       globalThis.card.loseContext();
     });
-    await page.getByText('The graphics card has gone away').waitFor();
+    await page.getByText('The graphics card was reset').waitFor();
     await page.evaluate(() => globalThis.card.restoreContext());
-    await page.getByText('The graphics card has gone away').waitFor({ state: 'detached' });
+    await page.getByText('The graphics card was reset').waitFor({ state: 'detached' });
     await page.evaluate(() => globalThis.fracture.stage.drawn());
     const after = await colours(page);
     assert.ok(after > before / 2, `${after} colours after it came back, ${before} before`);

@@ -30,7 +30,7 @@ describe('offers', { skip, timeout: 120_000 }, () => {
     await shown(page);
     assert.ok(await state(page, s => s.shown.answer.fragments.length) > 1);
     await page.screenshot({ path: path.join(pictures, 'monkey.png') });
-    await page.getByRole('tab', { name: 'Take away' }).click();
+    await page.getByRole('tab', { name: 'Export' }).click();
     const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download this mesh' }).click()]);
     assert.equal(file.suggestedFilename(), 'Suzanne_248.blend');
     assert.ok(fs.readFileSync(MONKEY).equals(fs.readFileSync(await file.path())), 'byte for byte');

@@ -171,7 +171,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
         const bad = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
         assert.deepEqual(bad.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`), [], `${what}, ${colorScheme}`);
       };
-      for (const tab of ['Mesh', 'Break', 'Pieces', 'Take away']) {
+      for (const tab of ['Mesh', 'Break', 'Fragments', 'Export']) {
         await page.getByRole('tab', { name: tab }).click();
         if (tab === 'Break') await page.getByRole('button', { name: /All parameters/ }).click();
         await page.waitForFunction(name => document.querySelector('[role=tab][aria-selected=true]').textContent === name, tab);
@@ -254,16 +254,16 @@ describe('the page', { skip, timeout: 300_000 }, () => {
 
   test('a number of pieces that is another one than was asked for is explained, and so is a hit that nobody made', async () => {
     const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","fragments":40}' }), { page } = opened, panel = page.locator('#panel');
-    assert.equal(await panel.getByText(/asked for/).count(), 0);
-    await page.getByRole('tab', { name: 'Pieces' }).click();
+    assert.equal(await panel.getByText(/requested/).count(), 0);
+    await page.getByRole('tab', { name: 'Fragments' }).click();
     await panel.getByText('Warnings').click();
-    await panel.getByText(/^Nothing says where it was hit/).waitFor();
+    await panel.getByText(/^No impact point is set/).waitFor();
     assert.doesNotMatch(await panel.textContent(), /sites/);
     await page.getByRole('tab', { name: 'Break' }).click();
     await page.mouse.click(...await onMesh(page));
     await shown(page);
     const made = await state(page, s => s.shown.answer.fragments.length);
-    await panel.getByText(`40 asked for, ${made} made: what the hit broke off comes on top.`).waitFor();
+    await panel.getByText(`40 requested, ${made} made: the pieces that the hit broke off are additional.`).waitFor();
     await clean(opened);
     await opened.close();
   });

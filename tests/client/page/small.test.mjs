@@ -55,9 +55,9 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
         return document.elementFromPoint((left + right) / 2, (top + bottom) / 2).tagName;
       });
       assert.equal(under, 'CANVAS', 'a handle is dragged that lies under the words of the status');
-      for (const tab of ['Mesh', 'Pieces', 'Take away', 'Break']) {
+      for (const tab of ['Mesh', 'Fragments', 'Export', 'Break']) {
         await page.getByRole('tab', { name: tab }).click();
-        await page.waitForFunction(said => document.querySelector('#panel').getAttribute('aria-labelledby') === said, `tab-${{ 'Take away': 'take' }[tab] ?? tab.toLowerCase()}`);
+        await page.waitForFunction(said => document.querySelector('#panel').getAttribute('aria-labelledby') === said, `tab-${{ Fragments: 'pieces', Export: 'take' }[tab] ?? tab.toLowerCase()}`);
         if (tab === 'Break') await page.getByRole('button', { name: /All parameters/ }).click().then(() => page.getByRole('button', { name: 'Fewer' }).waitFor());
         assert.deepEqual(await wrong(page, '.panel-body', least), [], tab);
       }
@@ -77,7 +77,7 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
       await page.waitForFunction(() => globalThis.fracture.physics);
       assert.deepEqual(await wrong(page, '#viewport', LEAST), [], 'at Play');
       await page.screenshot({ path: `${name}-play.png` });
-      await page.getByRole('button', { name: 'Back to the bench' }).click();
+      await page.getByRole('button', { name: 'Stop playing' }).click();
       assert.deepEqual(opened.complaints, []);
       await opened.close();
     });

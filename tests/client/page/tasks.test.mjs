@@ -56,7 +56,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
 
     let smallest;
     test('the smallest piece is found', async () => {
-      await page.getByRole('tab', { name: 'Pieces' }).click();
+      await page.getByRole('tab', { name: 'Fragments' }).click();
       await page.getByRole('button', { name: 'Smallest' }).click();
       const row = page.getByRole('table').locator('tr.chosen');
       // Sorted by volume, smallest first: it is the first of the list.
@@ -68,7 +68,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
     });
 
     test('the curl line is taken away, and gives the same pieces', async t => {
-      await page.getByRole('tab', { name: 'Take away' }).click();
+      await page.getByRole('tab', { name: 'Export' }).click();
       await page.getByRole('button', { name: 'curl' }).click();
       const line = await page.getByRole('textbox', { name: 'curl' }).inputValue();
       assert.match(line, /^curl --fail-with-body -F mesh=@vase\.glb/);

@@ -133,11 +133,11 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     assert.equal(await page.locator('.seal.good').count(), 1);
     await page.evaluate(() => globalThis.fracture.breaking.setParameter('stretch', -3));
     await problem(page);
-    await page.locator('.status').getByText('not this request').waitFor();
+    await page.locator('.status').getByText('previous result').waitFor();
     assert.deepEqual([await page.locator('.seal.good').count(), await page.locator('.seal.old').count()], [0, 1]);
     await page.screenshot({ path: path.join(pictures, 'earlier.png') });
     await page.evaluate(() => globalThis.fracture.dismiss());
-    await page.locator('.status').getByText('not this request').waitFor();
+    await page.locator('.status').getByText('previous result').waitFor();
     await page.getByRole('button', { name: 'Undo' }).click();
     await shown(page);
     assert.deepEqual(await state(page, s => [s.wish.settings, s.shown.answer.fragments.length]), [{ material: 'stone', fragments: 12 }, 12]);
@@ -186,8 +186,8 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     });
     bench.site.away = true;
     await play();
-    await alert.getByText('The server is away').waitFor();
-    assert.doesNotMatch(await alert.textContent(), /module|went wrong/);
+    await alert.getByText('The server does not answer').waitFor();
+    assert.doesNotMatch(await alert.textContent(), /module|Error in the page/);
     bench.site.away = false;
     await page.waitForSelector('.server.ready');
     await alert.waitFor({ state: 'detached' });
@@ -200,9 +200,9 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
       bench.site.instead.set('/page/play.js', Buffer.from(body));
       await play();
       await alert.getByText('The server has another version of this page').waitFor();
-      assert.doesNotMatch(await alert.textContent(), /export|module|went wrong/);
+      assert.doesNotMatch(await alert.textContent(), /export|module|Error in the page/);
       bench.site.instead.delete('/page/play.js');
-      await alert.getByRole('button', { name: 'Load the page again' }).click();
+      await alert.getByRole('button', { name: 'Reload the page' }).click();
       await page.waitForFunction(() => globalThis.fracture && !globalThis.fracture.state.problem);
       await shown(page);
       await play();

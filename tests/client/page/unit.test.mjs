@@ -148,19 +148,19 @@ describe('what an answer says about itself', () => {
     for (const same of [{ asked: 40, made: 40 }, { asked: 40, made: 40, hits: [hit] }, { asked: 0, made: 105 }, { made: 105 }]) assert.equal(countRemark(shown(same)), undefined);
   });
   test('MoreAreOfTheHits', () => {
-    assert.equal(countRemark(shown({ asked: 40, made: 108, hits: [hit, hit] })), '40 asked for, 108 made: what 2 hits broke off comes on top.');
-    assert.match(countRemark(shown({ asked: 40, made: 52, hits: [hit] })), /: what the hit broke off/);
-    assert.equal(countRemark(shown({ asked: 40, made: 35, hits: [hit] })), '40 asked for, 35 made.', 'fewer are not');
+    assert.equal(countRemark(shown({ asked: 40, made: 108, hits: [hit, hit] })), '40 requested, 108 made: the pieces that 2 hits broke off are additional.');
+    assert.match(countRemark(shown({ asked: 40, made: 52, hits: [hit] })), /: the pieces that the hit broke off/);
+    assert.equal(countRemark(shown({ asked: 40, made: 35, hits: [hit] })), '40 requested, 35 made.', 'fewer are not');
   });
   test('WhatTheServerSaysOfTheNumberIsSaid', () => {
     const warnings = ['max_triangles: 9 asked, 12 made; nothing', 'fragments: 1200 asked, 1900 made; the mesh has 1900 separate parts, each of which is at least one'];
-    assert.equal(countRemark(shown({ asked: 1200, made: 1900, warnings })), '1,200 asked for, 1,900 made: the mesh has 1900 separate parts, each of which is at least one.');
-    assert.match(countRemark(shown({ asked: 40, made: 37 })), /^40 asked for, 37 made: up to a tenth/);
+    assert.equal(countRemark(shown({ asked: 1200, made: 1900, warnings })), '1,200 requested, 1,900 made: the mesh has 1900 separate parts, each of which is at least one.');
+    assert.match(countRemark(shown({ asked: 40, made: 37 })), /^40 requested, 37 made: the number can differ/);
   });
   test('AnImpactThatNobodyMadeIsSaidSo', () => {
     const around = '1 of 44 sites found no place in the solid within the radius of their impact and were placed uniformly', other = 'keep: the region lies outside';
     const [first, second] = warningsOf(shown({ made: 40, warnings: [around, other] }));
-    assert.match(first, /^Nothing says where it was hit/);
+    assert.match(first, /^No impact point is set/);
     assert.equal(second, other);
     assert.deepEqual(warningsOf(shown({ made: 40, warnings: [around, other], settings: { impacts: [[9, 9, 9]] } })), [around, other], 'where somebody hit beside the mesh it is news');
   });

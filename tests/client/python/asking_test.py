@@ -147,7 +147,7 @@ class Refusals(unittest.TestCase):
         self.assertEqual((error.type, error.status, error.title, error.detail, error.parameter),
                          ("bad-parameter", 400, "T", "D1", "sites"))
         self.assertEqual(error.problem, document)
-        self.assertEqual(str(error), "D1\nD2\n3 more are not listed. [bad-parameter, HTTP 400]")
+        self.assertEqual(str(error), "D1\nD2\n3 more errors are not listed. [bad-parameter, HTTP 400]")
 
     def test_a_busy_server_is_asked_again_after_its_retry_after(self):
         for status, slug in ((503, "overloaded"), (429, "over-share"), (503, "a-type-of-tomorrow")):

@@ -106,7 +106,7 @@ class Real(Programs, WithServer):
             out = self.folder / f"\u6728.{ending}"
             done = self.run_command(self.server.url, self.mesh, "--quiet", out, "sites=7", "seed=3")
             self.assertEqual((done.returncode, done.stderr), (0, ""))
-            self.assertIn("7 fragments of 1 m", done.stdout)
+            self.assertIn("7 fragments, 1 m", done.stdout)
         whole = self.client.put(self.mesh).fracture(sites=7, seed=3)
         self.assertEqual((self.folder / "\u6728.glb").read_bytes(), whole.glb)
         self.assertEqual(json.loads((self.folder / "\u6728.json").read_text(encoding="utf-8")), whole.figures)

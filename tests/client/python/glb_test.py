@@ -176,7 +176,7 @@ class Saving(unittest.TestCase):
         for name in ("a.obj", "a.glb.zip", "a.GLBX", "a.stl"):
             error = caught(self.answer.save, self.folder / name)
             self.assertEqual(error.type, "bad-parameter")
-            self.assertIn(f"'{pathlib.Path(name).suffix}' is not written", error.detail)
+            self.assertIn(f"'{pathlib.Path(name).suffix}' cannot be written", error.detail)
             self.assertIn(".glb, .gltf", error.detail)
         self.assertEqual(list(self.folder.iterdir()), [])
         for name in ("no ending", "A.GLB", ".hidden"):

@@ -1,21 +1,22 @@
-// Whatever goes wrong is shown in one form: the server's, or one like it.
+// All errors in the form of the server's errors, because one notice shows them all.
 import { FractureError } from 'fracture-client';
+import { words } from '../words/words';
 
 export function asProblem(error: unknown): FractureError {
   if (error instanceof FractureError) return error;
   const detail = error instanceof Error ? error.message : String(error);
-  return new FractureError({ type: 'page:error', status: 0, title: 'The page went wrong', detail, cause: error });
+  return new FractureError({ type: 'page:error', status: 0, title: words.problem.page, detail, cause: error });
 }
 
-/** The file was read, and what is in it cannot be broken: that is seen in its picture. All others are no mesh at all. */
+/** The file is a mesh, but it cannot be broken. The page shows such a mesh in the picture; with other errors it cannot. */
 export const isOfTheSolid = (error: unknown): boolean =>
   error instanceof FractureError && ['mesh-not-closed', 'too-complex', 'no-fragments', 'unsound'].includes(error.problem);
 
-/** It says nothing about the mesh. */
+/** The error is about the server or the connection, not about the mesh. */
 export const isAway = (error: unknown): boolean =>
   error instanceof FractureError && ['server-absent', 'timed-out', 'draining', 'unauthorized', 'overloaded', 'aborted'].includes(error.problem);
 
-/** Where a problem says that it is. */
+/** The points of the mesh that an error names. */
 export function placesOf({ document }: FractureError): number[][] {
   if (!document) return [];
   const { edge, sample } = document as { edge?: number[][]; sample?: number[] };

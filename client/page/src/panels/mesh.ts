@@ -1,4 +1,4 @@
-// The mesh: where it comes from, and what it is worth.
+// The panel of the mesh: choose a mesh, and see the report on it.
 import { html, nothing, type TemplateResult } from 'lit';
 import type { App } from '../app/app';
 import { chosenFiles } from '../mesh/files';
@@ -52,14 +52,14 @@ function report(app: App): TemplateResult {
     <h3>${label} <span class="tag ${clean ? 'good' : 'warn'}">${clean ? words.mesh.closed : words.mesh.repaired}</span></h3>
     <dl>
       ${row(words.mesh.triangles, solid.source_triangles.toLocaleString('en'))}
-      ${row(words.mesh.parts, solid.parts)}
+      ${row(words.mesh.parts, solid.parts.toLocaleString('en'))}
       ${row(words.mesh.size, sides.map(side => metric(side, 1)).join(' × '))}
       ${row(words.mesh.volume, metric(solid.volume, 3))}
       ${row(words.mesh.area, metric(solid.area, 2))}
-      ${row(words.mesh.openEdges, solid.open_edges, solid.open_edges > 0 ? 'red' : '')}
-      ${row(words.mesh.holes, solid.holes_filled, solid.holes_filled > 0 ? 'amber' : '')}
-      ${solid.nonmanifold_edges > 0 ? row(words.mesh.nonmanifold, solid.nonmanifold_edges, 'red') : nothing}
-      ${solid.cavities > 0 ? row(words.mesh.cavities, solid.cavities) : nothing}
+      ${row(words.mesh.openEdges, solid.open_edges.toLocaleString('en'), solid.open_edges > 0 ? 'red' : '')}
+      ${row(words.mesh.holes, solid.holes_filled.toLocaleString('en'), solid.holes_filled > 0 ? 'amber' : '')}
+      ${solid.nonmanifold_edges > 0 ? row(words.mesh.nonmanifold, solid.nonmanifold_edges.toLocaleString('en'), 'red') : nothing}
+      ${solid.cavities > 0 ? row(words.mesh.cavities, solid.cavities.toLocaleString('en')) : nothing}
       ${frameRow('unit', words.mesh.unit, words.mesh.unitAria, `${digits(frame.metres_per_unit)} m`, frame.unit_from)}
       ${frameRow('up', words.mesh.up, words.mesh.upAria, frame.up, frame.up_from)}
       ${mesh.stored ? row(title(mesh.stored.format), bytes(mesh.stored.bytes)) : nothing}

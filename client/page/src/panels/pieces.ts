@@ -17,7 +17,7 @@ export function piecesPanel(app: App): TemplateResult {
   return html`
     <section aria-label=${words.pieces.list}>
       <div class="row between"><h2>${words.pieces.count(fragments.length)}</h2>${sealButton(app)}</div>
-      ${warnings.length > 0 ? html`<details><summary>${words.mesh.warnings} <span class="hint">${warnings.length}</span></summary>
+      ${warnings.length > 0 ? html`<details><summary>${words.mesh.warnings} <span class="hint">${warnings.length.toLocaleString('en')}</span></summary>
         <ul class="notes">${warnings.map(text => html`<li>${text}</li>`)}</ul></details>` : nothing}
     </section>
     <section aria-label=${words.pieces.sizes}>
@@ -46,7 +46,7 @@ function find(app: App, id: number): void {
 function details(fragment: Fragment | undefined): TemplateResult {
   if (!fragment) return html``;
   const { name, volume, mass, area, exteriorArea, hulls, anchored } = fragment;
-  return html`<p class="hint"><b>${name}</b> ${metric(volume, 3)}, ${kilograms(mass)}, ${metric(area, 2)} (${metric(exteriorArea, 2)} outside), ${words.pieces.hulls(hulls.length)}${anchored ? ', anchored' : ''}</p>`;
+  return html`<p class="hint"><b>${name}</b> ${words.pieces.details(metric(volume, 3), kilograms(mass), metric(area, 2), metric(exteriorArea, 2))}, ${words.pieces.hulls(hulls.length)}${anchored ? `, ${words.pieces.anchored}` : ''}</p>`;
 }
 
 /** Bars of equal width on a logarithmic scale; each selects its fragments. */

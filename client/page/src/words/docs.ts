@@ -1,6 +1,6 @@
-// Words of the page /docs; what it describes is the server's.
+// The texts of the page /docs. The descriptions of the interface come from the server.
 export const words = {
-  title: 'The interface', loading: 'Asking the server …', absent: 'The server does not answer.', token: 'This server asks for a token', use: 'Use it',
-  contents: 'Contents', home: 'Back to the page', search: 'Search', parameters: 'Parameters', raw: 'The same for programs:', headers: 'Headers',
+  title: 'HTTP interface', loading: 'Asking the server …', absent: 'The server does not answer. Reload the page to try again.', token: 'This server needs a token', use: 'Use it',
+  contents: 'Contents', home: 'Back to the page', search: 'Search', parameters: 'Parameters', raw: 'For programs:', headers: 'Headers',
   allParameters: (count: number) => `and ${count} parameters of fractures`, body: 'Body:',
 };

@@ -1,19 +1,20 @@
-// Which bonds a blow breaks, and what then still holds together.
+// The bonds that a blow breaks, and the groups that still hold together.
 //
-// A bond is a spring that breaks at the pull `strength` (newtons, in the file: bond_strength times its area), when it has
-// given way by `give` metres: until then it took ½ · strength · give joules. A blow has the energy that a collision without
-// a bounce loses, J² / 2μ, of its impulse J and the reduced mass μ of the two bodies; it breaks the nearest bonds as long as
-// that lasts. A model for games: forces do not travel through the group, and slow loads break nothing.
+// A bond is a spring that breaks at the tension `strength` (N; in the file it is bond_strength times the area), when it has
+// stretched by `give` metres. Until then it takes ½ · strength · give joules. The energy of a blow is that of a collision without a
+// bounce, J² / 2μ, with its impulse J and the reduced mass μ of the two bodies. The blow breaks the nearest bonds until its energy
+// is used up. This is a model for games: forces do not travel through the group, and slow loads break nothing.
 import type { Bond } from '../fragments.js';
 import { length, sub, type Vec3 } from './mass.js';
 
-/** Metres. With a bond_strength of 5 MPa a square metre takes 250 J: the order of the fracture energy of rock. */
+/** Default stretch of a bond before it breaks (m). With a bond_strength of 5 MPa, 1 m² takes 250 J, the order of the fracture energy
+ * of rock. */
 export const GIVE = 1e-4;
 
 export interface Blow {
-  /** In the frame of the mesh. */
+  /** m, in the frame of the mesh. */
   point: Vec3;
-  /** Joules. */
+  /** J */
   energy: number;
 }
 
@@ -22,7 +23,7 @@ export const energyOf = (impulse: number, massA: number, massB: number): number 
   return impulse * impulse * inverse / 2;
 };
 
-/** Indices into `bonds` of those that break, the nearest first. */
+/** The indices of the bonds that break, the nearest first. `candidates`: the indices of the bonds that can break. */
 export function brokenBy(blow: Blow, bonds: readonly Bond[], candidates: Iterable<number>, give = GIVE): number[] {
   const distance = (k: number) => length(sub(bonds[k]!.centroid, blow.point));
   const near = [...candidates].map(k => ({ k, at: distance(k) })).sort((a, b) => a.at - b.at || a.k - b.k);
@@ -38,7 +39,7 @@ export function brokenBy(blow: Blow, bonds: readonly Bond[], candidates: Iterabl
 
 export type Ends = (bond: number) => readonly [number, number];
 
-/** Connected components of the members under the bonds; members are indices that `ends` gives for each bond. */
+/** The groups of members that the bonds connect. `ends` returns the two members of a bond. */
 export function components(members: readonly number[], bonds: Iterable<number>, ends: Ends): number[][] {
   const root = new Map(members.map(member => [member, member]));
   const find = (k: number): number => {

@@ -13,15 +13,15 @@ import type { Vec3 } from './mass.js';
 import { type PieceOptions, Pieces, type Pose, type World } from './pieces.js';
 import type { RapierBody } from './rapier.js';
 
-/** A body of your own: its frame is that of the mesh, or has the place `origin` in it. */
+/** Your own body and its drawn object. Its frame is that of the mesh, or is at `origin` in it. */
 export interface OwnBody {
   body: RapierBody;
   object3D: Object3D;
   origin?: Vec3;
 }
 
-/** Puts an answer into the world. `whole`: as one body, whether bonds hold it or not: a thing that is not broken yet, which
- * has the mass and inertia of its fragments. Throws FractureError (bad-argument) for an answer without rigid bodies. */
+/** Puts an answer into the world. `whole`: as one unbroken body, with the mass and inertia of its fragments, also without bonds.
+ * Throws FractureError (bad-argument) for an answer without rigid bodies. */
 export function place(answer: Answer, world: World, how: Pose & PieceOptions & { whole?: boolean } = {}): Pieces {
   const { whole = false, position = [0, 0, 0], rotation = [0, 0, 0, 1], ...options } = how;
   const pieces = new Pieces(answer, world, options);
@@ -29,9 +29,9 @@ export function place(answer: Answer, world: World, how: Pose & PieceOptions & {
   return pieces;
 }
 
-/** Replaces one body by the fragments of an answer to the same mesh, as it moves at this moment: call it between two steps.
- * The body and what was drawn are removed. Momentum stays what it was, unless something is held: `pieces.swaps` says.
- * `impact`: with `bonded`, what has broken already. Throws FractureError (bad-argument). */
+/** Replaces one moving body by the fragments of an answer of the same mesh. Call it between two steps. The body and its drawn object
+ * are removed. Momentum is kept, unless a fragment is anchored; `pieces.swaps` has the figures. `impact`: with `bonded`, the blow
+ * that breaks the first bonds. Throws FractureError (bad-argument). */
 export function swap(object: Pieces | OwnBody, answer: Answer, world: World, how: PieceOptions & { impact?: Blow } = {}): Pieces {
   const { impact, ...options } = how;
   const pieces = new Pieces(answer, world, options);

@@ -1,11 +1,11 @@
-// Mass, centre and inertia of rigid bodies in double precision, how they add up, and the momentum of a set of bodies.
-// Kilograms, metres, seconds. Physics engines for games count in floats: what has to agree is computed here.
+// Mass, centre and inertia of rigid bodies in double precision, their sums, and the momentum of a set of bodies. Units: kg, m, s.
+// Physics engines for games compute in floats, so values that must agree exactly are computed here.
 import type { Motion } from '../fragments.js';
 
 export type Vec3 = [number, number, number];
 /** x, y, z, w; unit. */
 export type Quat = [number, number, number, number];
-/** Row by row; symmetric where it is an inertia. */
+/** Row by row. An inertia is symmetric. */
 export type Mat3 = [number, number, number, number, number, number, number, number, number];
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -48,25 +48,28 @@ export function inertiaOf(moments: Vec3, axes: Quat): Mat3 {
 export const turned = (inertia: Mat3, by: Quat): Mat3 => product(product(matrixOf(by), inertia), transposed(matrixOf(by)));
 const sum = (a: Mat3, b: Mat3): Mat3 => a.map((value, k) => value + b[k]!) as Mat3;
 
-/** In some frame; the inertia about the centre. */
+/** Mass properties of a body, in any frame. */
 export interface MassProperties {
+  /** kg */
   mass: number;
+  /** m */
   center: Vec3;
+  /** kg·m², about the centre. */
   inertia: Mat3;
 }
 
-/** Of a fragment at its place, in the frame of the mesh. */
+/** The mass properties of a fragment, in the frame of the mesh. `translation`: that of its node. */
 export function massOf(motion: Motion, translation: Vec3): MassProperties {
   const inertia = inertiaOf(motion.inertiaDiagonal, motion.inertiaOrientation);
   return { mass: motion.mass, center: add(translation, motion.centerOfMass), inertia };
 }
 
-/** The same in the world, where the mesh's frame stands at `at` and is turned by `turn`. */
+/** The same mass properties in the world. The frame of the mesh is at `at` and has the rotation `turn`. */
 export function placed({ mass, center, inertia }: MassProperties, at: Vec3, turn: Quat): MassProperties {
   return { mass, center: add(at, rotate(turn, center)), inertia: turned(inertia, turn) };
 }
 
-/** Inertia as if all of the mass stood at this offset from the centre. */
+/** The inertia (kg·m²) of a point mass at this offset from the centre (m). */
 export function pointInertia(mass: number, [x, y, z]: Vec3): Mat3 {
   return [
     mass * (y * y + z * z), -mass * x * y, -mass * x * z, -mass * x * y, mass * (x * x + z * z), -mass * y * z,
@@ -74,7 +77,7 @@ export function pointInertia(mass: number, [x, y, z]: Vec3): Mat3 {
   ];
 }
 
-/** Of all of them as one rigid body (Huygens–Steiner). Of none: no mass. */
+/** The mass properties of all parts as one rigid body (Huygens–Steiner). Without parts the mass is 0. */
 export function combine(parts: readonly MassProperties[]): MassProperties {
   let mass = 0, moment: Vec3 = [0, 0, 0];
   for (const part of parts) {
@@ -87,7 +90,7 @@ export function combine(parts: readonly MassProperties[]): MassProperties {
   return { mass, center, inertia };
 }
 
-/** inertia = R diag(moments) Rᵀ by Jacobi's rotations, which end at the rounding of doubles. */
+/** Principal moments and axes: inertia = R diag(moments) Rᵀ, by Jacobi rotations down to the rounding error of doubles. */
 export function principalAxes(inertia: Mat3): { moments: Vec3; axes: Quat } {
   let m = inertia, axes: Quat = [0, 0, 0, 1];
   for (let sweep = 0; sweep < 30; ++sweep) {
@@ -104,9 +107,11 @@ export function principalAxes(inertia: Mat3): { moments: Vec3; axes: Quat } {
   return { moments: [m[0], m[4], m[8]], axes: axes.map(c => c / size) as Quat };
 }
 
-/** A rigid body in the world: centre and inertia along the world's axes. */
+/** A rigid body in the world; centre and inertia are along the world's axes. */
 export interface MovingBody extends MassProperties {
+  /** m/s, of the centre. */
   velocity: Vec3;
+  /** rad/s */
   spin: Vec3;
 }
 
@@ -116,10 +121,11 @@ export interface Momentum {
   linear: Vec3;
   /** kg·m²/s, about `center`. */
   angular: Vec3;
+  /** m */
   center: Vec3;
 }
 
-/** About their common centre of mass, or another point. */
+/** The momentum of all bodies together, about their common centre of mass or about another point. */
 export function momentumOf(bodies: readonly MovingBody[], about?: Vec3): Momentum {
   const { mass, center: own } = combine(bodies), center = about ?? own;
   let linear: Vec3 = [0, 0, 0], angular: Vec3 = [0, 0, 0];
@@ -131,16 +137,16 @@ export function momentumOf(bodies: readonly MovingBody[], about?: Vec3): Momentu
   return { mass, linear, angular, center };
 }
 
-/** Adds the one rigid motion to all bodies after which they have that momentum. Without mass nothing happens. */
+/** Adds the same rigid motion to all bodies, so that together they have the wanted momentum. Bodies without mass are unchanged. */
 export function setMomentum(bodies: MovingBody[], wanted: Momentum): void {
   const { mass, center, inertia } = combine(bodies);
   if (!(mass > 0)) return;
   const now = momentumOf(bodies, wanted.center);
   const push = scale(1 / mass, sub(wanted.linear, now.linear));
-  // The push is at the common centre, which may be another one than the wanted momentum is about.
+  // The push acts at the common centre, which may differ from the point of the wanted momentum.
   const turn = sub(sub(wanted.angular, now.angular), cross(sub(center, wanted.center), scale(mass, push)));
   const { moments, axes } = principalAxes(inertia), along = rotate(conjugate(axes), turn);
-  const least = 1e-12 * Math.max(...moments);  // a needle does not turn about itself
+  const least = 1e-12 * Math.max(...moments);  // no spin about an axis without inertia, as in a needle
   const spin = rotate(axes, along.map((value, k) => (moments[k]! > least ? value / moments[k]! : 0)) as Vec3);
   for (const body of bodies) {
     body.velocity = add(body.velocity, add(push, cross(spin, sub(body.center, center))));
@@ -148,8 +154,8 @@ export function setMomentum(bodies: MovingBody[], wanted: Momentum): void {
   }
 }
 
-/** What takes the place of a body that moves, as it moves: each part gets v + ω × r of its centre, and then all of them the one
- * rigid motion after which linear and angular momentum are the body's, whatever the masses. All in the world's frame. */
+/** Replaces a moving body by parts. Each part gets the velocity v + ω × r at its centre. Then all parts get one common rigid motion,
+ * so that their linear and angular momentum equal those of the body, also if the masses differ. All in the world's frame. */
 export function inherit(body: MovingBody, parts: readonly MassProperties[]): MovingBody[] {
   const made = parts.map(part => ({
     ...part, velocity: add(body.velocity, cross(body.spin, sub(part.center, body.center))), spin: [...body.spin] as Vec3,

@@ -1,5 +1,5 @@
-// The materials of an answer as three.js has them: core glTF 2.0, and what glass and lamps are made of. For others give
-// your own, by the index that the file has: those of the mesh come first, in its order, then those of the cuts.
+// The materials of an answer for three.js: core glTF 2.0, and the extensions for glass and lamps. You can give your own materials
+// instead, by their index in the file: those of the mesh first, in its order, then those of the cuts.
 import {
   ClampToEdgeWrapping, Color, DoubleSide, FrontSide, LinearFilter, LinearMipmapLinearFilter, LinearMipmapNearestFilter, type Material,
   MeshBasicMaterial, MeshPhysicalMaterial, MirroredRepeatWrapping, NearestFilter, NearestMipmapLinearFilter, NearestMipmapNearestFilter,
@@ -14,8 +14,8 @@ const FILTER: Record<number, Texture['minFilter']> = {
   9986: NearestMipmapLinearFilter, 9987: LinearMipmapLinearFilter,
 };
 
-/** Decodes the images of the file, where the platform can (createImageBitmap); without it surfaces have their colours.
- * Those of one mesh serve all of its answers, as long as the materials of the cuts are the same. */
+/** The materials of an answer. Images are decoded if the platform has createImageBitmap(); otherwise surfaces have plain colours. All
+ * answers of one mesh can share them if the materials of the cuts are the same. */
 export async function materialsOf(answer: Answer): Promise<Material[]> {
   const glb = answer.document, textures = new Textures(glb);
   const primitives = (glb.json.meshes ?? []).flatMap(mesh => mesh.primitives);
@@ -25,7 +25,7 @@ export async function materialsOf(answer: Answer): Promise<Material[]> {
     materialOf(source, { colors: colors.has(k), tangents: tangents.has(k) }, textures)));
 }
 
-/** What glTF draws where there is no material. */
+/** The default material of glTF, for primitives without a material. */
 export const defaultMaterial = (): Material => new MeshPhysicalMaterial({ color: 0xffffff, metalness: 1, roughness: 1 });
 
 async function materialOf(source: any, surface: { colors: boolean; tangents: boolean }, textures: Textures): Promise<Material> {
@@ -46,7 +46,7 @@ async function materialOf(source: any, surface: { colors: boolean; tangents: boo
     aoMapIntensity: source.occlusionTexture?.strength ?? 1,
   });
   const bump = source.normalTexture?.scale ?? 1;
-  material.normalScale.set(bump, surface.tangents ? bump : -bump);  // where it derives tangents itself, three.js has v upwards
+  material.normalScale.set(bump, surface.tangents ? bump : -bump);  // if three.js derives the tangents, v points upwards
   return material;
 }
 
@@ -78,7 +78,7 @@ class Textures {
     return texture;
   }
 
-  /** Without an address in between, which a page's policy may forbid. Null for what cannot be decoded. */
+  /** Decodes from a Blob, because a page's policy may forbid an object URL. Null if the image cannot be decoded. */
   private image(index: number): Promise<ImageBitmap | null> {
     let image = this.images.get(index);
     if (!image) {

@@ -1,5 +1,5 @@
-// Fragments as meshes of three.js that share one buffer for each attribute and one for the indices, which are those of the
-// file: nothing is copied, and the graphics card gets three uploads for two hundred fragments instead of six hundred.
+// Fragments as meshes of three.js. They share the buffers of the file: one for each attribute and one for the indices. Nothing is
+// copied, and 200 fragments need 3 uploads to the graphics card instead of 600.
 //
 //   POSITION   | fragment 0 | fragment 1 | fragment 2 | …     an attribute with an offset for each fragment
 //   indices16  | fragment 0 | fragment 1 | fragment 2 | …     one attribute, groups for each fragment
@@ -17,7 +17,7 @@ const NAMES: Record<string, string> = {
   TEXCOORD_0: 'uv', TEXCOORD_1: 'uv1', TEXCOORD_2: 'uv2', TEXCOORD_3: 'uv3',
 };
 
-/** A part of a buffer that others have parts of, too. */
+/** A part of a shared buffer. */
 class SharedAttribute extends InterleavedBufferAttribute {
   constructor(buffer: InterleavedBuffer, width: number, firstVertex: number, private readonly vertices: number) {
     super(buffer, width, firstVertex * width);
@@ -35,8 +35,8 @@ class SharedBuffers {
   attribute(index: number): SharedAttribute {
     const accessor = this.glb.accessorAt(index), width = widthOf(accessor), view = accessor.bufferView;
     if (view === undefined || accessor.componentType !== 5126 || accessor.sparse)
-      throw localError('bad-argument', `Accessor ${index} is not as the service writes it: floats, one behind the other.`,
-        { parameter: 'answer' });
+      throw localError('bad-argument', `Accessor ${index} is not a dense array of floats, which meshesOf() needs. Use an unchanged ` +
+        'GLB of the server.', { parameter: 'answer' });
     let buffer = this.buffers.get(view);
     if (!buffer) {
       const bytes = this.glb.view(view);
@@ -46,7 +46,7 @@ class SharedBuffers {
     return new SharedAttribute(buffer, width, (accessor.byteOffset ?? 0) / (4 * width), accessor.count);
   }
 
-  /** All indices of a width; a fragment's begin at `start`. */
+  /** All indices of one width, with the range of this accessor. */
   index(index: number): { attribute: BufferAttribute; start: number; count: number } {
     const accessor = this.glb.accessorAt(index), size = bytesPerComponent(accessor.componentType), view = accessor.bufferView!;
     let attribute = this.indices.get(view);
@@ -59,12 +59,12 @@ class SharedBuffers {
   }
 }
 
-/** A mesh for each fragment, where it stands in the frame of the mesh; `userData.fragment` is its id. Their geometries share
- * their buffers: dispose all of them, or none, and copy one (toNonIndexed) before it is edited.
- * `pieces`: others than the fragments, answer.passedThrough for one. */
+/** One three.js mesh for each fragment, at its place in the frame of the mesh; `userData.fragment` is its id. Their geometries share
+ * buffers: dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of the answer, such
+ * as answer.passedThrough. Throws FractureError (bad-argument) for a GLB that was changed. */
 export function meshesOf(answer: Answer, materials: readonly Material[], pieces: readonly Piece[] = answer.fragments): Mesh[] {
   const buffers = new SharedBuffers(answer.document);
-  const flat = new Map<Material, Material>();  // for surfaces without normals, whose triangles glTF shades flat
+  const flat = new Map<Material, Material>();  // for surfaces without normals, because glTF shades their triangles flat
   let plain: Material | undefined;
   const materialOf = (index: number | undefined, normals: boolean): Material => {
     const material = materials[index ?? -1] ?? (plain ??= defaultMaterial());

@@ -1,6 +1,6 @@
-// Fragments in a world of Rapier, drawn by three.js. What bonds hold together is one compound body; where they break it is
-// replaced by several that move as it did: each gets v + ω × r, and then all of them the one rigid motion that makes
-// linear and angular momentum exactly what they were, whatever the masses.
+// Fragments in a world of Rapier, drawn by three.js. Fragments that bonds hold together are one compound body. If bonds break, several
+// bodies replace it. Each gets the velocity v + ω × r, and then all get one common rigid motion, so that linear and angular
+// momentum stay exactly the same, also if the masses differ.
 import { Group, type Material, type Mesh, type Object3D } from 'three';
 import type { Answer } from '../answer.js';
 import { localError } from '../problems.js';
@@ -15,16 +15,16 @@ export interface World {
   /** The module of Rapier. */
   rapier: Rapier;
   world: RapierWorld;
-  /** Whose frame is the world's: mostly the scene. */
+  /** The object whose frame is that of the world, usually the scene. */
   parent: Object3D;
-  /** materialsOf() the answer, or your own. */
+  /** The materials of the answer (materialsOf()), or your own. */
   materials: readonly Material[];
 }
 
 export interface PieceOptions {
-  /** Do bonds hold until something breaks them? Default: no, every fragment is a body. */
+  /** Whether bonds hold fragments together until a blow breaks them. Default: false, so every fragment is a body. */
   bonded?: boolean;
-  /** Metres that a bond gives way before it breaks (bonds.ts). */
+  /** Metres by which a bond stretches before it breaks (bonds.ts). Default: GIVE. */
   give?: number;
 }
 
@@ -34,38 +34,39 @@ export interface Pose {
   rotation?: readonly [number, number, number, number];
 }
 
-/** Old bodies out, new ones in. Momenta are about the same point. */
+/** One replacement of a body by others. Both momenta are about the same point. */
 export interface SwapRecord {
   before: Momentum;
   after: Momentum;
-  /** Something is anchored, or was fixed: momentum went into the ground. */
+  /** True if the old body was fixed or a new one is anchored, so that momentum went into the ground. */
   held: boolean;
+  /** Number of new bodies. */
   bodies: number;
 }
 
 interface Body {
   rigid: RapierBody;
   members: number[];
-  /** Of the body's frame, in the frame of the mesh. */
+  /** Origin of the body's frame, in the frame of the mesh. */
   origin: Vec3;
-  /** It sleeps, and is drawn where it sleeps. */
+  /** It sleeps, and its meshes are already at its place. */
   settled: boolean;
 }
 
-/** So many times its weight may press on a group as long as it likes. */
+/** A contact on a group counts as a blow only above this multiple of its weight. */
 const QUIET = 4;
 
 export class Pieces {
-  /** Holds the meshes of the fragments; userData.pieces is this. */
+  /** The parent of the fragments' meshes; its userData.pieces is this object. */
   readonly object3D = new Group();
   readonly meshes: Mesh[];
-  /** The swaps that made and changed it; the last one at the end. */
+  /** The replacements of bodies so far, the newest last. */
   readonly swaps: SwapRecord[] = [];
   private readonly bodies = new Set<Body>();
   private readonly bodyOfMember = new Map<number, Body>();
   private readonly memberOfCollider = new Map<number, number>();
   private readonly indexOf: Map<number, number>;
-  /** Bonds that hold. */
+  /** Indices of the bonds that hold. */
   private readonly holding = new Set<number>();
   private cutsShown = true;
   private blows: { member: number; energy: number }[] = [];
@@ -80,7 +81,7 @@ export class Pieces {
     this.object3D.add(...this.meshes);
   }
 
-  /** One for each fragment or group that holds together. */
+  /** One body for each loose fragment and each group that holds together. */
   get rigidBodies(): RapierBody[] {
     return [...this.bodies].map(body => body.rigid);
   }
@@ -93,22 +94,24 @@ export class Pieces {
     const body = [...this.bodies].find(({ rigid: { handle } }) => handle === rigid.handle);
     return (body?.members ?? []).map(member => this.answer.fragments[member]!.id);
   }
+  /** Number of bonds that hold. */
   get bondsLeft(): number {
     return this.holding.size;
   }
-  /** Of all that moves, about the common centre of mass or another point. */
+  /** The momentum of all moving bodies, about their common centre of mass or about another point. */
   momentum(about?: Vec3): Momentum {
     return momentumOf(this.rigidBodies.filter(rigid => rigid.isDynamic()).map(movingBody), about);
   }
-  /** A point of the world in the frame of the mesh, as its fragment stood before it moved: what hits are given in. */
+  /** Converts a point on a fragment from the world to the frame of the mesh before anything moved. Hits need such points. Throws
+   * FractureError (bad-argument) for an unknown id. */
   pointOf(id: number, point: Vec3): Vec3 {
     const body = this.bodyOfMember.get(this.indexOf.get(id) ?? -1);
-    if (!body) throw localError('bad-argument', `There is no fragment ${id} here.`, { parameter: 'id' });
+    if (!body) throw localError('bad-argument', `These pieces have no fragment with the id ${id}.`, { parameter: 'id' });
     const [x, y, z, w] = quat(body.rigid.rotation());
     return add(body.origin, rotate([-x, -y, -z, w], sub(point, vec(body.rigid.translation()))));
   }
 
-  /** Before each frame is drawn: meshes where their bodies are. */
+  /** Moves the meshes to their bodies. Call it before each frame. */
   update(): void {
     for (const body of this.bodies) {
       const { rigid, members, origin, settled } = body;
@@ -123,7 +126,8 @@ export class Pieces {
     }
   }
 
-  /** After each step: events.drainContactForceEvents(event => pieces.onContact(event)). Only groups can break. */
+  /** Records a contact. Call it after each step: events.drainContactForceEvents(event => pieces.onContact(event)). Only groups of
+   * fragments can break. */
   onContact(event: ContactForce): void {
     const { world } = this.setup, impulse = event.totalForceMagnitude() * world.timestep;
     const [a, b] = [event.collider1(), event.collider2()];
@@ -134,14 +138,15 @@ export class Pieces {
     for (const own of [a, b]) {
       const member = this.memberOfCollider.get(own);
       if (member === undefined || this.bodyOfMember.get(member)!.members.length < 2) continue;
-      // What lies or stands presses with each step; only what comes on top of some times its weight is a blow.
+      // A resting body presses with each step, so only a force above a multiple of its weight is a blow.
       const weight = Math.max(moves(a), moves(b)) * Math.hypot(world.gravity.x, world.gravity.y, world.gravity.z) * world.timestep;
       const rest = impulse - QUIET * weight;
       if (rest > 0) this.blows.push({ member, energy: energyOf(rest, moves(a), moves(b)) });
     }
   }
 
-  /** After the contacts of a step: breaks bonds and parts what they held. Returns how many broke. */
+  /** Breaks bonds by the contacts of a step, and separates the groups that they held. Call it after onContact(). Returns the number
+   * of broken bonds. */
   breakBonds(): number {
     const blows = this.blows;
     this.blows = [];
@@ -153,8 +158,8 @@ export class Pieces {
     return broken;
   }
 
-  /** A blow from elsewhere: `point` in the frame of the mesh, `energy` in joules, on the group that a fragment is in (default:
-   * the nearest one; if that is loose already, nothing breaks). Returns how many bonds broke. */
+  /** Hits the group of a fragment. `point`: in the frame of the mesh (m). `energy`: J. `id`: the fragment; default: the nearest one.
+   * A loose fragment does not break. Returns the number of broken bonds. */
   strike(point: Vec3, energy: number, id?: number): number {
     const body = this.bodyOfMember.get(id === undefined ? this.nearest(point) : this.indexOf.get(id) ?? -1);
     if (!body || body.members.length < 2) return 0;
@@ -165,13 +170,13 @@ export class Pieces {
     return broken.length;
   }
 
-  /** Its bodies are gone already. @internal */
+  /** Like remove(), for bodies that were already removed from the world. @internal */
   release(): void {
     this.bodies.clear();
     this.remove();
   }
 
-  /** Out of world and scene. Frees what the graphics card has of it; materials are yours. */
+  /** Removes bodies and meshes from world and scene, and frees their buffers on the graphics card. Materials are not disposed of. */
   remove(): void {
     for (const { rigid } of this.bodies) this.setup.world.removeRigidBody(rigid);
     this.bodies.clear();
@@ -189,7 +194,7 @@ export class Pieces {
     this.enter();
   }
 
-  /** In place of a body whose frame is at `origin` of the mesh's frame. @internal */
+  /** Replaces a body whose frame is at `origin` in the frame of the mesh. @internal */
   startAs(rigid: RapierBody, origin: Vec3, blow: Blow | undefined): void {
     const all = this.answer.fragments.map((_, k) => k);
     if (blow) for (const bond of this.broken(blow, all)) this.holding.delete(bond);
@@ -197,11 +202,12 @@ export class Pieces {
     this.enter();
   }
 
-  /** The only body, and where its frame is. @internal */
+  /** The only body and the origin of its frame. Throws FractureError (bad-argument) if there are several. @internal */
   only(): { rigid: RapierBody; origin: Vec3 } {
     const [body, ...others] = this.bodies;
     if (!body || others.length > 0)
-      throw localError('bad-argument', `swap() replaces one body; these are ${this.bodies.size}.`, { parameter: 'object' });
+      throw localError('bad-argument', `swap() replaces one body, but these pieces have ${this.bodies.size}. Place the answer with ` +
+        '`whole: true` to get one body.', { parameter: 'object' });
     return body;
   }
 
@@ -211,7 +217,7 @@ export class Pieces {
     this.update();
   }
 
-  /** Of what is in one piece no cut is drawn: their edges would show where it will break. */
+  /** Shows or hides the cut faces. They are hidden in an unbroken body, because their edges would show where it will break. */
   private showCuts(shown: boolean): void {
     if (shown === this.cutsShown) return;
     this.cutsShown = shown;
@@ -246,7 +252,7 @@ export class Pieces {
     const made = parts.map(members => this.add(members, frame, turn, field)), moving = made.filter(rigid => rigid.isDynamic());
     const held = !old.isDynamic() || moving.length < made.length;
     const before = momentumOf(old.isDynamic() ? [field] : []);
-    // Twice: the second time for what the rounding to floats took.
+    // Twice: the second round corrects the rounding to floats.
     for (let round = 0; round < 2 && !held; ++round) {
       const bodies = moving.map(movingBody);
       setMomentum(bodies, before);
@@ -261,7 +267,7 @@ export class Pieces {
     const { rapier, world } = this.setup, fragments = members.map(member => this.answer.fragments[member]!);
     const parts = fragments.map(({ motion, translation }): MassProperties => {
       if (!motion?.inertiaDiagonal)
-        throw localError('bad-argument', 'The answer has no rigid bodies: ask with physics=khr.', { parameter: 'physics' });
+        throw localError('bad-argument', 'The answer has no rigid bodies. Fracture the mesh with physics=khr.', { parameter: 'physics' });
       return massOf(motion, translation);
     });
     const whole = combine(parts), origin = fragments.length === 1 ? fragments[0]!.translation : whole.center;
@@ -271,7 +277,7 @@ export class Pieces {
       .setTranslation(...at).setRotation(xyzw(turn))
       .setAdditionalMassProperties(whole.mass, xyz(sub(whole.center, origin)), xyz(moments), xyzw(axes));
     const rigid: RapierBody = world.createRigidBody(description);
-    // A group can break: contacts below some times its weight are not even reported.
+    // Only a group can break. Contacts below a multiple of its weight are not reported.
     const { x, y, z } = world.gravity, threshold = members.length > 1 ? QUIET * whole.mass * Math.hypot(x, y, z) : undefined;
     members.forEach((member, k) => this.addColliders(member, sub(fragments[k]!.translation, origin), rigid, threshold));
     rigid.recomputeMassPropertiesFromColliders();

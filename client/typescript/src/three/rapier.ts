@@ -1,4 +1,4 @@
-// What is used of Rapier, which the caller passes in: any of its packages for three dimensions will do.
+// The parts of Rapier that this package uses. The caller passes the module in; any 3D package of Rapier works.
 import type { Fragment } from '../fragments.js';
 import { inertiaOf, type MovingBody, multiply, type Quat, type Vec3 } from './mass.js';
 
@@ -44,7 +44,7 @@ export interface Rapier {
   ColliderDesc: any;
   ActiveEvents: any;
 }
-/** What EventQueue.drainContactForceEvents() hands out. */
+/** An event of EventQueue.drainContactForceEvents(). */
 export interface ContactForce {
   collider1(): number;
   collider2(): number;
@@ -56,7 +56,7 @@ export const xyzw = ([x, y, z, w]: Quat): Xyzw => ({ x, y, z, w });
 export const vec = ({ x, y, z }: Xyz): Vec3 => [x, y, z];
 export const quat = ({ x, y, z, w }: Xyzw): Quat => [x, y, z, w];
 
-/** A body of Rapier as it moves now, in double precision. */
+/** The present motion of a Rapier body, in double precision. */
 export function movingBody(body: RapierBody): MovingBody {
   const axes = multiply(quat(body.rotation()), quat(body.principalInertiaLocalFrame()));
   return {
@@ -65,22 +65,22 @@ export function movingBody(body: RapierBody): MovingBody {
   };
 }
 
-/** Gives it the velocities, rounded to floats. */
+/** Sets the velocities of a body, rounded to floats. */
 export function setMotion(body: RapierBody, { velocity, spin }: Pick<MovingBody, 'velocity' | 'spin'>): void {
   body.setLinvel(xyz(velocity), true);
   body.setAngvel(xyz(spin), true);
 }
 
-/** Descriptions of the colliders of a fragment, in the frame of a body in which it stands at `offset`. They weigh nothing: mass
- * and inertia are the body's. `threshold`: newtons from which on contacts are reported. */
+/** Descriptions of the colliders of a fragment, in the frame of a body in which the fragment is at `offset`. They have no mass,
+ * because mass and inertia belong to the body. `threshold`: force (N) above which contacts are reported. */
 export function colliders({ ColliderDesc, ActiveEvents }: Rapier, fragment: Fragment, offset: Vec3, threshold: number | undefined): any[] {
   const { hulls, surface: { friction, restitution }, collisionSystem } = fragment;
   return hulls.flatMap(({ positions, triangles }) => {
-    // From its points, though it is convex already: faces that are almost flat become one, and a step takes half the time.
+    // Rapier computes the hull again from the points: it merges faces that are almost flat, so a step takes half the time.
     const shape = ColliderDesc.convexHull(positions) ?? ColliderDesc.convexMesh(positions, Uint32Array.from(triangles));
     if (!shape) return [];
     shape.setTranslation(...offset).setDensity(0).setFriction(friction).setRestitution(restitution);
-    // Rapier has sixteen groups: pieces of the same cell, which overlap, are in one of fifteen, and not for one another.
+    // Rapier has 16 groups. Overlapping pieces are in one of 15 groups whose members do not collide with each other.
     if (collisionSystem !== undefined) {
       const group = 1 << 1 + collisionSystem % 15;
       shape.setCollisionGroups((group << 16 | 0xffff & ~group) >>> 0);
