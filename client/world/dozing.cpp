@@ -29,7 +29,7 @@ constexpr double kHardly = 0.05, kMoment = 0.3;  // seconds
 constexpr double kTilted = 4;
 /// Of its radius: so far its neighbours may go. More than they may creep until they doze themselves.
 constexpr double kGone = 0.1;
-constexpr double kHitSpeed = 0.3;  ///< m/s of approach, as of all hits
+constexpr double kWakingSpeed = 0.3;  ///< m/s of approach, as of all hits
 /// m/s: a blow wakes what it could give this speed, all of it together. The rest would not be seen to move.
 constexpr double kFelt = 0.5;
 /// Of the normal of a contact, upwards: there one bears the other.
@@ -154,7 +154,7 @@ void World::State::rouse() const {
     if (!other.moves() || !other.rigid->isActive()) continue;
     const double approach = approach_of(other, manifold, settings.step),
                  momentum = other.mass.mass * approach;
-    if (approach > kHitSpeed && momentum > kFelt * lying.mass.mass) wake_by(lying, momentum);
+    if (approach > kWakingSpeed && momentum > kFelt * lying.mass.mass) wake_by(lying, momentum);
   }
 }
 

@@ -16,21 +16,21 @@ namespace {
 constexpr double kTouch = 0.005;       ///< metres between hulls that touch, at most …
 constexpr double kTouchShare = 0.002;  ///< … and of the diagonal of all
 
-struct Box {
+struct FragmentBox {
   glm::dvec3 low{HUGE_VAL}, high{-HUGE_VAL};
   void add(const glm::dvec3& p) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  bool meets(const Box& other, double gap) const {
+  bool meets(const FragmentBox& other, double gap) const {
     for (int k = 0; k < 3; ++k)
       if (low[k] > other.high[k] + gap || other.low[k] > high[k] + gap) return false;
     return true;
   }
 };
 
-Box box_of(const Fragment& fragment) {
-  Box box;
+FragmentBox box_of(const Fragment& fragment) {
+  FragmentBox box;
   for (const Hull& hull : fragment.hulls)
     for (const glm::dvec3& p : hull) box.add(p);
   return box;
@@ -87,8 +87,8 @@ std::size_t bond_touching_parts(FragmentSet& set) {
   const auto middle = strengths.begin() + static_cast<std::ptrdiff_t>(strengths.size() / 2);
   std::nth_element(strengths.begin(), middle, strengths.end());
 
-  std::vector<Box> boxes;
-  Box all;
+  std::vector<FragmentBox> boxes;
+  FragmentBox all;
   for (const Fragment& fragment : set.fragments) {
     boxes.push_back(box_of(fragment));
     all.add(boxes.back().low);

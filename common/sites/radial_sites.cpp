@@ -156,7 +156,7 @@ SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs,
 }
 
 /// Where a wheel goes.
-struct Place {
+struct WheelPlace {
   Box box;                      ///< of what is to break
   std::optional<Vec3d> thin{};  ///< the way in which it is thin, of a plate
   std::optional<Vec3d> center{}, axis{};
@@ -165,7 +165,7 @@ struct Place {
   bool whole = true;  ///< that is all of the solid
 };
 
-Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const Place& place,
+Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const WheelPlace& place,
                             Random& random) {
   using Around = RadialPattern::Around;
   const Box& box = place.box;
@@ -342,7 +342,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     } else if (count > 1) {
       RadialPattern of_part = pattern;
       if (p != crushed) of_part.crushed = 0;
-      Place place;
+      WheelPlace place;
       place.box.add(frame.image(box.min));
       place.box.add(frame.image(box.max));
       place.thin = shape.thin;
@@ -388,7 +388,7 @@ Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, cons
   // With an axis of its own the shape matters only for where what is crushed begins.
   const bool shape_matters =
       pattern.around != RadialPattern::Around::kPoint && (!pattern.axis || pattern.crushed > 0);
-  Place place;
+  WheelPlace place;
   place.box = task.solid.box;
   if (shape_matters) place.thin = thin_axis(task.solid, task.execution);
   place.count = task.count;

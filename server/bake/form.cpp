@@ -6,7 +6,7 @@ namespace fracture::bake {
 namespace {
 
 /// A quoted-string of RFC 9110, 5.6.4.
-std::string quoted(const std::string& text) {
+std::string quoted_string(const std::string& text) {
   std::string result(1, '"');
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -42,8 +42,8 @@ Expected<Form> write_form(std::span<const FormPart> parts) {
   form.body.reserve(size);
   for (const FormPart& part : parts) {
     form.body.append("--").append(boundary).append("\r\nContent-Disposition: form-data; name=");
-    form.body.append(quoted(part.name));
-    if (!part.filename.empty()) form.body.append("; filename=").append(quoted(part.filename));
+    form.body.append(quoted_string(part.name));
+    if (!part.filename.empty()) form.body.append("; filename=").append(quoted_string(part.filename));
     form.body.append("\r\n\r\n").append(part.body).append("\r\n");
   }
   form.body.append("--").append(boundary).append("--\r\n");

@@ -23,7 +23,7 @@ constexpr std::array kNames{"1-mesh.obj", "2-solid.obj", "3-sites.obj", "4-tetra
 constexpr std::size_t kMesh = 0, kSolid = 1, kSites = 2, kTetrahedra = 3, kFragments = 4;
 
 /// How far fragments are moved outwards, in parts of their distance from the middle.
-constexpr double kExplode = 0.5;
+constexpr double kDumpExplode = 0.5;
 /// How far the vertices of a tetrahedron are moved to its middle, in parts of their distance.
 constexpr double kShrink = 0.1;
 /// A site's radius, in parts of the solid's longest side.
@@ -64,7 +64,7 @@ class DumpingEngine final : public EngineAround {
     Expected<Cut> made = EngineAround::cut(solid, base, parameters, selection, execution);
     if (made)
       dump_->write(kFragments,
-                   [&](std::ostream& out) { debug::dump_obj(out, made->fractured.set, kExplode); });
+                   [&](std::ostream& out) { debug::dump_obj(out, made->fractured.set, kDumpExplode); });
     return made;
   }
 

@@ -20,7 +20,7 @@ namespace {
 
 /// Of an encoder's output between two polls: what it has taken in meanwhile is at most some MiB, of zeros. The
 /// input goes in as a whole: cut up, it would become other bytes.
-constexpr std::size_t kPiece = 1u << 10;
+constexpr std::size_t kCodedPiece = 1u << 10;
 
 std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body, const Execution& execution) {
   z_stream stream{};
@@ -35,7 +35,7 @@ std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body, const Exec
   out.reserve(deflateBound(&stream, static_cast<uLong>(body.size())));
   stream.next_in = const_cast<Bytef*>(body.data());  // zlib only reads
   stream.avail_in = static_cast<uInt>(body.size());
-  std::array<Bytef, kPiece> piece;
+  std::array<Bytef, kCodedPiece> piece;
   for (int result = Z_OK; result != Z_STREAM_END;) {
     execution.poll();
     stream.next_out = piece.data();
@@ -64,7 +64,7 @@ std::vector<std::uint8_t> zstandard(std::span<const std::uint8_t> body, const Ex
   std::vector<std::uint8_t> out;
   out.reserve(ZSTD_compressBound(body.size()));
   ZSTD_inBuffer in{body.data(), body.size(), 0};
-  std::array<std::uint8_t, kPiece> piece;
+  std::array<std::uint8_t, kCodedPiece> piece;
   for (std::size_t left = 1; left != 0;) {
     execution.poll();
     ZSTD_outBuffer made{piece.data(), piece.size(), 0};

@@ -11,14 +11,14 @@
 namespace fracture::app {
 namespace {
 
-constexpr double kStep = 1.0 / 128;  // seconds: sums of it are exact
+constexpr double kFrame = 1.0 / 128;  // seconds: sums of it are exact
 
 class Simulations : public game::Recordings {
  protected:
   game::GameSettings settings() const {
     game::GameSettings settings;
     settings.max_requests = 2;
-    settings.world.step = kStep;
+    settings.world.step = kFrame;
     settings.world.max_witnessed = 100;
     settings.history = std::make_shared<game::History>(nlohmann::json::object());
     return settings;
@@ -89,7 +89,7 @@ TEST_F(Simulations, AFrameIsServedWhileAStepIsAtWork) {
   const game::Moment beginning = live.playback.moment();
   post_long_step(live.simulation);
   for (int frame = 0; frame < 100; ++frame) {
-    EXPECT_TRUE(live.frame(running(kStep), kStep).empty());
+    EXPECT_TRUE(live.frame(running(kFrame), kFrame).empty());
     ASSERT_EQ(live.playback.moment().parts.size(), 4u);
     EXPECT_EQ(live.playback.moment().parts[0].whole.position, beginning.parts[0].whole.position);
   }
@@ -98,7 +98,7 @@ TEST_F(Simulations, AFrameIsServedWhileAStepIsAtWork) {
   ended_.set_value();
   std::vector<std::string> notes;
   test::require_eventually(test::kPatience, "the notes", [&] {
-    for (std::string& note : live.frame({}, kStep)) notes.push_back(std::move(note));
+    for (std::string& note : live.frame({}, kFrame)) notes.push_back(std::move(note));
     return notes.size() >= 2;
   });
   EXPECT_EQ(notes, (std::vector<std::string>{"made", "after it"}));
@@ -112,22 +112,22 @@ TEST_F(Simulations, MakesTheStepsThatFramesGiveTimeFor) {
   simulation_->step_once();
   simulation_->step_once();
   expect_steps(2);
-  simulation_->pass(running(3 * kStep));
+  simulation_->pass(running(3 * kFrame));
   expect_steps(5);
-  for (int k = 0; k < 8; ++k) simulation_->pass(running(kStep / 4));  // slow motion
+  for (int k = 0; k < 8; ++k) simulation_->pass(running(kFrame / 4));  // slow motion
   expect_steps(7);
-  EXPECT_EQ(last().due, 7 * kStep);
-  simulation_->pass(running(kStep / 2));
+  EXPECT_EQ(last().due, 7 * kFrame);
+  simulation_->pass(running(kFrame / 2));
   simulation_->pass({});  // what was owed is none of what comes after a pause
-  simulation_->pass(running(kStep / 2));
+  simulation_->pass(running(kFrame / 2));
   expect_steps(7);
 }
 
 TEST_F(Simulations, DropTimeThatTheyCannotMakeAndAreSeenLater) {
   begin();
-  simulation_->pass(running(100 * kStep));
+  simulation_->pass(running(100 * kFrame));
   expect_steps(Simulation::kMostOwed);
-  EXPECT_DOUBLE_EQ(last().due, 100 * kStep);
+  EXPECT_DOUBLE_EQ(last().due, 100 * kFrame);
   double due = 0;
   for (const auto& snapshot : seen_) {
     EXPECT_GE(snapshot->due, due);
@@ -165,7 +165,7 @@ TEST_F(Simulations, EndWhileAStepIsAtWorkWithWhatWasPostedBefore) {
     ++done;
     return std::string();
   });
-  simulation_->pass(running(6 * kStep));
+  simulation_->pass(running(6 * kFrame));
   std::future<void> end = std::async(std::launch::async, [this] { simulation_->halt(); });
   ended_.set_value();
   ASSERT_EQ(end.wait_for(test::kPatience), std::future_status::ready);
@@ -178,7 +178,7 @@ TEST_F(Simulations, EndWhileAStepIsAtWorkWithWhatWasPostedBefore) {
   simulation_->halt();
   const std::uint64_t steps = simulation_->game().world().steps();
   EXPECT_GE(steps, 1u);
-  simulation_->pass(running(kStep));
+  simulation_->pass(running(kFrame));
   simulation_->take();
   EXPECT_EQ(simulation_->game().world().steps(), steps);
 }
@@ -186,7 +186,7 @@ TEST_F(Simulations, EndWhileAStepIsAtWorkWithWhatWasPostedBefore) {
 TEST_F(Simulations, PiecesBeginWhereTheWholeIs) {
   begin();
   test::require_eventually(test::kPatience, "a swap that is seen", [&] {
-    simulation_->pass(running(kStep));
+    simulation_->pass(running(kFrame));
     look();
     return last().figures.swaps > 0;
   });
@@ -227,7 +227,7 @@ TEST_F(Simulations, WhatTheyRecordIsPlayedAgainToTheSameBits) {
         game.set_overrides({{"sites", 12}});
         return std::string();
       });
-    Tick tick = running(2 * kStep);
+    Tick tick = running(2 * kFrame);
     tick.eye = {0.1 * frame, 1, 5};
     simulation_->pass(tick);
     look();
@@ -241,7 +241,7 @@ TEST_F(Simulations, WhatTheyRecordIsPlayedAgainToTheSameBits) {
   EXPECT_EQ(read->hashes.back(), last);
   EXPECT_EQ(read->hashes, with.history->until(with.history->steps()).hashes);
   game::GameSettings again = replaying(*read);
-  again.world.step = kStep;
+  again.world.step = kFrame;
   game::Game played(scene(), client_, again);
   play_again(played);
   EXPECT_FALSE(played.figures().diverged) << *played.figures().diverged;
@@ -250,7 +250,7 @@ TEST_F(Simulations, WhatTheyRecordIsPlayedAgainToTheSameBits) {
 
 TEST_F(Simulations, ARecordingIsPlayedToItsEndBeforeTimeCounts) {
   begin();
-  simulation_->pass(running(6 * kStep));
+  simulation_->pass(running(6 * kFrame));
   expect_steps(6);
   simulation_->halt();
   game::GameSettings again = settings();
@@ -265,7 +265,7 @@ TEST_F(Simulations, ARecordingIsPlayedToItsEndBeforeTimeCounts) {
   });
   expect_steps(4);
   EXPECT_FALSE(last().figures.diverged);
-  simulation_->pass(running(2 * kStep));
+  simulation_->pass(running(2 * kFrame));
   expect_steps(6);
 }
 

@@ -18,7 +18,7 @@
 namespace fracture::test {
 namespace {
 
-const std::string kGlb = "Content-Type: model/gltf-binary\r\n", kJson = "Content-Type: application/json\r\n";
+const std::string kOfGlb = "Content-Type: model/gltf-binary\r\n", kJson = "Content-Type: application/json\r\n";
 
 /// A request as a session hands it to the Api, answered on this thread.
 http::Response respond(TestServer& server, const std::string& method, const std::string& target,
@@ -102,20 +102,20 @@ TEST_F(Blocked, WhatIsMoreThanAMomentsWorkWaitsForThePool) {
     const char *name, *method;
     std::string target, fields, body;
   } cases[] = {
-      {"a body", "POST", "/fracture", kGlb, std::string(http::kReadInline + 1, 'x')},
-      {"a body whose digest is to be checked", "POST", "/fracture", kGlb + digest,
+      {"a body", "POST", "/fracture", kOfGlb, std::string(http::kReadInline + 1, 'x')},
+      {"a body whose digest is to be checked", "POST", "/fracture", kOfGlb + digest,
        std::string(http::kDigestInline + 1, 'x')},
-      {"a compressed body", "POST", "/fracture", kGlb + "Content-Encoding: gzip\r\n", gzip("a mesh")},
+      {"a compressed body", "POST", "/fracture", kOfGlb + "Content-Encoding: gzip\r\n", gzip("a mesh")},
       {"a form", "POST", "/fracture", kForm, form("{}")},
-      {"a long query", "POST", "/fracture?" + std::string(http::kParseInline, 'x') + "=1", kGlb, "a mesh"},
-      {"an answer named in the query", "POST", "/fracture?of=" + large, kGlb, "a mesh"},
+      {"a long query", "POST", "/fracture?" + std::string(http::kParseInline, 'x') + "=1", kOfGlb, "a mesh"},
+      {"an answer named in the query", "POST", "/fracture?of=" + large, kOfGlb, "a mesh"},
       {"an answer named in JSON", "POST", mesh + "/fracture", kJson, "{\"of\": \"" + large + "\"}"},
       {"an answer named with a mesh", "POST", "/fracture", kJson,
        "{\"of\": \"" + large + "\", \"mesh\": \"" + mesh.substr(mesh.rfind('/') + 1) + "\"}"},
       {"long JSON", "POST", mesh + "/fracture", kJson, "{\"unit\": " + k2 + "}"},
       {"a long query with JSON", "POST", mesh + "/fracture?" + std::string(http::kParseInline, 'x') + "=1",
        kJson, "{}"},
-      {"a mesh to be stored", "POST", "/meshes", kGlb, "a mesh"},
+      {"a mesh to be stored", "POST", "/meshes", kOfGlb, "a mesh"},
       {"a long list of jobs", "GET", "/jobs?limit=21", "", ""},
   };
   std::vector<std::future<int>> answers;
@@ -166,7 +166,7 @@ TEST(IoTurns, ABodyInChunksIsKeptInNoMoreThanItTakes) {
       options.limits.max_body / 2;  // room for the body, not for the largest that there may be
   TestServer server(options);
   const auto send = [&](std::size_t size, std::size_t chunk) {
-    std::string wire = "POST /meshes HTTP/1.1\r\nHost: a\r\n" + kGlb + "Transfer-Encoding: chunked\r\n\r\n",
+    std::string wire = "POST /meshes HTTP/1.1\r\nHost: a\r\n" + kOfGlb + "Transfer-Encoding: chunked\r\n\r\n",
                 body(size, 'x');
     char length[32];
     for (std::size_t at = 0; at < size; at += chunk) {
@@ -185,7 +185,7 @@ TEST(IoTurns, ABodyInChunksIsKeptInNoMoreThanItTakes) {
 TEST(IoTurns, ATrailerHasFewFields) {
   TestServer server;
   const auto send = [&](std::size_t fields) {
-    std::string wire = "POST /fracture HTTP/1.1\r\nHost: a\r\n" + kGlb +
+    std::string wire = "POST /fracture HTTP/1.1\r\nHost: a\r\n" + kOfGlb +
                        "Transfer-Encoding: chunked\r\n\r\n6\r\na mesh\r\n0;a=b\r\n";
     for (std::size_t k = 0; k < fields; ++k) wire += "a:\r\n";
     RawClient client(server.port());

@@ -12,7 +12,7 @@ namespace {
 
 const std::string kBody = "a mesh";
 
-std::string post(const std::string& mesh, const std::string& fields) {
+std::string post_of(const std::string& mesh, const std::string& fields) {
   return "POST /fracture HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n" + fields +
          "Content-Length: " + std::to_string(mesh.size()) + "\r\n\r\n" + mesh;
 }
@@ -40,8 +40,8 @@ std::size_t place_of_the_second_client(bool trusted, bool proxy_protocol) {
   std::vector<std::unique_ptr<RawClient>> clients;
   const auto ask = [&](const std::string& mesh, const std::string& address) {
     clients.push_back(std::make_unique<RawClient>(server.port()));
-    clients.back()->send(proxy_protocol ? "PROXY TCP4 " + address + " 192.0.2.2 1234 80\r\n" + post(mesh, "")
-                                        : post(mesh, "Forwarded: for=" + address + "\r\n"));
+    clients.back()->send(proxy_protocol ? "PROXY TCP4 " + address + " 192.0.2.2 1234 80\r\n" + post_of(mesh, "")
+                                        : post_of(mesh, "Forwarded: for=" + address + "\r\n"));
     EXPECT_TRUE(eventually(kPatience, "it to be queued",
                            [&] { return server.pool.queued() + server.pool.running() == clients.size(); }));
   };
@@ -61,7 +61,7 @@ TEST(Proxied, NobodyElseIsBelieved) {
   EXPECT_EQ(place_of_the_second_client(/*trusted=*/false, /*proxy_protocol=*/false), 10u);
   TestServer server;
   RawClient client(server.port());
-  client.send("PROXY TCP4 198.51.100.1 192.0.2.2 1234 80\r\n" + post(kBody, ""));
+  client.send("PROXY TCP4 198.51.100.1 192.0.2.2 1234 80\r\n" + post_of(kBody, ""));
   EXPECT_EQ(client.receive()->status, 400);
 }
 
@@ -70,11 +70,11 @@ TEST(Proxied, AConnectionGoesOnAfterItsHeaderInPiecesAndAMalformedOneIsRefused) 
   RawClient client(server.port());
   for (const char c : std::string("PROXY UNKNOWN\r\n")) client.send(std::string(1, c));
   for (int k = 0; k < 2; ++k) {
-    client.send(post(kBody, ""));
+    client.send(post_of(kBody, ""));
     EXPECT_EQ(client.receive()->status, 200);
   }
   RawClient plain(server.port());
-  plain.send(post(kBody, ""));
+  plain.send(post_of(kBody, ""));
   EXPECT_EQ(plain.receive()->status, 200) << "the header is optional";
   RawClient wrong(server.port());
   wrong.send("PROXY TCP4 nonsense\r\n");
@@ -88,7 +88,7 @@ TEST(Proxied, TheConnectionsOfAProxyAreNotThoseOfOneClient) {
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int k = 0; k < 5; ++k) {
     clients.push_back(std::make_unique<RawClient>(server.port()));
-    clients.back()->send(post(kBody, ""));
+    clients.back()->send(post_of(kBody, ""));
     EXPECT_EQ(clients.back()->receive()->status, 200) << k;
   }
 }

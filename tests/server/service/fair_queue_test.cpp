@@ -1,5 +1,6 @@
 // Start-time fair queueing: who is served when, counted by hand from the tags of the paper.
 #include "server/service/fair_queue.hpp"
+#include "tests/server/service/polling.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,7 @@ struct Item {
   std::chrono::steady_clock::time_point arrival{};
 };
 
-constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch,
-                   kBackground = Priority::kBackground;
+using test::kBackground, test::kBatch, test::kRealtime;
 
 /// Serves one task after the other, and charges what it was said to cost.
 struct Queue : FairQueue<Item> {

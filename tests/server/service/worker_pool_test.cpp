@@ -1,4 +1,5 @@
 #include "server/service/worker_pool.hpp"
+#include "tests/server/service/polling.hpp"
 #include "tests/support/eventually.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 namespace fracture {
 namespace {
 
-constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch;
+using test::kBatch, test::kRealtime;
 
 /// One thread that is busy until release(), so that the order of what is queued can be seen.
 struct BusyPool {
