@@ -3,7 +3,7 @@
 #include <exception>
 
 #include "common/base/exit_codes.hpp"
-#include "server/cli/options.hpp"
+#include "server/cli/program.hpp"
 
 int main(int argc, char** argv) {
   try {

@@ -8,6 +8,7 @@
 
 #include "common/parameters/as_text.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "server/cli/program.hpp"
 #include "server/cli/serve_settings.hpp"
 #include "server/cli/spelling.hpp"
 

@@ -89,7 +89,7 @@ struct HealthOptions {
   std::string url;          ///< http://host[:port][/path]; empty: the admin listener by environment and file
   std::string config_file;  ///< as of `serve`; empty: none
   bool ready = false;       ///< ask /readyz (does it take requests?) instead of /livez
-  int timeout = 2;          ///< seconds in all
+  int timeout = 2;          ///< seconds for the connection, and as many for the answer
 };
 
 int serve(const ServeOptions& options);
@@ -97,8 +97,5 @@ int bake(const BakeOptions& options);
 int inspect(const InspectOptions& options);
 /// kExitDone when the answer is 200; kExitUsage when the URL or the settings are wrong; else kExitSystem. The reason is on standard error.
 int health(const HealthOptions& options);
-
-/// Parses the command line and runs the command.
-int run(int argc, char** argv);
 
 }  // namespace fracture::cli

@@ -1,0 +1,9 @@
+// The whole program behind its main().
+#pragma once
+
+namespace fracture::cli {
+
+/// Parses the command line and runs the command. Returns the exit code (exit_codes.hpp).
+int run(int argc, char** argv);
+
+}  // namespace fracture::cli
