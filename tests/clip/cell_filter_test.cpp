@@ -6,6 +6,7 @@
 
 #include "common/base/random.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
+#include "tests/support/repetitions.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
 
@@ -26,7 +27,7 @@ Counts ask(const Box& box, const std::vector<Vec3d>& sites) {
   Random random(kSeed);
   Counts counts;
   const Vec3d size = box.size();
-  for (int k = 0; k < 20'000; ++k) {
+  for (int k = 0; k < test::repetitions(20'000); ++k) {
     Vec3d q =
         box.min + Vec3d{random.uniform() * size.x, random.uniform() * size.y, random.uniform() * size.z};
     SiteId cell = diagram.nearest(q, SiteId{0});

@@ -6,6 +6,7 @@
 
 #include "common/base/random.hpp"
 #include "common/clip/cut_formulas.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::clip_detail {
 namespace {
@@ -79,7 +80,7 @@ TEST(PlacePrecisely, LeavesToIntegersWhatLiesHalfWayByChance) {
 
 TEST(PlaceExactly, IntegersOfFixedAndOfAnySizeAgree) {
   Random random(2);
-  for (int n = 0; n < 2000; ++n) {
+  for (int n = 0; n < test::repetitions(2000); ++n) {
     TriangleCutFormula meet;
     for (int k = 0; k < 3; ++k) meet.input[k] = random_site(random);
     for (int k = 3; k < 6; ++k) meet.input[k] = random_vertex(random);
@@ -110,7 +111,7 @@ TEST(DoubleDouble, OperationsAreGoodTo100Bits) {
     const double lo = (random.uniform() - 0.5) * std::fabs(hi) * 0x1p-53;
     return DoubleDouble::quick_sum(hi, lo);
   };
-  for (int n = 0; n < 5000; ++n) {
+  for (int n = 0; n < test::repetitions(5000); ++n) {
     const DoubleDouble a = number(), b = n % 3 == 0 ? DoubleDouble(-a.hi, -a.lo * 0.75) : number();
     expect_close(a + b, q(a) + q(b));
     expect_close(a - b, q(a) - q(b));

@@ -11,6 +11,7 @@
 
 #include "common/base/random.hpp"
 #include "common/clip/triangulate.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture {
 namespace {
@@ -178,7 +179,7 @@ TEST(TouchingLoops, AHoleThatTouchesBesideOthersIsNotTurnedOver) {
 
 TEST(TouchingLoops, CellsFusedAtRandomAreNotTurnedOver) {
   Random random(20261203);
-  for (int k = 0; k < 4000; ++k) {
+  for (int k = 0; k < test::repetitions(4000); ++k) {
     SCOPED_TRACE(k);
     const int most = k % 20 == 0 ? 30 : 7;
     const CellOutline outline(random, 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most))),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/random.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture {
 namespace {
@@ -133,7 +134,7 @@ TEST(Triangulate, AReflexCornerThatStandsTwiceIsNotTakenForAConvexOne) {
 
 TEST(Triangulate, LoopsWhoseCornersStandTwiceAreNotTurnedOver) {
   Random random(20261122);
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < test::repetitions(200); ++k) {
     Loops loops;
     std::vector<LatticePoint> twice;
     for (const LatticePoint& p : star(random, 5 + k % 40, 0, 0, 1 << 20)) twice.insert(twice.end(), {p, p});
@@ -160,7 +161,7 @@ TEST(Triangulate, ASpikeBesideACornerOnALineIsNotTurnedOver) {
 
 TEST(Triangulate, SpikesOfManyShapesAreNotTurnedOver) {
   Random random(20261123);
-  for (int k = 0; k < 2000; ++k) {
+  for (int k = 0; k < test::repetitions(2000); ++k) {
     // Of a triangle F, A, B what lies before a line through D on A-B and E on F-B, with the way to B and
     // back.
     const auto parts = static_cast<std::int64_t>(2 + random.below(40));
@@ -289,7 +290,7 @@ TEST(Triangulate, NoFlatTrianglesWherePointsOnALineSeeTheInside) {
 
 TEST(Triangulate, RandomLoopsThatCrossThemselvesStillUseEveryEdgeOnce) {
   Random random(7);
-  for (int round = 0; round < 200; ++round) {
+  for (int round = 0; round < test::repetitions(200); ++round) {
     SCOPED_TRACE(round);
     Loops loops;
     const int count = 1 + static_cast<int>(random.below(4));

@@ -13,6 +13,7 @@
 #include "common/delaunay/big_tetrahedron.hpp"
 #include "common/exact/in_sphere.hpp"
 #include "common/exact/orient3d.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture {
 namespace {
@@ -73,7 +74,7 @@ TEST_P(CircumsphereFilter, IsRightWhereItIsCertain) {
   const BigTetrahedron big = big_tetrahedron(box);
   const auto normalized = [&](const Vec3d& p) { return (1 / big.half) * (p - big.center); };
   std::size_t asked = 0, certain = 0;
-  for (int round = 0; round < 3000; ++round) {
+  for (int round = 0; round < test::repetitions(3000); ++round) {
     std::array<Vec3d, 4> p = family.corners(random);
     for (Vec3d& v : p) v = family.at + family.scale * v;
     const int sign = exact::orient3d(p[0], p[1], p[2], p[3]);
@@ -124,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Circumsphere, TwoAtATimeAreTheSame) {
   Random random(7);
-  for (int round = 0; round < 1000; ++round) {
+  for (int round = 0; round < test::repetitions(1000); ++round) {
     const std::array<Vec3d, 4> p = round % 2 == 0 ? random_corners(random) : sliver(random),
                                q = needle(random);
     const auto one = [](const Vec3d& to) { return Edge<double>{{to.x, to.y, to.z}, dot(to, to)}; };

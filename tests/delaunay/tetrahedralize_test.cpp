@@ -11,6 +11,7 @@
 #include "common/exact/in_sphere.hpp"
 #include "common/exact/orient3d.hpp"
 #include "tests/delaunay/point_families.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture {
 namespace {
@@ -132,7 +133,7 @@ TEST(Tetrahedralize, DropsOnlySitesThatOwnNoPointOfTheBox) {
   EXPECT_NE(result->site_of_input[22], kNoSite);
   // Independent: the nearest of all points, at many places of the box, was never dropped.
   Random random(5);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < test::repetitions(2000); ++i) {
     Vec3d q;
     for (int a = 0; a < 3; ++a) q[a] = random.uniform();
     std::size_t best = 0;

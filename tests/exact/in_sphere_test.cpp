@@ -9,6 +9,7 @@
 #include "common/exact/orient3d.hpp"
 #include "tests/exact/rational_oracle.hpp"
 #include "tests/exact/ulps.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::exact {
 namespace {
@@ -62,7 +63,7 @@ TEST(InSphere, FollowsTheTieRuleOnLatticesAsWithExplicitInfinitesimalWeights) {
   Random random(17);
   int ties = 0;
   for (const double divisor : {1.0, 3.0, 21.0})
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < test::repetitions(1500); ++i) {
       std::array<Vec3d, 5> p;
       for (Vec3d& q : p)
         for (int axis = 0; axis < 3; ++axis) q[axis] = static_cast<double>(random.below(3)) / divisor;
@@ -74,13 +75,13 @@ TEST(InSphere, FollowsTheTieRuleOnLatticesAsWithExplicitInfinitesimalWeights) {
       ASSERT_NE(expected, 0);
       ASSERT_EQ(call(p), expected) << "divisor " << divisor << ", " << i;
     }
-  EXPECT_GT(ties, 300);
+  EXPECT_GT(ties, test::repetitions(300));
 }
 
 TEST(InSphere, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
   Random random(23);
   for (const int bits : {3, 9, 11, 12, 19, 20, 21, 23, 24, 25, 40, 53, 60})
-    for (int i = 0; i < 120; ++i) {
+    for (int i = 0; i < test::repetitions(120); ++i) {
       // Points on a common sphere when nothing rounds: sign and axis changes of one vector, shifted.
       std::array<Vec3d, 5> p;
       const Vec3d v{std::floor(random.uniform() * std::ldexp(1.0, bits)),
@@ -98,7 +99,7 @@ TEST(InSphere, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
       if (!make_positive(p)) continue;
       ASSERT_EQ(call(p), oracle(p)) << bits << " bits, " << i;
     }
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < test::repetitions(600); ++i) {
     std::array<Vec3d, 5> p;
     for (Vec3d& q : p)
       for (int axis = 0; axis < 3; ++axis) {
@@ -113,7 +114,7 @@ TEST(InSphere, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
 
 TEST(InSphere, DoesNotDependOnTheOrderOfTheTetrahedronsVertices) {
   Random random(29);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < test::repetitions(300); ++i) {
     std::array<Vec3d, 5> p;
     for (Vec3d& q : p)
       for (int axis = 0; axis < 3; ++axis) q[axis] = static_cast<double>(random.below(3)) / 21;
@@ -134,7 +135,7 @@ TEST(InSphere, DoesNotDependOnTheOrderOfTheTetrahedronsVertices) {
 TEST(InSphere, IsSymmetricAcrossAFacet) {
   Random random(31);
   int seen = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < test::repetitions(3000); ++i) {
     std::array<Vec3d, 5> p;
     for (Vec3d& q : p)
       for (int axis = 0; axis < 3; ++axis) q[axis] = static_cast<double>(random.below(3));
@@ -143,12 +144,12 @@ TEST(InSphere, IsSymmetricAcrossAFacet) {
     ++seen;
     ASSERT_EQ(call(p), in_sphere(p[0], p[2], p[1], p[4], p[3]));
   }
-  EXPECT_GT(seen, 300);
+  EXPECT_GT(seen, test::repetitions(300));
 }
 
 TEST(InSphere, TheSharedScaleOfAPointSetGivesTheSameAnswers) {
   Random random(37);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < test::repetitions(300); ++i) {
     std::array<Vec3d, 5> p;
     BinaryScale scale;
     for (Vec3d& q : p) {

@@ -11,6 +11,7 @@
 #include "common/exact/wide_int.hpp"
 #include "tests/exact/rational_oracle.hpp"
 #include "tests/exact/ulps.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::exact {
 namespace {
@@ -56,7 +57,7 @@ TEST(Orient3d, AgreesWithRationalsOnUlpGridWhereManyPointsAreExactlyCoplanar) {
 TEST(Orient3d, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
   Random random(5);
   for (const int bits : {2, 10, 19, 20, 21, 40, 41, 42, 53})
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < test::repetitions(300); ++i) {
       std::array<Vec3d, 4> p;
       for (Vec3d& q : p)
         for (int axis = 0; axis < 3; ++axis) {
@@ -71,7 +72,8 @@ TEST(Orient3d, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
       ASSERT_EQ(orient3d(p[0], p[1], p[2], p[3]), orient3d_oracle(p[0], p[1], p[2], p[3]))
           << bits << " bits, " << i;
     }
-  for (int i = 0; i < 500; ++i) {  // wider than any fixed width: 6e-17 beside 1e12, and subnormals
+  for (int i = 0; i < test::repetitions(500);
+       ++i) {  // wider than any fixed width: 6e-17 with 1e12, and subnormals
     std::array<Vec3d, 4> p;
     for (Vec3d& q : p)
       for (int axis = 0; axis < 3; ++axis) {
@@ -85,7 +87,7 @@ TEST(Orient3d, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
 
 TEST(Orient3d, ChangesSignWithEveryOddPermutation) {
   Random random(6);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < test::repetitions(200); ++i) {
     std::array<Vec3d, 4> p;
     for (Vec3d& q : p)
       for (int axis = 0; axis < 3; ++axis) q[axis] = static_cast<double>(random.below(3)) / 3;
@@ -133,7 +135,7 @@ TEST(WideInt, ProductsAndSumsAgreeWithIntegersOfAnySize) {
     const int shift = static_cast<int>(random.below(127));
     return static_cast<Int128>(static_cast<UInt128>(high) << 64 | low) >> shift;
   };
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < test::repetitions(20'000); ++i) {
     const auto a = static_cast<std::int64_t>(random()) >> random.below(63);
     const Int128 b = next128(), c = next128();
     const WideInt<3> ab = multiply(a, b);
@@ -169,7 +171,7 @@ TEST(BinaryScale, ScalesEveryIncludedDoubleExactly) {
   using Big = boost::multiprecision::cpp_int;
   const double smallest = std::numeric_limits<double>::denorm_min();
   Random random(4);
-  for (int n = 0; n < 200; ++n) {
+  for (int n = 0; n < test::repetitions(200); ++n) {
     std::vector<double> values{0.0, -0.0, n % 3 == 0 ? smallest : 1.0, n % 3 == 1 ? -5 * smallest : 3.0};
     for (int k = 0; k < 6; ++k)
       values.push_back((random.uniform() - 0.5) * std::ldexp(1.0, static_cast<int>(random.below(200)) - 100));

@@ -14,6 +14,7 @@
 #include "common/base/random.hpp"
 #include "common/exact/in_sphere.hpp"
 #include "common/exact/orient3d.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::exact {
 namespace {
@@ -94,7 +95,7 @@ class SidePredicates : public testing::TestWithParam<int> {};
 
 TEST_P(SidePredicates, Side1AgreesWithWeightedRationals) {
   Random random(11);
-  for (int n = 0; n < 4000; ++n) {
+  for (int n = 0; n < test::repetitions(4000); ++n) {
     const auto s = draw_distinct(random, GetParam(), 2);
     const Vec3d x = draw(random, GetParam());
     EXPECT_EQ(side1(s[0], s[1], x), Oracle(s).closer_to_first(q(x), s[0], s[1]));
@@ -104,7 +105,7 @@ TEST_P(SidePredicates, Side1AgreesWithWeightedRationals) {
 TEST_P(SidePredicates, Side2AgreesWithWeightedRationals) {
   Random random(12);
   int asked = 0;
-  for (int n = 0; n < 6000; ++n) {
+  for (int n = 0; n < test::repetitions(6000); ++n) {
     const auto s = draw_distinct(random, GetParam(), 3);
     const Vec3d &i = s[0], &j = s[1], &k = s[2];
     const auto ends = draw_distinct(random, GetParam(), 2);
@@ -118,13 +119,13 @@ TEST_P(SidePredicates, Side2AgreesWithWeightedRationals) {
     ++asked;
     EXPECT_EQ(side2(i, j, ends[0], ends[1], k), oracle.closer_to_first(q(ends[0]) + t * e, i, j));
   }
-  EXPECT_GT(asked, 500);
+  EXPECT_GT(asked, test::repetitions(500));
 }
 
 TEST_P(SidePredicates, Side3AgreesWithWeightedRationals) {
   Random random(13);
   int asked = 0;
-  for (int n = 0; n < 3000; ++n) {
+  for (int n = 0; n < test::repetitions(3000); ++n) {
     const auto s = draw_distinct(random, GetParam(), 4);
     const auto t = draw_distinct(random, GetParam(), 3);
     const Oracle oracle(s);
@@ -141,13 +142,13 @@ TEST_P(SidePredicates, Side3AgreesWithWeightedRationals) {
     EXPECT_EQ(crossing_sign(t[0], t[1], t[2], s[0], s[2], s[3]),
               sign(dot(normals[2], cross(normals[0], normals[1]))));
   }
-  EXPECT_GT(asked, 500);
+  EXPECT_GT(asked, test::repetitions(500));
 }
 
 TEST_P(SidePredicates, Side4AgreesWithWeightedRationalsAndWithInSphere) {
   Random random(14);
   int asked = 0;
-  for (int n = 0; n < 3000; ++n) {
+  for (int n = 0; n < test::repetitions(3000); ++n) {
     const auto s = draw_distinct(random, GetParam(), 5);
     const Oracle oracle(s);
     std::array<QVec, 3> normals;
@@ -163,13 +164,13 @@ TEST_P(SidePredicates, Side4AgreesWithWeightedRationalsAndWithInSphere) {
         positive ? in_sphere(s[0], s[2], s[3], s[4], s[1]) : in_sphere(s[0], s[2], s[4], s[3], s[1]);
     EXPECT_EQ(side, -conflict) << "inside the sphere of the others means closer to j";
   }
-  EXPECT_GT(asked, 500);
+  EXPECT_GT(asked, test::repetitions(500));
 }
 
 TEST_P(SidePredicates, OrderOnEdgeAgreesWithWeightedRationals) {
   Random random(15);
   int asked = 0, ties = 0;
-  for (int n = 0; n < 3000; ++n) {
+  for (int n = 0; n < test::repetitions(3000); ++n) {
     const auto s = draw_distinct(random, GetParam(), 3);
     const Oracle oracle(s);
     const QVec direction = cross(q(s[1]) - q(s[0]), q(s[2]) - q(s[0]));
@@ -200,7 +201,7 @@ TEST_P(SidePredicates, OrderOnEdgeAgreesWithWeightedRationals) {
       EXPECT_EQ(orient3d(t[0].a, t[0].b, t[0].c, t[1].c), 0);
     }
   }
-  EXPECT_GT(asked, 300);
+  EXPECT_GT(asked, test::repetitions(300));
   if (GetParam() == 0) {
     EXPECT_GT(ties, 0) << "the family does contain coplanar triangles";
   }

@@ -14,6 +14,7 @@
 #include "common/exact/orient3d.hpp"
 #include "common/exact/side.hpp"
 #include "tests/exact/rational_oracle.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::exact {
 namespace {
@@ -48,7 +49,7 @@ int exponent_in(Random& random, int low, int high) {
 TEST(Orient3d, AgreesWithRationalsWhereASquaredLengthUnderflows) {
   Random random(101);
   int signs[3] = {};
-  for (int n = 0; n < 8000; ++n) {
+  for (int n = 0; n < test::repetitions(8000); ++n) {
     const int tiny = n % 2 ? exponent_in(random, -1074, -400) : exponent_in(random, -600, -530);
     const Vec3d b = vector_of(random, tiny), c = vector_of(random, 0);
     const double factor = 0.5 + random.uniform();
@@ -60,13 +61,13 @@ TEST(Orient3d, AgreesWithRationalsWhereASquaredLengthUnderflows) {
     ASSERT_EQ(orient3d(p[0], {0, 0, 0}, p[2], p[1]), expected) << "|b - a| about 2^" << tiny << ", " << n;
     ++signs[expected + 1];
   }
-  EXPECT_GT(signs[0], 1000);
-  EXPECT_GT(signs[2], 1000);
+  EXPECT_GT(signs[0], test::repetitions(1000));
+  EXPECT_GT(signs[2], test::repetitions(1000));
 }
 
 TEST(Orient3d, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
   Random random(102);
-  for (int n = 0; n < 6000; ++n) {
+  for (int n = 0; n < test::repetitions(6000); ++n) {
     const Vec3d a = n % 3 ? Vec3d{} : vector_of(random, exponent_in(random, -1074, 190));
     const Vec3d b = vector_of(random, exponent_in(random, -1074, 190)),
                 c = vector_of(random, exponent_in(random, -1074, 190));
@@ -81,7 +82,7 @@ TEST(Orient3d, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
 TEST(InSphere, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
   Random random(103);
   int asked = 0, signs[3] = {};
-  for (int n = 0; n < 3000; ++n) {
+  for (int n = 0; n < test::repetitions(3000); ++n) {
     std::array<Vec3d, 5> p;
     if (n % 2) {  // on one sphere about the origin, but for an ulp
       const Vec3d v =
@@ -108,9 +109,9 @@ TEST(InSphere, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
     ASSERT_EQ(in_sphere(p[0], p[1], p[2], p[3], p[4]), expected) << n;
     ++signs[expected + 1];
   }
-  EXPECT_GT(asked, 2000);
-  EXPECT_GT(signs[0], 300);
-  EXPECT_GT(signs[2], 300);
+  EXPECT_GT(asked, test::repetitions(2000));
+  EXPECT_GT(signs[0], test::repetitions(300));
+  EXPECT_GT(signs[2], test::repetitions(300));
 }
 
 /// Small multiples of a power of two, another one for each point or for each coordinate: most polynomials in
@@ -161,7 +162,7 @@ int closer_to_first(const QVec& x, const Vec3d& i, const Vec3d& j) {
 TEST(SidePredicates, AgreeWithRationalsWhereTheirPolynomialsUnderflow) {
   Random random(104);
   int side1s = 0, side2s = 0, side3s = 0, side4s = 0, crossings = 0, orders = 0;
-  for (int n = 0; n < 2500; ++n) {
+  for (int n = 0; n < test::repetitions(2500); ++n) {
     const std::vector<Vec3d> s = draw_distinct(random, 5), t1 = draw_distinct(random, 3),
                              t2 = draw_distinct(random, 3);
     const Vec3d &i = s[0], &j = s[1];
@@ -202,13 +203,14 @@ TEST(SidePredicates, AgreeWithRationalsWhereTheirPolynomialsUnderflow) {
       }
     }
   }
-  for (const int asked : {side1s, side2s, side3s, side4s, crossings, orders}) EXPECT_GT(asked, 400);
+  for (const int asked : {side1s, side2s, side3s, side4s, crossings, orders})
+    EXPECT_GT(asked, test::repetitions(400));
 }
 
 // The bound of a polynomial's value, for those who divide by it.
 TEST(Approx, BoundsWhatUnderflowTakesAway) {
   Random random(105);
-  for (int n = 0; n < 5000; ++n) {
+  for (int n = 0; n < test::repetitions(5000); ++n) {
     std::array<Approx, 6> x;
     std::array<Rational, 6> exact;
     for (int k = 0; k < 6; ++k) {

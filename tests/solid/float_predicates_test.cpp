@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/random.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -62,7 +63,7 @@ TEST(SignOrient3d, AgreesWithRationalsForCoordinatesOfWildlyDifferentSize) {
     const int exponent = static_cast<int>(random.below(80)) - 40;
     return static_cast<float>(std::ldexp(mantissa, exponent));
   };
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < test::repetitions(500); ++i) {
     Vec3f p[4];
     for (Vec3f& q : p) {
       q.x = draw();

@@ -4,6 +4,7 @@
 
 #include "common/base/random.hpp"
 #include "tests/support/poll_gaps.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -51,7 +52,7 @@ std::vector<Box> random_boxes(std::uint64_t seed) {
 }
 
 TEST(Layers, AreThoseOfTheGreedyColouringByAllPairs) {
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(test::repetitions(2000)); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::vector<Part> parts = parts_of(random_boxes(seed));
     const std::vector<std::uint32_t> expected = greedy_layers(parts);

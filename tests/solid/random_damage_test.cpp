@@ -5,6 +5,7 @@
 #include "common/base/random.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/repetitions.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/surface_mesh.hpp"
 
@@ -43,7 +44,7 @@ Mesh damaged(Mesh mesh, Random& random, int blows) {
 
 TEST(RandomDamage, EndsAsAValidSolidOrATypedRefusal) {
   std::size_t solids = 0;
-  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(test::repetitions(600)); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     Mesh base;
@@ -72,7 +73,7 @@ TEST(RandomDamage, EndsAsAValidSolidOrATypedRefusal) {
     EXPECT_EQ(repeated->triangles, solid->triangles);
     EXPECT_EQ(repeated->edges, solid->edges);
   }
-  EXPECT_GT(solids, 500u);
+  EXPECT_GT(solids, static_cast<std::size_t>(test::repetitions(500)));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "common/base/random.hpp"
 #include "common/solid/near_points.hpp"
 #include "tests/support/poll_gaps.hpp"
+#include "tests/support/repetitions.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -91,7 +92,7 @@ void expect_same_as_all_pairs(const std::vector<Vec3f>& points, double tolerance
 }
 
 TEST(UniteNear, IsThatOfAllPairs) {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(test::repetitions(200)); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     const std::uint64_t count = 2 + random.below(400), kind = random.below(4);
@@ -118,7 +119,7 @@ TEST(UniteNear, CrowdedCellsAreComparedByTheirNearestPoints) {
     SCOPED_TRACE(step);
     Random random(static_cast<std::uint64_t>(step + 10));
     std::vector<Vec3f> points;
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < test::repetitions(600); ++i) {
       const double y = 0.3 * random.uniform(), z = 0.3 * random.uniform(), x = 0.1 * random.uniform();
       points.push_back({static_cast<float>(i % 2 == 0 ? -x : x + 1 + 0.003 * step), static_cast<float>(y),
                         static_cast<float>(z)});

@@ -12,6 +12,7 @@
 #include "common/solid/nesting_forest.hpp"
 #include "common/solid/solid.hpp"
 #include "tests/support/poll_gaps.hpp"
+#include "tests/support/repetitions.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::solid_detail {
@@ -96,7 +97,7 @@ Mesh lattice_shells(std::uint64_t seed) {
 }
 
 TEST(WindingNumbers, AreThoseOfRaysAgainstAllTriangles) {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(test::repetitions(300)); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Surface surface = surface_of(lattice_shells(seed));
     const Shells shells = find_shells(surface, {});
