@@ -200,8 +200,7 @@ void Siege::judge(const std::string& attack, const std::string& before, Refusals
   }
   EXPECT_EQ(statuses.count(500), 0u) << attack << ": " << answers();
   ASSERT_TRUE(server.alive()) << attack << " ended the server";
-  server.signal(SIGTERM);
-  EXPECT_EQ(server.wait(), 0) << attack;
+  EXPECT_EQ(server.stop(), 0) << attack;
 }
 
 }  // namespace fracture::test

@@ -171,8 +171,7 @@ TEST(CoresOfAName, HoldWhileItComputes) {
   std::snprintf(text, sizeof text, "%.2f processor seconds in %.1f s for a name with 0.05 cores", used(),
                 time.count());
   report("CoresOfAName", text, "13 in 40 s");
-  server.signal(SIGTERM);
-  server.wait();
+  EXPECT_EQ(server.stop(), 0);
 }
 
 }  // namespace

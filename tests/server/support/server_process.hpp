@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "tests/server/support/server_program.hpp"
+#include "tests/support/eventually.hpp"
 
 extern char** environ;
 
@@ -68,6 +70,17 @@ class Process {
     ::waitpid(pid_, &status, 0);
     ended_ = true;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+  /// SIGTERM, and after two seconds another one: what still computes then is given up. The exit code, as of wait().
+  int stop() {
+    signal(SIGTERM);
+    const auto ended = [this] {
+      siginfo_t info{};
+      return ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+             info.si_pid != 0;
+    };
+    if (!eventually(std::chrono::seconds(2), "the server to end", ended)) signal(SIGTERM);
+    return wait();
   }
   pid_t pid() const { return pid_; }
   bool alive() { return ::kill(pid_, 0) == 0 && ::waitpid(pid_, nullptr, WNOHANG) == 0; }
