@@ -1,9 +1,12 @@
-"""count_tests.py RUN_FOLDER...: sums test cases and prints one line `N passed, N failed, N skipped`.
+"""count_tests.py [--may-skip FILE] RUN_FOLDER...: sums test cases and prints one line `N passed, N failed, N skipped`.
 
 Each folder holds what one ctest run left: junit.xml, and gtest/<program>.json for each GoogleTest program. A program
 with a JSON counts by its cases, every other ctest entry counts as one. A program that ctest calls failed although its
 cases did not (a crash, a time-out, a leak found at exit) counts as one failure more. The folder again/ in it holds the
-second try of programs that failed: where one passed, that counts, and a line says so. Exits 1 on any failure.
+second try of programs that failed: if one passed, that counts, and a line says so. Exits 1 on any failure.
+
+The ten slowest tests of each run are printed. FILE has a line `program: reason` for each program that may be skipped as a whole.
+With it, every other skipped program is a failure.
 """
 import json
 import os
@@ -12,7 +15,13 @@ import xml.etree.ElementTree as xml
 from collections import Counter
 
 
-def main(folders):
+SLOWEST = 10
+
+
+def main(arguments):
+    may_skip, folders = None, arguments
+    if arguments[:1] == ["--may-skip"]:
+        may_skip, folders = read_reasons(arguments[1]), arguments[2:]
     total = Counter()
     for folder in folders:
         name = os.path.basename(folder)
@@ -21,7 +30,10 @@ def main(folders):
             print(f"FAILED {name}: ctest left no report")
             total["failed"] += 1
             continue
+        print_slowest(name, folder)
         for program, (counts, failures) in programs.items():
+            if may_skip is not None and not failures and counts["skipped"] and not counts["passed"] and program not in may_skip:
+                failures = [f"{program}: skipped as a whole, and {os.path.basename(arguments[1])} gives no reason"]
             second = (read(os.path.join(folder, "again")) or {}).get(program)
             if failures and second and not second[1]:
                 print(f"UNSTEADY {name}: passed only at the second try, alone: {', '.join(failures)}")
@@ -32,6 +44,26 @@ def main(folders):
             total["failed"] += len(failures)
     print(f"{total['passed']} passed, {total['failed']} failed, {total['skipped']} skipped")
     return 1 if total["failed"] or total["passed"] == 0 else 0
+
+
+def read_reasons(file):
+    """{program: why it may be skipped}. A line without a reason is an error."""
+    reasons = {}
+    with open(file, encoding="utf-8") as lines:
+        for line in lines:
+            if line.strip() and not line.startswith("#"):
+                program, _, reason = line.strip().partition(": ")
+                if not reason:
+                    sys.exit(f"{file}: {program} has no reason")
+                reasons[program] = reason
+    return reasons
+
+
+def print_slowest(name, folder):
+    times = [(float(case.get("time") or 0), case.get("name")) for case in xml.parse(os.path.join(folder, "junit.xml")).getroot().iter("testcase")]
+    slowest = [f"{program} {seconds:.0f} s" for seconds, program in sorted(times, reverse=True)[:SLOWEST] if seconds >= 1]
+    if slowest:
+        print(f"slowest of {name}: {', '.join(slowest)}")
 
 
 def read(folder):

@@ -3,9 +3,14 @@
 import shutil
 import subprocess
 import sys
+import types
 import unittest
+import unittest.mock
 
 from planted import CLEAN, ROOT, PlantedCheckout
+
+sys.path.insert(0, str(ROOT / "scripts" / "lib"))
+from checks import alone  # noqa: E402
 
 
 class Checks(PlantedCheckout):
@@ -108,6 +113,14 @@ class Checks(PlantedCheckout):
         self.expect_clean("includes")
         self.plant("common/solid/solid.hpp", between % "")
         self.expect_found("includes", "server/service.cpp:3: 'twice' was not declared in this scope")
+
+    def test_includes_names_a_file_that_takes_long_to_read(self):
+        words = ["g++", "-I.", "-w", "-fsyntax-only", "-x", "c++", "-"]
+        checkout = types.SimpleNamespace(root=self.root)
+        self.assertIsNone(alone.compile_alone(checkout, "common/base/vec.cpp", words))
+        with unittest.mock.patch.object(alone, "MOST_TO_READ", 0):
+            self.assertRegex(alone.compile_alone(checkout, "common/base/vec.cpp", words),
+                             "^common/base/vec.cpp:1: the compiler needs 0 s to read it, at most 0 may be: include less, or divide it$")
 
     def test_includes_compiles_what_changed_and_all_of_it_on_demand(self):
         self.plant("common/base/CMakeLists.txt", "fracture_library(base SOURCES vec.cpp words.cpp)\n")

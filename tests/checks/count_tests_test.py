@@ -16,11 +16,11 @@ class Counting(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.run_folder = pathlib.Path(folder.name) / "release"
 
-    def write(self, programs, folder="", reports=None):
+    def write(self, programs, folder="", reports=None, seconds=None):
         """`programs`: name and status, as ctest writes them. `reports`: of a GoogleTest program its cases, with what came of each."""
         place = self.run_folder / folder
         (place / "gtest").mkdir(parents=True)
-        cases = "".join(f'<testcase name="{name}" status="{"run" if status == "skipped" else status}">'
+        cases = "".join(f'<testcase name="{name}" status="{"run" if status == "skipped" else status}" time="{(seconds or {}).get(name, 0)}">'
                         f'{"<skipped/>" if status == "skipped" else ""}{"<failure/>" if status == "fail" else ""}</testcase>'
                         for name, status in programs.items())
         (place / "junit.xml").write_text(f"<testsuite>{cases}</testsuite>")
@@ -29,8 +29,8 @@ class Counting(unittest.TestCase):
                       **({"failures": [{}]} if came == "fail" else {})} for case, came in outcomes.items()]
             (place / "gtest" / f"{program}.json").write_text(json.dumps({"testsuites": [{"name": "Suite", "testsuite": tests}]}))
 
-    def counted(self, *lines, code):
-        done = subprocess.run([sys.executable, COUNT, self.run_folder], capture_output=True, text=True, timeout=60)
+    def counted(self, *lines, code, options=()):
+        done = subprocess.run([sys.executable, COUNT, *options, self.run_folder], capture_output=True, text=True, timeout=60)
         self.assertEqual((done.stdout.splitlines(), done.returncode, done.stderr), (list(lines), code, ""))
 
     def test_programs_and_their_cases(self):
@@ -51,6 +51,22 @@ class Counting(unittest.TestCase):
         self.write({"cases": "fail"}, reports={"cases": {"A": "fail", "B": "good"}})
         self.write({"cases": "fail"}, "again", {"cases": {"A": "good", "B": "fail"}})
         self.counted("FAILED release: cases: Suite.A", "1 passed, 1 failed, 0 skipped", code=1)
+
+    def test_the_slowest_are_named(self):
+        self.write({f"t{k}": "run" for k in range(12)}, seconds={f"t{k}": 1.2 + k for k in range(12)})
+        names = ", ".join(f"t{k} {1.2 + k:.0f} s" for k in range(11, 1, -1))
+        self.counted(f"slowest of release: {names}", "12 passed, 0 failed, 0 skipped", code=0)
+
+    def test_a_skipped_program_needs_a_reason(self):
+        self.write({"absent": "skipped", "partly": "run", "wholly": "run", "script": "run"},
+                   reports={"partly": {"A": "good", "B": "skipped"}, "wholly": {"A": "skipped"}})
+        may_skip = self.run_folder / "may_skip.txt"
+        may_skip.write_text("# a comment\nabsent: no such machine here\n")
+        self.counted("FAILED release: wholly: skipped as a whole, and may_skip.txt gives no reason",
+                     "2 passed, 1 failed, 3 skipped", code=1, options=("--may-skip", may_skip))
+        may_skip.write_text("absent: no such machine here\nwholly: nor here\n")
+        self.counted("2 passed, 0 failed, 3 skipped", code=0, options=("--may-skip", may_skip))
+        self.counted("2 passed, 0 failed, 3 skipped", code=0)
 
     def test_no_report_and_no_test_are_failures(self):
         self.counted("FAILED release: ctest left no report", "0 passed, 1 failed, 0 skipped", code=1)
