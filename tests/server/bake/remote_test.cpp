@@ -351,7 +351,7 @@ TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
   EXPECT_THAT(words(FakeReply::answer(404, "")), HasSubstr("status 404"));
   const json other{{"name", "fracture-server"}, {"algorithm", kAlgorithmVersion + 1}};
   EXPECT_THAT(words(FakeReply::answer(200, other.dump())),
-              HasSubstr("has version " + std::to_string(kAlgorithmVersion + 1)));
+              HasSubstr("has algorithm version " + std::to_string(kAlgorithmVersion + 1)));
   EXPECT_THAT(words(problem(401, "unauthorized"), "wrong"), HasSubstr("FRACTURE_TOKEN"));
 
   Patience none = short_pauses();
