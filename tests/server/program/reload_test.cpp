@@ -35,7 +35,7 @@ TEST(Reload, ANewTokenFileDecidesAndAWrongOneIsRefused) {
 
   write(path, "{\"tenants\": [{\"name\": \"ana\"}]}");
   server.signal(SIGHUP);
-  const std::string line = server.error_line_with("refused");
+  const std::string line = server.error_line_with("stay in force");
   EXPECT_NE(line.find("tenants[0].tokens"), std::string::npos) << line;
   EXPECT_NE(line.find("\"level\":\"error\""), std::string::npos) << line;
   EXPECT_EQ(ask(server.port, "GET", "/version", by("ana")).status, 200);
