@@ -81,7 +81,7 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     await page.waitForFunction(() => globalThis.fracture.state.source?.label === 'large.obj');
     await shown(page);
     const notice = page.locator('.remark');
-    await eventually(() => notice.textContent(), said => assert.match(said, /large\.obj was taken.*small\.obj was left out/s));
+    await eventually(() => notice.textContent(), said => assert.match(said, /large\.obj was opened.*small\.obj was not opened/s));
     await notice.getByRole('button', { name: 'Dismiss' }).click();
     await notice.waitFor({ state: 'detached' });
     assert.deepEqual(serious(opened.complaints), []);
