@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import tempfile
@@ -16,6 +17,8 @@ from dataclasses import dataclass
 from .package import Answer, Cancel, Client, FractureError
 
 PATIENCE = 10.0  # s that a cancelled job may take to stop
+# `bake` checks the parameters of a manifest before its first job, so a refusal is not in the report.
+REFUSED_LINE = re.compile(r"fracture-server bake: Line \d+ of '[^\n]*?': (.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -138,6 +141,9 @@ class Asking:
             return Answer.load(output)
         if isinstance(line.get("problem"), dict):
             raise FractureError.of_problem(line["problem"])
+        if refused := REFUSED_LINE.match(words):
+            raise FractureError.of_problem({"type": "/problems/bad-parameter", "detail": refused[1].strip(),
+                                            "title": "A parameter is missing, malformed or out of range"})
         raise FractureError("connection", words.strip() or f"The program '{command[0]}' ended with exit code {process.returncode} and "
                                                            "wrote no fragments. Is it fracture-server?")
 
