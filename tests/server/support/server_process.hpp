@@ -56,12 +56,15 @@ class Process {
       if ((line += part).back() == '\n') break;
     return line;
   }
-  /// The first line from here on that contains `text`, warnings before it skipped; empty when there is none.
+  /// The first line from here on that contains `text`, warnings before it skipped. Empty: there is none, or other lines have
+  /// come for kPatience.
   std::string error_line_with(const std::string& text) {
-    std::string line;
-    do line = error_line();
-    while (!line.empty() && line.find(text) == std::string::npos);
-    return line;
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (std::chrono::steady_clock::now() < end) {
+      const std::string line = error_line();
+      if (line.empty() || line.find(text) != std::string::npos) return line;
+    }
+    return {};
   }
   void signal(int number) { ::kill(pid_, number); }
   /// The exit code, or 1000 + the signal that killed it.
