@@ -67,10 +67,11 @@ set(FRACTURE_COMMON_HEADERS <algorithm> <array> <atomic> <bit> <chrono> <cmath> 
     <memory> <mutex> <optional> <span> <stdexcept> <string> <string_view> <tuple> <type_traits> <unordered_map> <utility> <variant>
     <vector> <nlohmann/json.hpp> <tl/expected.hpp>)
 
-# fracture_precompiled(target name options header...): in a unity build the target reads these headers precompiled. Targets that
-# give the same name share them. So they must have the same options, and be all libraries or all programs.
+# fracture_precompiled(target name options header...): in a unity build with g++ the target reads these headers precompiled. Targets
+# that give the same name share them. So they must have the same options, and be all libraries or all programs. clang reads faster,
+# and checks its precompiled headers by their time, which a compiler cache cannot keep.
 function(fracture_precompiled target name options)
-  if(NOT FRACTURE_UNITY)
+  if(NOT FRACTURE_UNITY OR NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     return()
   endif()
   set(shared fracture_precompiled_${name}${FRACTURE_UNOPTIMIZED})
