@@ -70,10 +70,11 @@ TEST(Http, TheFiguresAloneComeAsJson) {
 TEST(Http, AFormCarriesTheMeshAndItsParameters) {
   TestServer server;
   const std::string mesh = part_of_form("name=\"mesh\"; filename=\"a.obj\"", "v 0 0 0");
-  const Reply by_json =
-      server.post("/fracture", form(mesh + part_of_form("name=params", R"({"sites": 11, "seed": 4})")), kFormType);
+  const Reply by_json = server.post(
+      "/fracture", form(mesh + part_of_form("name=params", R"({"sites": 11, "seed": 4})")), kFormType);
   ASSERT_EQ(by_json.status, 200) << by_json.body;
-  const Reply by_fields = server.post("/fracture?seed=4", form(part_of_form("name=sites", "11") + mesh), kFormType);
+  const Reply by_fields =
+      server.post("/fracture?seed=4", form(part_of_form("name=sites", "11") + mesh), kFormType);
   EXPECT_EQ(by_fields.header("etag"), by_json.header("etag"));
   const Reply by_query = server.post("/fracture?sites=11&seed=4&format=obj", "v 0 0 0", "");
   EXPECT_EQ(by_query.header("etag"), by_json.header("etag"));
@@ -94,32 +95,40 @@ TEST(Http, FurtherFilePartsAreTheFilesThatTheMeshMayName) {
   EXPECT_EQ(server.post("/fracture", form(two + mesh + one), kFormType).header("etag"), reply.header("etag"));
   EXPECT_NE(server.post("/fracture", form(mesh + one), kFormType).header("etag"), reply.header("etag"));
   EXPECT_EQ(server.post("/fracture", form(mesh + one + one), kFormType).problem(), "malformed-multipart");
-  EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=x; filename=\"\"", "")), kFormType).problem(),
-            "malformed-multipart");
+  EXPECT_EQ(
+      server.post("/fracture", form(mesh + part_of_form("name=x; filename=\"\"", "")), kFormType).problem(),
+      "malformed-multipart");
 }
 
 TEST(Http, DamagedFormsSayWhatIsWrong) {
   TestServer server;
   const std::string mesh = part_of_form("name=mesh; filename=a.obj", "v");
-  EXPECT_EQ(server.post("/fracture", form(part_of_form("name=params", "{}")), kFormType).problem(), "empty-body");
+  EXPECT_EQ(server.post("/fracture", form(part_of_form("name=params", "{}")), kFormType).problem(),
+            "empty-body");
   EXPECT_EQ(server.post("/fracture", form(mesh + mesh), kFormType).problem(), "malformed-multipart");
   EXPECT_EQ(server.post("/fracture", mesh, kFormType).problem(), "malformed-multipart");
-  EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=params", "{")), kFormType).problem(), "bad-json");
+  EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=params", "{")), kFormType).problem(),
+            "bad-json");
   EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=params", "[]")), kFormType).problem(),
             "bad-json");
-  EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=params", std::string(60'000, '['))), kFormType)
-                .problem(),
-            "bad-json");
-  EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=params", R"({"sites":1,"sites":2})")), kFormType)
-                .problem(),
-            "bad-parameter");
-  EXPECT_EQ(server.post("/fracture?sites=1", form(mesh + part_of_form("name=params", R"({"sites":2})")), kFormType)
-                .problem(),
-            "bad-parameter");
+  EXPECT_EQ(
+      server.post("/fracture", form(mesh + part_of_form("name=params", std::string(60'000, '['))), kFormType)
+          .problem(),
+      "bad-json");
+  EXPECT_EQ(
+      server
+          .post("/fracture", form(mesh + part_of_form("name=params", R"({"sites":1,"sites":2})")), kFormType)
+          .problem(),
+      "bad-parameter");
+  EXPECT_EQ(
+      server.post("/fracture?sites=1", form(mesh + part_of_form("name=params", R"({"sites":2})")), kFormType)
+          .problem(),
+      "bad-parameter");
   EXPECT_EQ(server.post("/fracture", form(mesh + part_of_form("name=colour", "red")), kFormType).problem(),
             "unknown-parameter");
-  EXPECT_EQ(server.post("/fracture", form(part_of_form("name=mesh; filename=a.exe", "v")), kFormType).problem(),
-            "unknown-format");
+  EXPECT_EQ(
+      server.post("/fracture", form(part_of_form("name=mesh; filename=a.exe", "v")), kFormType).problem(),
+      "unknown-format");
   EXPECT_EQ(server.post("/fracture", "x", "Content-Type: multipart/form-data\r\n").problem(),
             "malformed-multipart");
 }

@@ -18,7 +18,8 @@
 namespace fracture::test {
 namespace {
 
-const std::string kOfGlb = "Content-Type: model/gltf-binary\r\n", kJson = "Content-Type: application/json\r\n";
+const std::string kOfGlb = "Content-Type: model/gltf-binary\r\n",
+                  kJson = "Content-Type: application/json\r\n";
 
 /// A request as a session hands it to the Api, answered on this thread.
 http::Response respond(TestServer& server, const std::string& method, const std::string& target,

@@ -40,8 +40,9 @@ std::size_t place_of_the_second_client(bool trusted, bool proxy_protocol) {
   std::vector<std::unique_ptr<RawClient>> clients;
   const auto ask = [&](const std::string& mesh, const std::string& address) {
     clients.push_back(std::make_unique<RawClient>(server.port()));
-    clients.back()->send(proxy_protocol ? "PROXY TCP4 " + address + " 192.0.2.2 1234 80\r\n" + post_of(mesh, "")
-                                        : post_of(mesh, "Forwarded: for=" + address + "\r\n"));
+    clients.back()->send(proxy_protocol
+                             ? "PROXY TCP4 " + address + " 192.0.2.2 1234 80\r\n" + post_of(mesh, "")
+                             : post_of(mesh, "Forwarded: for=" + address + "\r\n"));
     EXPECT_TRUE(eventually(kPatience, "it to be queued",
                            [&] { return server.pool.queued() + server.pool.running() == clients.size(); }));
   };
