@@ -15,7 +15,7 @@
 namespace fracture::app {
 namespace {
 
-/// Adds NAME=VALUE as a member. A value that is not JSON is a text. False if there is no name.
+/// Adds NAME=VALUE as a member. VALUE is read as JSON, or as text if it is not JSON. Returns false if NAME is empty.
 bool add_parameter(const std::string& text, nlohmann::json& parameters) {
   const std::size_t sign = text.find('=');
   if (sign == std::string::npos || sign == 0) return false;

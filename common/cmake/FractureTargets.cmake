@@ -92,10 +92,10 @@ function(fracture_precompiled target name options)
   target_precompile_headers(${target} REUSE_FROM ${shared})
 endfunction()
 
-# Optimized less: what runs once for a command, a start or a page, and is compiled for every first build.
+# RARELY_RUN: code that runs once for a command, a start or a page is compiled faster, because each first build waits for it.
 set(FRACTURE_RARELY_RUN -O1)
 
-# fracture_library(name SOURCES ... DEPS ... [RARELY_RUN]): one stage of the pipeline, also known as fracture::name. Static, but
+# fracture_library(name [RARELY_RUN] SOURCES ... DEPS ...): one stage of the pipeline, also known as fracture::name. Static, but
 # made so that a shared library could hold it: g++ then inlines no function that a program might put another one in place of.
 # Nobody does here.
 function(fracture_library name)

@@ -56,7 +56,7 @@ struct ParameterSpec {
   Decides decides = Decides::kAnswer;
   /// Names of the patterns it belongs to; empty: every request.
   std::vector<std::string> patterns{};
-  /// null: there is no default, or it depends on the mesh or the pattern (see doc).
+  /// null: the parameter has no default, or its default depends on the mesh or the pattern (see doc).
   nlohmann::json default_value{};
 
   /// A further condition. If it does not hold, it returns the end of the sentence "'name' must …", from which to_value() makes an

@@ -8,7 +8,7 @@ import sys
 import time
 
 STATUS = re.compile(r"\[(\d+)/(\d+)\] ")
-EVERY = 20  # seconds between two lines if there is no terminal
+EVERY = 20  # seconds between two lines without a terminal
 
 
 def in_words(seconds):

@@ -265,7 +265,7 @@ void add_health(CLI::App& app, HealthOptions& o) {
   app.add_option("--config", o.config_file, "The server's file of settings")->type_name("FILE");
   app.add_flag("--ready", o.ready,
                "Ask whether it accepts requests (/readyz) instead of whether it runs (/livez)");
-  app.add_option("--timeout", o.timeout, "Seconds to wait")
+  app.add_option("--timeout", o.timeout, "Seconds to wait for the connection, and again for the answer")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   app.footer(kExitCodesInWords);

@@ -25,7 +25,7 @@ class Admin(Caller):
         self.close()
 
     def is_alive(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Whether the server process answers (/livez). False if there is no answer in time. Raises FractureError."""
+        """Whether the server process answers GET /livez in time. Raises FractureError."""
         return self._probe("/livez", timeout, cancel)
 
     def is_ready(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:

@@ -102,7 +102,7 @@ class Client(Caller):
     def fracture(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, files: Optional[Files] = None,
                  format: Optional[str] = None, timeout: Optional[float] = None, cancel: Optional[Cancel] = None,
                  realtime: Optional[bool] = None, **more: Any) -> Answer:
-        """Sends mesh and parameters in one request, for a mesh that is fractured once. With a Mesh it is Mesh.fracture().
+        """Sends mesh and parameters in one request. Use it for a mesh that is fractured once. A Mesh is fractured by Mesh.fracture().
 
         mesh, files, format   as for put()
         parameters, realtime  as for Mesh.fracture()

@@ -26,7 +26,7 @@ class Address:
 
     @property
     def authority(self) -> str:
-        """host:port, for the Host field and for messages."""
+        """Host and port as the Host field and messages have them."""
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
     @classmethod
