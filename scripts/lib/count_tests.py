@@ -5,8 +5,8 @@ with a JSON counts by its cases, every other ctest entry counts as one. A progra
 cases did not (a crash, a time-out, a leak found at exit) counts as one failure more. The folder again/ in it holds the
 second try of programs that failed: if one passed, that counts, and a line says so. Exits 1 on any failure.
 
-The ten slowest tests of each run are printed. FILE has a line `program: reason` for each program that may be skipped as a whole.
-With it, every other skipped program is a failure.
+The ten slowest tests of each run are printed. FILE has a line `program: reason` for each program that may be skipped as
+a whole in every run. With it, any other program that no run executed is a failure.
 """
 import json
 import os
@@ -22,7 +22,7 @@ def main(arguments):
     may_skip, folders = None, arguments
     if arguments[:1] == ["--may-skip"]:
         may_skip, folders = read_reasons(arguments[1]), arguments[2:]
-    total = Counter()
+    total, in_all_runs = Counter(), Counter()
     for folder in folders:
         name = os.path.basename(folder)
         programs = read(folder)
@@ -32,8 +32,6 @@ def main(arguments):
             continue
         print_slowest(name, folder)
         for program, (counts, failures) in programs.items():
-            if may_skip is not None and not failures and counts["skipped"] and not counts["passed"] and program not in may_skip:
-                failures = [f"{program}: skipped as a whole, and {os.path.basename(arguments[1])} gives no reason"]
             second = (read(os.path.join(folder, "again")) or {}).get(program)
             if failures and second and not second[1]:
                 print(f"UNSTEADY {name}: passed only at the second try, alone: {', '.join(failures)}")
@@ -42,6 +40,10 @@ def main(arguments):
                 print(f"FAILED {name}: {failure}")
             total += counts
             total["failed"] += len(failures)
+            in_all_runs[program] += counts["passed"] + len(failures)
+    for program in sorted(program for program, ran in in_all_runs.items() if may_skip is not None and not ran and program not in may_skip):
+        print(f"FAILED {program}: skipped as a whole in every run, and {os.path.basename(arguments[1])} gives no reason")
+        total["failed"] += 1
     print(f"{total['passed']} passed, {total['failed']} failed, {total['skipped']} skipped")
     return 1 if total["failed"] or total["passed"] == 0 else 0
 

@@ -29,8 +29,8 @@ class Counting(unittest.TestCase):
                       **({"failures": [{}]} if came == "fail" else {})} for case, came in outcomes.items()]
             (place / "gtest" / f"{program}.json").write_text(json.dumps({"testsuites": [{"name": "Suite", "testsuite": tests}]}))
 
-    def counted(self, *lines, code, options=()):
-        done = subprocess.run([sys.executable, COUNT, *options, self.run_folder], capture_output=True, text=True, timeout=60)
+    def counted(self, *lines, code, options=(), folders=()):
+        done = subprocess.run([sys.executable, COUNT, *options, self.run_folder, *folders], capture_output=True, text=True, timeout=60)
         self.assertEqual((done.stdout.splitlines(), done.returncode, done.stderr), (list(lines), code, ""))
 
     def test_programs_and_their_cases(self):
@@ -62,11 +62,18 @@ class Counting(unittest.TestCase):
                    reports={"partly": {"A": "good", "B": "skipped"}, "wholly": {"A": "skipped"}})
         may_skip = self.run_folder / "may_skip.txt"
         may_skip.write_text("# a comment\nabsent: no such machine here\n")
-        self.counted("FAILED release: wholly: skipped as a whole, and may_skip.txt gives no reason",
+        self.counted("FAILED wholly: skipped as a whole in every run, and may_skip.txt gives no reason",
                      "2 passed, 1 failed, 3 skipped", code=1, options=("--may-skip", may_skip))
         may_skip.write_text("absent: no such machine here\nwholly: nor here\n")
         self.counted("2 passed, 0 failed, 3 skipped", code=0, options=("--may-skip", may_skip))
         self.counted("2 passed, 0 failed, 3 skipped", code=0)
+
+    def test_a_program_that_one_of_two_runs_executed_is_not_skipped(self):
+        self.write({"allocator": "run"}, reports={"allocator": {"A": "good"}})
+        self.write({"allocator": "run"}, "../asan", {"allocator": {"A": "skipped"}})
+        may_skip = self.run_folder / "may_skip.txt"
+        may_skip.write_text("")
+        self.counted("1 passed, 0 failed, 1 skipped", code=0, options=("--may-skip", may_skip), folders=[self.run_folder.parent / "asan"])
 
     def test_no_report_and_no_test_are_failures(self):
         self.counted("FAILED release: ctest left no report", "0 passed, 1 failed, 0 skipped", code=1)
