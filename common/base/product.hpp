@@ -23,8 +23,8 @@ enum class Product {
 };
 inline constexpr std::size_t kProducts = 8;
 const char* name_of(Product product);
-/// What one of them costs at the peak, in bytes, with all that hangs on it (vertices, indices, the tables of
-/// the stage that makes it). Measured: tests/bench/README.md.
+/// Peak bytes for one of them, including its vertices, its indices and the tables of the stage that makes it.
+/// common/pipeline/DECISION.md has the measurements.
 std::uint64_t bytes_of(Product product);
 
 /// How many bytes one computation may hold for what it makes. Thread-safe.

@@ -4,7 +4,6 @@
 //   memory (--memory, else memory.max of the control group, else the machine's)
 //     = base: the process, its threads, its import workers at rest
 //     + 1.3 times the sum of the budgets: what an allocator keeps between blocks, and what estimates miss
-//       (tests/bench/README.md has both measured)
 #pragma once
 
 #include <cstdint>
