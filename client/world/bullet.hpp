@@ -8,6 +8,7 @@
 #include "client/world/hull_shape.hpp"
 #include "client/world/world.hpp"
 
+// In single precision, touching pieces would jitter and creep ten metres from the origin.
 #ifndef BT_USE_DOUBLE_PRECISION
 #error "Bullet has to be the one in double precision (pkg-config bullet-float64)"
 #endif

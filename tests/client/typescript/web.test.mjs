@@ -23,7 +23,7 @@ const WORKER = `
     }
   };`;
 
-/** What the README's table is made of: frames until the swap, the longest from there on, and those of fragments in flight. */
+/** Prints the lengths of frames until the swap, the longest from there on, and those of fragments in flight. */
 function tellFrames({ frames, swap, bodies, says }) {
   const lengths = frames.slice(1).map((end, k) => ({ end, length: end - frames[k] })), at = swap.startTime + swap.duration;
   const told = kept => {
