@@ -72,7 +72,8 @@ TEST_F(WaitingJob, BeginsAgainWhenItsMemoryWasGivenUpForAWaitingClient) {
       }));
   require_eventually(kPatience, "the answer", [&] { return answered.load(); });
   host->wait_for(job, JobState::kDone);
-  EXPECT_GE(cuts, 3) << "the job's, the request's, and the job's again: more if the request still held its memory";
+  EXPECT_GE(cuts, 3)
+      << "the job's, the request's, and the job's again: more if the request still held its memory";
   host->idle();
 }
 
