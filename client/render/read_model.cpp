@@ -279,7 +279,8 @@ Expected<Model> read_model(std::span<const std::byte> bytes) {
     GltfDocument document =
         read_gltf_document(bytes, binary ? MeshFormat::kGlb : MeshFormat::kGltf, limits, {});
     Model model;
-    model.warnings = std::move(document.warnings);
+    for (std::vector<std::string>* list : {&document.remarks.warnings, &document.remarks.notes})
+      std::ranges::move(*list, std::back_inserter(model.warnings));
     read_materials(document.library, model);
     if (!document.json.contains("nodes")) refuse(ErrorCode::kEmptyMesh, "The glTF has no nodes.", "/nodes");
     const tinygltf::Model gltf = load_gltf_model(document);

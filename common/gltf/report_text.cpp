@@ -113,6 +113,7 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
     for (const ClusterLevel& level : levels) json.value(level.clusters.size());
     json.value(fractured.set.fragments.size()).end_array();
   }
+  json.member("notes", report.remarks.notes);
   if (report.passed_through)
     json.key("passed_through").begin_object().member("triangles", *report.passed_through).end_object();
   if (report.rough_cuts) write_rough_cuts(json, *report.rough_cuts);
@@ -129,7 +130,7 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
     json.key("support");
     write_support(json, fractured.set, *fractured.support);
   }
-  json.member("warnings", report.warnings).end_object();
+  json.member("warnings", report.remarks.warnings).end_object();
 }
 
 void write_support(JsonText& json, const FragmentSet& set, const Support& support) {

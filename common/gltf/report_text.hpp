@@ -11,7 +11,7 @@ namespace fracture {
 
 /// {anchors {fragments}, barycenter {dropped, dropped_volume, partition, skipped_hulls}, fragment {id, volume},
 /// frame {metres_per_unit, unit_from, up, up_from}, hulls {count, flat, simplified}, keep {cells}, levels [how
-/// many clusters each has, at last fragments], passed_through {triangles}, rough_cuts {amplitude,
+/// many clusters each has, at last fragments], notes, passed_through {triangles}, rough_cuts {amplitude,
 /// amplitude_asked, calmed_vertices, crossing_triangles, edge_length, restrained_cells, triangles}, sites
 /// {duplicates_merged, far_dropped, given, used}, size {…}, solid {…}, support {…}, warnings}
 void write_report(JsonText& json, const FracturedSolid& fractured);

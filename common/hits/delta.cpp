@@ -83,7 +83,7 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
                                                    const FractureParameters& parameters,
                                                    const NewHits& new_hits, const Execution& execution,
                                                    StageTimings& timings) {
-  SitePlan plan{{}, {}, base.map, base.notes.notes};
+  SitePlan plan{{}, {}, base.map, base.notes.remarks};
   auto added = stage(timings, execution, Stage::kTetrahedralize, [&] {
     return append_hits(solid, parameters, parameters.hits, parameters.hits.size() - new_hits.count,
                        base.notes.figures.given, plan, execution);
@@ -93,7 +93,7 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
     std::optional<HitOutcome> hit =
         hit_cells(solid, base, plan.points, plan.groups_of_hits, parameters, execution);
     if (!hit) return std::nullopt;
-    hit->next.notes.notes = std::move(plan.notes);
+    hit->next.notes.remarks = std::move(plan.remarks);
     CutCells cut = new_hits.only_changed ? changed_cells_of(solid, *hit, hit->delta, execution)
                                          : all_cells_of(solid, hit->next, execution);
     Expected<FracturedSolid> completed =

@@ -162,7 +162,7 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
   all_held = std::move(held);
   fractured.anchored.count = static_cast<std::uint32_t>(std::count(all_held.begin(), all_held.end(), 1));
   fractured.report.anchored.reset();
-  std::erase(fractured.report.warnings, kNothingAnchored);
+  std::erase(fractured.report.remarks.warnings, kNothingAnchored);
 }
 
 }  // namespace fracture

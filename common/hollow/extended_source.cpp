@@ -58,7 +58,7 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   mesh.library = source.library;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;
-  mesh.warnings = source.warnings;
+  mesh.remarks = source.remarks;
 
   const Copier copier(execution);
   copier.copy(source.positions, wedges, mesh.positions);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/bvh/surface_tree.hpp"
 #include "common/hollow/cavity.hpp"
 #include "common/hollow/deep_points.hpp"
@@ -20,22 +21,29 @@ using hollow_detail::Run;
 
 /// Divides the sum of thicknesses by the area, and says in words what the figures do not.
 void finish(SolidReport& report, const HollowOptions& options, std::uint32_t asked, double area) {
-  const std::uint64_t solid = asked - report.parts_hollowed;
-  if (options.least_ball > 0 && report.parts_hollowed > 0)
-    report.notes.push_back(
-        std::to_string(report.parts_hollowed) +
-        " closed parts that hold a ball of some size became walls, as 'shell_ball' has it; "
-        "shell=0 keeps them solid.");
-  if (solid > 0)
-    report.notes.push_back(
-        std::to_string(solid) + " of " + std::to_string(asked) +
-        " closed parts stayed solid: nowhere are they thick enough for walls, or there are too "
-        "many parts.");
+  const std::uint64_t hollow = report.parts_hollowed, solid = asked - hollow;
+  const bool by_material = options.least_ball > 0;
+  if (by_material && hollow > 0)
+    report.remarks.note(counted(hollow, "closed part that holds", "closed parts that hold") +
+                        " a ball of the size 'shell_ball' became hollow. shell=0 keeps " +
+                        (hollow == 1 ? "it" : "them") + " solid.");
+  if (solid > 0) {
+    const std::string what =
+        grouped(solid) + " of " + counted(asked, "closed part", "closed parts") +
+        " stayed solid, because no place of theirs is thick enough for walls, or because the inner sides of "
+        "all parts together may have at most " +
+        counted(options.max_all, "triangle", "triangles") + ".";
+    if (by_material)
+      report.remarks.note(what);
+    else
+      report.remarks.warn(what + " Ask for thinner walls, or send the parts as several meshes.");
+  }
   if (area > 0) report.mean_thickness /= area;
   if (options.thickness > 0 && report.mean_thickness > 2 * options.thickness)
-    report.notes.push_back("Walls are " +
-                           std::to_string(std::lround(report.mean_thickness / options.thickness)) +
-                           " times as thick as 'shell' asks: thinner ones take more triangles than may be.");
+    report.remarks.warn("Walls are " + short_number(report.mean_thickness) +
+                        " m thick on average instead of " + short_number(options.thickness) +
+                        " m as 'shell' asks, because thinner ones need more triangles than a part may have. "
+                        "Ask for thicker walls, or model the inner side in a modelling tool.");
 }
 
 /// Triangles of the lattice for each that a part may have: more are work for nothing where many parts share them.

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/words.hpp"
 #include "common/import/assimp_files.hpp"
 #include "common/import/assimp_materials.hpp"
 #include "common/import/assimp_polygons.hpp"
@@ -135,8 +136,9 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
       if (node->mMeshes[k] >= scene.mNumMeshes)
         refuse(ErrorCode::kMalformedMesh, "A node names a mesh that does not exist.");
       const aiMesh& mesh = *scene.mMeshes[node->mMeshes[k]];
-      if (mesh.HasBones()) builder.warn("Skins were baked in the bind pose.");
-      if (mesh.mNumAnimMeshes > 0) builder.warn("Morph targets were dropped: the base shape is used.");
+      if (mesh.HasBones()) builder.remarks().note("Skins were baked in the bind pose.");
+      if (mesh.mNumAnimMeshes > 0)
+        builder.remarks().note("Morph targets were left out: the base shape is used.");
       const std::uint32_t material =
           mesh.mMaterialIndex < slots.size() ? slots[mesh.mMaterialIndex] : kNoIndex;
       Surface surface = to_surface(mesh, world, material, format);
@@ -163,8 +165,10 @@ SourceFrame fbx_frame(const aiScene& scene, MeshBuilder& builder) {
     frame.z_up = up == 2;
     frame.up_stated = (up == 1 || up == 2) && sign == 1;
     if (!frame.up_stated)
-      builder.warn("The file's up axis is neither y nor z; " + std::string(frame.z_up ? "z" : "y") +
-                   " was taken.");
+      builder.remarks().warn(
+          "The file's up axis is not y or z, so " + std::string(frame.z_up ? "z" : "y") +
+          " was taken. The fragments may lie on a side. If so, export the mesh with y or z up, "
+          "or give 'up'.");
   }
   return frame;
 }
@@ -197,10 +201,11 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
 
     MeshBuilder builder(limits);
     TranslatedMaterials materials = translate_materials(*scene, files);
-    for (const std::string& warning : materials.warnings) builder.warn(warning);
+    builder.remarks().add(materials.remarks);
     builder.set_library(std::move(materials.library));
     if (scene->mNumAnimations > 0)
-      builder.warn(std::to_string(scene->mNumAnimations) + " animations were dropped.");
+      builder.remarks().note(counted(scene->mNumAnimations, "animation was", "animations were") +
+                             " left out.");
     add_scene(*scene, format, materials.slot, builder);
     const SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
     Expected<Mesh> mesh = builder.finish();

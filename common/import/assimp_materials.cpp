@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "common/base/printable.hpp"
 #include "common/import/gltf_materials.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/import/uri.hpp"
@@ -44,9 +45,12 @@ class Textures {
     image.mime_type = sniff_image(image.bytes);
     const bool core = image.mime_type == "image/png" || image.mime_type == "image/jpeg";
     if (!core) {
-      out_.warnings.push_back("The image \"" + name_as_utf8(path).substr(0, 80) + "\" " +
-                              (image.bytes.empty() ? "is in another file" : "is neither PNG nor JPEG") +
-                              " and was left out.");
+      const std::string name = name_as_utf8(path);
+      out_.remarks.warn(image.bytes.empty()
+                            ? in_another_file(name)
+                            : "The image \"" + shortened(name) +
+                                  "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no "
+                                  "texture in the answer. Convert it to PNG or JPEG.");
       return known_[path] = kNoIndex;
     }
     image.name = name_as_utf8(path.substr(path.find_last_of("/\\") + 1));

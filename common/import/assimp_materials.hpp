@@ -6,9 +6,9 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "common/base/remarks.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/mesh/mesh.hpp"
@@ -19,7 +19,7 @@ struct TranslatedMaterials {
   MaterialLibrary library;
   std::vector<std::uint32_t>
       slot;  ///< per Assimp material: index into the library, or kNoIndex for its placeholder
-  std::vector<std::string> warnings;
+  Remarks remarks;
 };
 
 TranslatedMaterials translate_materials(const aiScene& scene, std::span<const ImportFile> files);

@@ -44,7 +44,7 @@ void clamp_colors(Mesh& mesh) {
   };
   for (auto& set : mesh.attributes.colors)
     for (Vec4f& c : set) clamp(c.x), clamp(c.y), clamp(c.z), clamp(c.w);
-  if (changed) mesh.warnings.push_back("Colours outside [0, 1] were clamped.");
+  if (changed) mesh.remarks.note("Colours outside of [0, 1] were clamped to it.");
 }
 
 /// Smooth normals by area, for a mesh that has none but whose normal maps need a frame.
@@ -117,17 +117,18 @@ void complete_attributes(Mesh& mesh) {
     any_normal_map = true;
   }
   if (sets > mesh.attributes.uvs.size()) {
-    mesh.warnings.push_back(
-        "A material has a texture but the mesh lacks its texture coordinates: zeros were put there.");
+    mesh.remarks.warn(
+        "A material has a texture, but the mesh has no UVs for it, so they are 0. The surface shows one colour "
+        "of the texture. Give the mesh UVs in a modelling tool.");
     while (mesh.attributes.uvs.size() < sets) mesh.attributes.uvs.emplace_back(mesh.positions.size());
   }
   if (!any_normal_map || !mesh.attributes.tangents.empty()) return;
   if (mesh.attributes.normals.empty()) {
     compute_normals(mesh);
-    mesh.warnings.push_back("Normals were computed: a normal map needs them and the file has none.");
+    mesh.remarks.note("Normals were computed, because a normal map needs them and the file has none.");
   }
   compute_tangents(mesh, normal_map);
-  mesh.warnings.push_back("Tangents were computed: a normal map needs them and the file has none.");
+  mesh.remarks.note("Tangents were computed, because a normal map needs them and the file has none.");
 }
 
 }  // namespace fracture

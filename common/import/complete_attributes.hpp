@@ -7,7 +7,7 @@
 
 namespace fracture {
 
-/// Adds to `mesh.warnings` what was made up.
+/// Adds to `mesh.remarks` what was made up.
 void complete_attributes(Mesh& mesh);
 
 /// Tangents for the triangles whose material is marked, from their positions and the UV set it names

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "common/base/words.hpp"
 #include "common/import/gltf_compression.hpp"
 #include "common/import/gltf_materials.hpp"
 #include "common/import/preflight.hpp"
@@ -385,12 +386,12 @@ GltfDocument read_gltf_document(std::span<const std::byte> bytes, MeshFormat for
                          unsigned_at(views[view], "byteOffset", 0, pointer),
                          unsigned_at(views[view], "byteLength", kRequired, pointer), pointer);
   };
-  document.library = read_materials(document.json, view_bytes, files, document.warnings);
+  document.library = read_materials(document.json, view_bytes, files, document.remarks);
   if (document.json["asset"].contains("copyright") && document.json["asset"]["copyright"].is_string())
     document.copyright = document.json["asset"]["copyright"].get<std::string>();
   if (!array_at(document.json, "animations").empty())
-    document.warnings.push_back(std::to_string(document.json["animations"].size()) +
-                                " animations were dropped.");
+    document.remarks.note(counted(document.json["animations"].size(), "animation was", "animations were") +
+                          " left out.");
 
   gather_views(document, buffers, limits);
   check_accessors(document.json, limits);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/remarks.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/gltf_component.hpp"
 #include "common/mesh/material_library.hpp"
@@ -23,7 +24,7 @@ struct GltfDocument {
   std::vector<std::uint8_t> binary;  ///< the only buffer; bufferViews refer to it
   MaterialLibrary library;
   std::string copyright;
-  std::vector<std::string> warnings;
+  Remarks remarks;
 };
 
 /// Throws Refused: kMalformedMesh, kUnsupportedFeature, kExternalResource, kTooLarge, each with a JSON

@@ -40,12 +40,13 @@ class MeshReader {
     std::vector<RawSurface> surfaces;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-        builder_.warn("Points and lines were dropped.");
+        builder_.remarks().note("Points and lines were left out.");
         continue;
       }
       if (primitive.attributes.count("POSITION") == 0)
         continue;  // the specification: such a primitive is not drawn
-      if (!primitive.targets.empty()) builder_.warn("Morph targets were dropped: the base shape is used.");
+      if (!primitive.targets.empty())
+        builder_.remarks().note("Morph targets were left out: the base shape is used.");
       auto it = std::find_if(surfaces.begin(), surfaces.end(), [&](const RawSurface& surface) {
         return surface.accessors == primitive.attributes;
       });
@@ -265,9 +266,9 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, c
     const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin")),
                             largest_coordinate(surfaces));
     builder.begin_node(name);
-    builder.warn(skinning.rigid()
-                     ? "Skins were baked in the bind pose."
-                     : "Skins were baked in the pose that the file stores, which is not the bind pose.");
+    builder.remarks().note(
+        skinning.rigid() ? "Skins were baked in the bind pose."
+                         : "Skins were baked in the pose that the file stores, which is not the bind pose.");
     for (const RawSurface& raw : surfaces) {
       const bool blended = !skinning.rigid() && !raw.joints.empty();
       const Transform rigid = skinning.rigid().value_or(*scene.world[static_cast<std::size_t>(index)]);
@@ -299,7 +300,7 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
   try {
     GltfDocument document = read_gltf_document(bytes, format, limits, files);
     MeshBuilder builder(limits);
-    for (const std::string& warning : document.warnings) builder.warn(warning);
+    builder.remarks().add(document.remarks);
     const std::size_t material_count = document.library.materials.size();
     builder.set_library(std::move(document.library));
     builder.set_copyright(document.copyright);

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "common/import/gltf_document.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/uri.hpp"
@@ -63,7 +65,7 @@ void drop_extras(json& value) {
 }
 
 /// Whoever keeps the mesh keeps its materials as parsed JSON, which takes up to thirty times its text.
-void bound(MaterialLibrary& library, std::vector<std::string>& warnings) {
+void bound(MaterialLibrary& library, Remarks& remarks) {
   json* const lists[] = {&library.materials, &library.textures, &library.samplers};
   const auto held = [&] { return json_bytes(*lists[0]) + json_bytes(*lists[1]) + json_bytes(*lists[2]); };
   if (held() <= kMaxLibraryBytes) return;
@@ -73,8 +75,10 @@ void bound(MaterialLibrary& library, std::vector<std::string>& warnings) {
            "The materials take " + std::to_string(bytes) + " bytes when they are read; the limit is " +
                std::to_string(kMaxLibraryBytes) + ".",
            "/materials", {{"bytes", bytes}, {"limit", kMaxLibraryBytes}});
-  warnings.push_back("The extras of the materials were dropped: they hold more than " +
-                     std::to_string(kMaxLibraryBytes) + " bytes.");
+  remarks.warn(
+      "The extras of the materials were left out, because with them the materials take more than " +
+      grouped(kMaxLibraryBytes >> 20) +
+      " MiB in memory. The materials of the fragments have none. If you need them, make them smaller.");
 }
 
 using Remap = std::vector<std::uint32_t>;  ///< old index -> new index, or kNoIndex where dropped
@@ -139,7 +143,7 @@ void remap_textures(json& value, const Remap& textures) {
 
 std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
                                 std::span<const ImportFile> files, const std::string& pointer,
-                                std::vector<std::string>& warnings) {
+                                Remarks& remarks) {
   Image image;
   if (const auto it = source.find("name"); it != source.end() && it->is_string())
     image.name = it->get<std::string>();
@@ -161,18 +165,22 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
       image.bytes.assign(begin, begin + file->bytes.size());
       if (image.name.empty()) image.name = text.substr(text.rfind('/') + 1);
     } else {
-      warnings.push_back("The image \"" + text.substr(0, 80) +
-                         "\" is in another file and was left out: embed it or upload it as a further part.");
+      remarks.warn(in_another_file(text));
       return std::nullopt;
     }
   } else {
-    warnings.push_back("The image at " + pointer + " has no data and was left out.");
+    remarks.warn(
+        "The image at " + pointer +
+        " has no data and was left out. Surfaces that use it have no texture in the answer. Export the "
+        "file again with its images.");
     return std::nullopt;
   }
   // What the bytes are decides; a wrong declaration would be an error in the output file.
   if (const std::string sniffed = sniff_image(image.bytes); !sniffed.empty()) image.mime_type = sniffed;
   if (image.bytes.empty() || image.mime_type.empty()) {
-    warnings.push_back("The image at " + pointer + " is of no known kind and was left out.");
+    remarks.warn("The image at " + pointer +
+                 " is of no known kind and was left out. Surfaces that use it have no texture in the answer. "
+                 "Convert it to PNG or JPEG.");
     return std::nullopt;
   }
   return image;
@@ -188,6 +196,12 @@ bool is_material_extension(const std::string& name) {
          kTextures.count(name) > 0;
 }
 
+std::string in_another_file(std::string_view image) {
+  return "The image \"" + shortened(image) +
+         "\" is in another file and was left out. Surfaces that use it have no texture in the answer. Embed the "
+         "image, send it as a further part of the form, or put it where the mesh names it if bake reads the mesh.";
+}
+
 std::string sniff_image(std::span<const std::uint8_t> bytes) {
   const auto has = [&](std::size_t at, std::string_view magic) {
     return bytes.size() >= at + magic.size() &&
@@ -201,7 +215,7 @@ std::string sniff_image(std::span<const std::uint8_t> bytes) {
 }
 
 MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes,
-                               std::span<const ImportFile> files, std::vector<std::string>& warnings) {
+                               std::span<const ImportFile> files, Remarks& remarks) {
   MaterialLibrary library;
   library.materials = copy_array(document, "materials");
   library.textures = copy_array(document, "textures");
@@ -212,7 +226,7 @@ MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes
 
   Remap image_map(images.size(), kNoIndex);
   for (std::size_t k = 0; k < images.size(); ++k)
-    if (auto image = read_image(images[k], view_bytes, files, "/images/" + std::to_string(k), warnings)) {
+    if (auto image = read_image(images[k], view_bytes, files, "/images/" + std::to_string(k), remarks)) {
       image_map[k] = static_cast<std::uint32_t>(library.images.size());
       library.images.push_back(std::move(*image));
     }
@@ -231,7 +245,7 @@ MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes
   library.textures = std::move(textures);
   remap_textures(library.materials, texture_map);
 
-  bound(library, warnings);
+  bound(library, remarks);
 
   std::set<std::string> used;
   for (const json* array : {&library.materials, &library.textures, &library.samplers})

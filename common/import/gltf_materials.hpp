@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "common/base/remarks.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -24,9 +26,12 @@ using ViewBytes =
 /// dropped with a warning, and with it every texture that shows it and every reference to such a texture.
 /// Throws Refused.
 MaterialLibrary read_materials(const nlohmann::json& document, const ViewBytes& view_bytes,
-                               std::span<const ImportFile> files, std::vector<std::string>& warnings);
+                               std::span<const ImportFile> files, Remarks& remarks);
 
 /// "image/png" … from the first bytes; empty when they are of no known kind.
 std::string sniff_image(std::span<const std::uint8_t> bytes);
+
+/// The warning about an image that the mesh names and that nobody sent.
+std::string in_another_file(std::string_view image);
 
 }  // namespace fracture

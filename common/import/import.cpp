@@ -110,10 +110,12 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   Expected<Mesh> mesh = read(*plain, limits, files);
   if (!mesh) return mesh;
   state_frame(*mesh, format_info(plain->format).frame);
-  for (std::string& warning : mesh->warnings)  // they quote the file, cut to a length that may end within a
-    warning = name_as_utf8(warning);           // character
+  for (auto* list : {&mesh->remarks.warnings, &mesh->remarks.notes})
+    for (std::string& sentence :
+         *list)  // they quote the file, cut to a length that may end within a character
+      sentence = name_as_utf8(sentence);
   complete_attributes(*mesh);
-  mesh->triangle_color = surface_colors(*mesh, mesh->warnings);
+  mesh->triangle_color = surface_colors(*mesh, mesh->remarks);
   return mesh;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/gathered.hpp"
+#include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 
 namespace fracture {
@@ -95,11 +96,6 @@ Expected<void> MeshBuilder::add(Surface surface) {
   return {};
 }
 
-void MeshBuilder::warn(std::string warning) {
-  if (std::find(mesh_.warnings.begin(), mesh_.warnings.end(), warning) == mesh_.warnings.end())
-    mesh_.warnings.push_back(std::move(warning));
-}
-
 void MeshBuilder::set_library(MaterialLibrary library) {
   mesh_.library = std::make_shared<const MaterialLibrary>(std::move(library));
 }
@@ -131,8 +127,10 @@ Expected<Mesh> MeshBuilder::finish() {
   for (auto& set : a.uvs) changed += neutralise(set, Vec2f{});
   for (auto& set : a.colors) changed += neutralise(set, Vec4f{1, 1, 1, 1});
   if (changed > 0)
-    warn(std::to_string(changed) +
-         " attribute values that are not finite numbers were replaced by neutral ones.");
+    mesh_.remarks.warn(
+        counted(changed, "normal, UV or colour is not a finite number and was",
+                "normals, UVs and colours are not finite numbers and were") +
+        " replaced by a neutral value. The shading may be wrong there. Repair them in a modelling tool.");
   return std::move(mesh_);
 }
 

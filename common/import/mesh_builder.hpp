@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/remarks.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -31,8 +32,7 @@ class MeshBuilder {
   void begin_node(std::string name);
   /// kMalformedMesh (a triangle names a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
-  /// Each warning once, in the order of first appearance.
-  void warn(std::string warning);
+  Remarks& remarks() { return mesh_.remarks; }
   void set_library(MaterialLibrary library);
   void set_copyright(std::string copyright) { mesh_.copyright = std::move(copyright); }
 

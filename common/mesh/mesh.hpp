@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/base/id.hpp"
+#include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture {
@@ -62,8 +63,7 @@ struct Mesh {
   /// The rest of the scene, which is not to be fractured (mesh/selection.hpp): written whole beside the
   /// fragments. Same frame, node_names and library. Null when there is none.
   std::shared_ptr<const Mesh> passed_through;
-  std::vector<std::string>
-      warnings;  ///< what the importer changed or dropped (skins baked, animations dropped, …)
+  Remarks remarks;  ///< what the importer changed or left out (skins baked, animations left out, …)
 };
 
 }  // namespace fracture

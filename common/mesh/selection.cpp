@@ -106,7 +106,7 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   if (count == selected.size()) return {};
   auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false));
   Mesh kept = part_of(mesh, selected, true);
-  kept.warnings = std::move(mesh.warnings);
+  kept.remarks = std::move(mesh.remarks);
   kept.passed_through = std::move(rest);
   mesh = std::move(kept);
   return {};

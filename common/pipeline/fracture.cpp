@@ -101,7 +101,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.groups = std::move(plan->groups);
     diagram.bricks = std::move(plan->bricks);
     diagram.map = plan->map;
-    diagram.notes = std::move(plan->notes);
+    diagram.remarks = std::move(plan->remarks);
     diagram.tetrahedralization = std::move(*t);
     if (parameters.max_volume > 0 && parameters.hits.empty()) {
       Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
@@ -188,7 +188,7 @@ SizeLimits limits_in_force(const FractureParameters& parameters, double volume, 
 SiteNotes notes_of(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
   SiteNotes notes{{diagram.sites.size(), t.site_count(), t.duplicates_merged, t.far_sites_dropped},
-                  diagram.notes,
+                  diagram.remarks,
                   diagram.split};
   if (t.site_count() < diagram.sites.size()) {
     notes.point_of_site.assign(t.site_count(), kNoIndex);

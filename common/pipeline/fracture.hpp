@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
+#include "common/base/remarks.hpp"
 #include "common/base/timings.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/pipeline/fractured_solid.hpp"
@@ -58,7 +58,7 @@ struct Diagram {
   std::vector<std::uint32_t> bricks{};  ///< SitePlan::bricks
   /// Sites and tetrahedralization are those of the solid's image under this map (none: of itself).
   CellMap map{};
-  std::vector<std::string> notes{};       ///< about the sites, for people
+  Remarks remarks{};                      ///< about the sites
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< what FractureParameters::max_volume did
   std::size_t of_pattern = 0;             ///< so many of `sites`, the first ones, are not of hits

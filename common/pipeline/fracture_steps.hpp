@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/remarks.hpp"
 #include "common/base/scratch.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/fragment/unions.hpp"
@@ -70,7 +71,7 @@ SizeLimits limits_in_force(const FractureParameters& parameters, double volume, 
 /// What an answer says of its sites.
 struct SiteNotes {
   SiteFigures figures;
-  std::vector<std::string> notes;  ///< for people
+  Remarks remarks;
   SplitFigures split{};
   /// Per site which point it is of those given, and of equal ones the first; empty: site k is point k.
   std::vector<std::uint32_t> point_of_site{};

@@ -7,6 +7,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
+#include "common/base/words.hpp"
 #include "common/pipeline/aggregate.hpp"
 
 namespace fracture {
@@ -49,6 +50,18 @@ void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t ce
     }
     plan.groups_of_hits.push_back(next + static_cast<std::uint32_t>(best));
   }
+}
+
+/// About the sites of a hit that found no place near it.
+void add_remark(std::size_t hit, std::size_t missing, std::size_t asked, double radius, Remarks& remarks) {
+  const std::string where = " in the solid within " + short_number(radius) + " m of it";
+  if (missing == asked)
+    remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because its sites have no place" + where +
+                 ". Move 'local_point' onto the mesh, or give a larger 'local_radius'.");
+  else
+    remarks.note(grouped(missing) + " of " + counted(asked, "site", "sites") + " of hit " + grouped(hit) +
+                 (missing == 1 ? " has" : " have") + " no place" + where + ", and " +
+                 (missing == 1 ? "was" : "were") + " left out.");
 }
 
 }  // namespace
@@ -95,10 +108,8 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     if (const std::uint32_t cells = cells_per_fragment(near); cells > 1)
       group_hit(hit, *further, cells, plan, execution);
     plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
-    if (further->points.size() < asked)
-      plan.notes.push_back(std::to_string(asked - further->points.size()) + " of " + std::to_string(asked) +
-                           " sites of hit " + std::to_string(k + 1) +
-                           " found no place in the solid within its radius and were left out");
+    if (const std::size_t missing = asked - further->points.size(); missing > 0)
+      add_remark(k + 1, missing, asked, hit.radius, plan.remarks);
   }
   return {};
 }

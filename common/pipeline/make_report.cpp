@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/physics/principal_axes.hpp"
-#include "common/pipeline/number_text.hpp"
 
 namespace fracture {
 namespace {
@@ -14,13 +14,12 @@ namespace {
 void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet& set, Report& report) {
   report.solid = solid.report;
   report.sites = sites.figures;
-  std::vector<std::string>& warnings = report.warnings;
-  for (const auto* notes : {&solid.source->warnings, &solid.report.notes, &sites.notes})
-    warnings.insert(warnings.end(), notes->begin(), notes->end());
+  report.remarks = solid.remarks();
+  report.remarks.add(sites.remarks);
   if (set.lattice_ratio > 1e-5)
-    warnings.emplace_back(
-        "the mesh lies so far from the origin that float32 positions are coarse: one step is more than 1e-5 "
-        "of its size");
+    report.remarks.warn(
+        "The mesh lies far from the origin for its size, so that coordinates in the answer are rounded by up to "
+        "1/100,000 of the size. Small details may be ragged. Move the mesh nearer to the origin.");
 }
 
 /// Of volumes in ascending order.
@@ -56,22 +55,55 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
   return sizes;
 }
 
+/// The limits of size that are in force, by name.
+std::string names_of(const SizeLimits& size) {
+  std::string names;
+  const auto add = [&](bool given, const char* name) {
+    if (given) names += std::string(names.empty() ? "'" : ", '") + name + "'";
+  };
+  add(size.min_volume > 0, "min_volume");
+  add(size.min_fraction > 0, "min_fraction");
+  add(size.min_of_mean > 0, "min_of_mean");
+  add(size.fragments > 0, "fragments");
+  add(size.max_fragments > 0, "max_fragments");
+  add(size.max_triangles > 0, "max_triangles");
+  return names;
+}
+
+std::string fewer_fragments(const SizeLimits& size, const FragmentSet& set) {
+  if (const std::uint64_t united = set.certificate.united, crossing = united - set.size.united;
+      united > set.size.united)
+    return counted(crossing, "piece has no volume of its own", "pieces have no volume of their own") +
+           ", as the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
+  SizeLimits others = size;
+  others.fragments = 0;
+  const std::string names = names_of(others);
+  return "the pattern has no more cells, or limits of size or a kept region leave no more pieces. Ask for more "
+         "'sites'" +
+         (names.empty() ? "." : ", or lower the limits (" + names + ").");
+}
+
+std::string more_fragments(std::uint32_t asked, const FragmentSet& set) {
+  const std::uint32_t parts = set.size.parts;
+  const std::string at_least = " Ask for at least " + grouped(parts > asked ? parts : set.fragments.size());
+  if (parts > asked)
+    return "the mesh has " + grouped(parts) + " separate parts, and each is at least one fragment." +
+           at_least + ", or join parts in a modelling tool.";
+  return "the others touch nothing they could be merged with." + at_least + ", or repair the mesh so that " +
+         (parts > 1 ? "its parts are joined." : "they touch.");
+}
+
 /// Where the number of fragments is off by more than a tenth: why.
-void report_fragments(std::uint32_t asked, const FragmentSet& set, std::vector<std::string>& warnings) {
+void report_fragments(std::uint32_t asked, const SizeLimits& size, const FragmentSet& set, Remarks& remarks) {
   const std::size_t made = set.fragments.size();
   if (asked == 0 || (10 * made <= 11 * std::uint64_t{asked} && 10 * made >= 9 * std::uint64_t{asked})) return;
-  const std::string both =
-      "fragments: " + std::to_string(asked) + " asked, " + std::to_string(made) + " made; ";
-  if (made < asked && set.certificate.united > set.size.united)
-    warnings.push_back(both + std::to_string(set.certificate.united - set.size.united) +
-                       " pieces have no volume of their own, because the surface crosses itself");
-  else if (made < asked)
-    warnings.push_back(both + "the pattern's cells and limits of size give no more");
-  else if (set.size.parts > 1)
-    warnings.push_back(both + "the mesh has " + std::to_string(set.size.parts) +
-                       " separate parts, each of which is at least one");
+  const std::string both = counted(asked, "fragment was", "fragments were") + " asked for, and " +
+                           counted(made, "was", "were") + " made";
+  if (made == size.max_fragments && made < asked)
+    remarks.note(both + ", because 'max_fragments' allows no more.");
   else
-    warnings.push_back(both + "what is left touches nothing it could be united with");
+    remarks.warn(both + ", because " +
+                 (made < asked ? fewer_fragments(size, set) : more_fragments(asked, set)));
 }
 
 void report_size(const FractureParameters& p, const SplitFigures& split, const CutCells::Whole& sizes,
@@ -80,40 +112,52 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
   const std::uint64_t triangles = sizes.triangles;
   const double largest = volumes.empty() ? 0 : volumes.back();
   report.size = {volume_distribution(volumes), triangles, p.size, set.size, p.max_volume, split};
-  std::vector<std::string>& warnings = report.warnings;
-  if (set.size.alone > 0)
-    warnings.push_back(std::to_string(set.size.alone) + " pieces below " + text_of(set.size.min_volume) +
-                       " m3 touch no other piece; they stay as they are");
-  report_fragments(p.hits.empty() ? p.size.fragments : 0, set, warnings);
+  Remarks& remarks = report.remarks;
+  if (const std::uint32_t alone = set.size.alone; alone > 0)
+    remarks.note(counted(alone, "piece is", "pieces are") + " smaller than " +
+                 short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
+                 " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
+  report_fragments(p.hits.empty() ? p.size.fragments : 0, p.size, set, remarks);
   if (p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
-    warnings.push_back("max_fragments: " + std::to_string(p.size.max_fragments) + " asked, " +
-                       std::to_string(set.fragments.size()) +
-                       " made; what is left touches nothing it could be united with");
+    remarks.warn(
+        "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
+        ", although 'max_fragments' is " + grouped(p.size.max_fragments) +
+        ": those that are left touch nothing they could be merged with. Allow more, or join the parts of "
+        "the mesh in a modelling tool.");
   if (p.size.max_triangles > 0 && triangles > p.size.max_triangles)
-    warnings.push_back("max_triangles: " + std::to_string(p.size.max_triangles) + " asked, " +
-                       std::to_string(triangles) + " made; uniting everything would leave " +
-                       std::to_string(set.size.fewest_triangles) + ", so nothing was united for it");
+    remarks.warn("The fragments have " + counted(triangles, "triangle", "triangles") +
+                 ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
+                 ". Nothing was merged for it, because " + grouped(set.size.fewest_triangles) +
+                 " would be left if everything were merged. Allow at least as many, or simplify the mesh.");
   if (p.max_volume > 0 && largest > p.max_volume)
-    warnings.push_back("max_volume: " + text_of(p.max_volume) + " m3 asked, the largest fragment has " +
-                       text_of(largest) + " m3 (united, kept, or the passes or sites ran out)");
+    remarks.warn(
+        "The largest fragment has " + short_number(largest) + " m³, although 'max_volume' is " +
+        short_number(p.max_volume) +
+        " m³: it was merged or kept whole, or its division would take too many passes or sites. Ask for "
+        "more 'sites', or lower the limits that merge pieces.");
 }
 
 void report_structure(const FractureParameters& p, std::size_t kept_cells,
                       std::optional<std::uint32_t> anchored, Report& report) {
   if (p.keep) {
     report.kept_cells = kept_cells;
-    if (kept_cells == 0) report.warnings.emplace_back("keep: the region lies outside of the mesh's box");
+    if (kept_cells == 0)
+      report.remarks.warn(
+          "The region to keep lies outside of the mesh's box, so nothing is kept whole. Move it onto the mesh; "
+          "its places are in metres, with y up.");
   }
   report.anchored = anchored;
-  if (anchored == 0u) report.warnings.emplace_back(kNothingAnchored);
+  if (anchored == 0u) report.remarks.warn(kNothingAnchored);
 }
 
 /// What was asked of the cuts, and what was made.
 void report_roughness(const FractureParameters& p, const CutCells& cut, Report& report) {
   const RoughReport& rough = cut.rough;
-  std::vector<std::string>& warnings = report.warnings;
+  Remarks& remarks = report.remarks;
   if (p.dual == Dual::kBarycenter) {
-    warnings.emplace_back("rough cuts: hulls of barycentres share no cuts; theirs are flat");
+    remarks.warn(
+        "The cuts are flat, because fragments of dual=barycenter share no cuts. Leave out 'dual' if you want "
+        "rough cuts.");
     return;
   }
   RoughCuts& cuts = report.rough_cuts.emplace();
@@ -125,60 +169,49 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
           .crossing_triangles = rough.crossing};
   if (cut.all_flat) {
     cuts.amplitude_asked = p.roughness.amplitude;
-    warnings.emplace_back("rough cuts: the cuts are flat, because rough ones did not prove themselves");
+    remarks.warn(
+        "The cuts are flat, because fragments with rough ones do not pass the check of the answer. Try a smaller "
+        "'rough_amplitude' or fewer sites.");
     return;
   }
   if (cut.restrained_cells > 0) {
     cuts.restrained_cells = cut.restrained_cells;
-    warnings.push_back("rough cuts: those of " + std::to_string(cut.restrained_cells) +
-                       " cells are less rough, or flat, because rougher ones did not prove themselves");
+    remarks.note(
+        "The cuts of " + counted(cut.restrained_cells, "cell", "cells") +
+        " are less rough than asked, or flat, because fragments with rougher ones do not pass the check "
+        "of the answer.");
   }
   if (rough.given_up) {
     cuts.amplitude = 0;
-    warnings.emplace_back(
-        "rough cuts: the cuts are flat, because too many of their triangles lie in each other's way (pieces "
-        "much longer than wide, or smaller than the amplitude); fewer sites, a smaller amplitude or a lower "
-        "frequency help");
+    remarks.warn(
+        "The cuts are flat, because too many triangles of rough ones would cross each other: pieces are much "
+        "longer than wide, or smaller than the amplitude. Ask for fewer sites, or for a smaller "
+        "'rough_amplitude' or 'rough_frequency'.");
     return;
   }
   if (rough.amplitude < rough.asked)
-    warnings.push_back("rough cuts: amplitude lowered from " + text_of(rough.asked) + " m to " +
-                       text_of(rough.amplitude) +
-                       " m, so that the cuts do not cross each other; a lower frequency allows a larger one");
+    remarks.note("The amplitude of the rough cuts is " + short_number(rough.amplitude) + " m instead of " +
+                 short_number(rough.asked) +
+                 " m, so that they do not cross each other. A lower 'rough_frequency' allows more.");
   if (rough.crossing > 0)
-    warnings.push_back("rough cuts: " + std::to_string(rough.crossing) +
-                       " pairs of their triangles cross, as the surface itself does there");
-}
-
-/// The limits of size that are in force, by name.
-std::string names_of(const FractureParameters& p) {
-  std::string names;
-  const auto add = [&](bool given, const char* name) {
-    if (given) names += std::string(names.empty() ? "'" : ", '") + name + "'";
-  };
-  add(p.size.min_volume > 0, "min_volume");
-  add(p.size.min_fraction > 0, "min_fraction");
-  add(p.size.min_of_mean > 0, "min_of_mean");
-  add(p.size.fragments > 0, "fragments");
-  add(p.size.max_fragments > 0, "max_fragments");
-  add(p.size.max_triangles > 0, "max_triangles");
-  return names;
+    remarks.note(counted(rough.crossing, "pair", "pairs") + " of triangles of the rough cuts " +
+                 (rough.crossing == 1 ? "crosses" : "cross") + ", as the surface itself does there.");
 }
 
 void report_barycenter(const FractureParameters& p, const CutCells& cut, Report& report) {
   const BarycentricResult& result = cut.barycentric;
   report.barycenter = {.skipped_hulls = result.skipped_hulls};
   if (p.drop_above > 0) report.barycenter->dropped = {result.dropped, result.dropped_volume};
-  report.warnings.emplace_back(
-      "dual=barycenter: the hulls of barycentres overlap and leave gaps; volumes do not add up to the "
-      "solid's, and there are no bonds");
+  report.remarks.note(
+      "dual=barycenter: the fragments overlap and leave gaps, their volumes do not add up to that of the solid, "
+      "and there are no bonds.");
   if (p.size.any())
-    report.warnings.push_back(
-        "dual=barycenter: no fragments are united for their size, because they share no cuts, so " +
-        names_of(p) + " changed nothing; leave the parameter out, or 'dual'");
+    report.remarks.warn(
+        "dual=barycenter: fragments are not merged for their size, because they share no cuts, so " +
+        names_of(p.size) + " changed nothing. Leave it out, or 'dual'.");
   if (cut.grouped)
-    report.warnings.emplace_back(
-        "dual=barycenter: each cell is a fragment, those that the pattern keeps together too");
+    report.remarks.note(
+        "dual=barycenter: each cell is a fragment, also cells that the pattern keeps together.");
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
                    const FragmentSet& set, const Execution& execution);
 
 /// The warning where anchors hold none of all fragments.
-inline constexpr const char* kNothingAnchored = "anchors: no fragment touches one";
+inline constexpr const char* kNothingAnchored =
+    "No fragment touches an anchor, so nothing is held. Move the anchors to the mesh; their places are in metres, "
+    "with y up.";
 
 }  // namespace fracture

@@ -4,9 +4,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
 
+#include "common/base/remarks.hpp"
 #include "common/fragment/size_limits.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/physics/collision_hulls.hpp"
@@ -84,7 +83,7 @@ struct Report {
   /// By who read the file: its frame, and the triangles that were not to be fractured.
   std::optional<FrameReport> frame{};
   std::optional<std::uint64_t> passed_through{};
-  std::vector<std::string> warnings;  ///< sentences for people
+  Remarks remarks;
   bool operator==(const Report&) const = default;
 };
 

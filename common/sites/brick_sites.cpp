@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/bvh/box_tree.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/courses.hpp"
@@ -266,23 +267,28 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
   return plan;
 }
 
-void add_notes(const std::vector<Place>& places, double scale, SitePlan& plan) {
+void add_remarks(const std::vector<Place>& places, double scale, SitePlan& plan) {
   std::size_t none = 0, parts = 0;
   for (const Place& place : places) {
     const auto n = static_cast<std::size_t>(std::count(place.of_parts.begin(), place.of_parts.end(), true));
     parts += n;
     if (!place.is_wall) none += n;
   }
-  if (none > 0)
-    plan.notes.push_back(
-        std::to_string(none) + " of " + std::to_string(parts) +
-        " parts are no walls (less than 60 % of their surface is across three axes): they become "
-        "masonry rubble instead of courses of bricks");
+  if (none > 0 && none == parts)
+    plan.remarks.warn(
+        (parts == 1 ? "The mesh is not a wall" : "None of the " + grouped(parts) + " parts is a wall") +
+        std::string(": less than 60 % of the surface is across three axes. So it breaks like masonry "
+                    "rubble, without courses of bricks. If you want bricks, give their size with "
+                    "'cell', else choose another material or pattern."));
+  else if (none > 0)
+    plan.remarks.note(grouped(none) + " of " + grouped(parts) + " parts " +
+                      (none == 1 ? "is not a wall" : "are not walls") +
+                      " (less than 60 % of the surface is across three axes) and " +
+                      (none == 1 ? "becomes" : "become") + " masonry rubble instead of courses of bricks.");
   if (std::fabs(scale - 1) > 0.05)
-    plan.notes.push_back(
-        "bricks have " + std::to_string(static_cast<int>(std::nearbyint(100 * scale))) +
-        " % of the size of real ones, so that there are enough of them for the asked number of pieces, "
-        "and at most six times as many");
+    plan.remarks.note("Bricks have " + short_number(std::nearbyint(100 * scale)) +
+                      " % of the size of real ones, so that there are enough of them for the asked number of "
+                      "pieces, and at most six times as many.");
 }
 
 }  // namespace
@@ -330,7 +336,7 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
   if (bricks.cells.size() > task.most_sites)
     return too_many_sites(task, static_cast<double>(bricks.cells.size()));
   SitePlan plan = break_up(task, pattern, std::move(bricks), random);
-  add_notes(places, pattern.cell ? 1 : scale, plan);
+  add_remarks(places, pattern.cell ? 1 : scale, plan);
   return plan;
 }
 

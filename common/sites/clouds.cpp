@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/bvh/box_tree.hpp"
 #include "common/bvh/surface_tree.hpp"
 #include "common/sites/arithmetic.hpp"
@@ -124,6 +125,27 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
   return points;
 }
 
+/// About sites that found no place. If nobody says where it is hit, as with a material of its own accord, the middle may
+/// well be empty.
+void add_remark(std::size_t missing, std::size_t near, const ImpactPattern& pattern, double radius,
+                Remarks& remarks) {
+  const std::string within = " within " + short_number(radius) + " m of ",
+                    no_place = "The solid has no place for " + grouped(missing) + " of " +
+                               counted(near, "site", "sites") + within,
+                    evenly = missing == 1 ? "; it is placed anywhere instead."
+                                          : "; they are spread evenly instead.";
+  if (pattern.impacts.empty())
+    remarks.note("No impact point is set ('impacts'), so the mesh breaks around the centre of its box. " +
+                 no_place + "it" + evenly);
+  else if (missing == near)
+    remarks.warn(
+        "The solid has no place for sites" + within +
+        "the impacts, so pieces are not smaller there than elsewhere. Move 'impacts' onto the mesh, or "
+        "give a larger 'radius'.");
+  else
+    remarks.note(no_place + "the impacts" + evenly);
+}
+
 double expected_sites(const ImpactPattern&, double count, const Vec3d&) { return count; }
 double expected_sites(const ClusteredPattern&, double count, const Vec3d&) { return count; }
 
@@ -148,10 +170,7 @@ Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, cons
   std::vector<Vec3d> near = points_in_clouds(task, sampler, clouds, cloud_of, pattern.exponent);
   const std::size_t missing = cloud_of.size() - near.size();
   SitePlan plan = with_rest(task, sampler, std::move(near));
-  if (missing > 0)
-    plan.notes.push_back(std::to_string(missing) + " of " + std::to_string(cloud_of.size()) +
-                         " sites found no place in the solid within the radius of their impact and were "
-                         "placed uniformly");
+  if (missing > 0) add_remark(missing, cloud_of.size(), pattern, radius, plan.remarks);
   return plan;
 }
 

@@ -17,6 +17,7 @@
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/matrix3.hpp"
+#include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 #include "common/solid/image.hpp"
 
@@ -192,7 +193,7 @@ struct SitePlan {
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> groups;  ///< per point, or empty: cells with equal ids stay together
   CellMap map;                        ///< of positive determinant
-  std::vector<std::string> notes;     ///< what could not be done as asked, for people
+  Remarks remarks;                    ///< what was not done as asked
   /// Of the last points, which hits made: cells with equal ids stay together (pipeline/local_impact.hpp). Empty: none do.
   std::vector<std::uint32_t> groups_of_hits{};
   /// With BrickPattern::mortar, per point (or of the first ones, where hits made the others): the brick or stone that its

@@ -3,6 +3,7 @@
 
 #include "common/base/hilbert_curve.hpp"
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/generators.hpp"
 #include "common/sites/grain.hpp"
@@ -244,9 +245,10 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
       [&](const auto& pattern) { return sites_detail::generate(task, pattern, solid.map()); }, p.pattern);
   if (!plan) return plan;
   if (is_scattered(p.pattern) && cells < p.aggregation.cells)
-    plan->notes.push_back("'cells_per_fragment' is " + std::to_string(cells) +
-                          ": more cells for each of so many fragments would be more than " +
-                          std::to_string(kMaxPatternSites) + " sites");
+    plan->remarks.warn(
+        "'cells_per_fragment' is " + grouped(cells) + " instead of " + grouped(p.aggregation.cells) +
+        ", because more cells for so many fragments would need more than " + grouped(kMaxPatternSites) +
+        " sites. The fragments have plainer shapes. Ask for fewer fragments if that matters.");
   plan->map = solid.map();
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {
     const SiteLattice lattice = site_lattice(solid.seen().box);

@@ -3,6 +3,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
+
 namespace fracture::solid_detail {
 
 std::string number(double value) {
@@ -23,10 +26,6 @@ namespace {
 nlohmann::json to_json(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
-
-std::string counted(std::uint64_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 
 EdgeFaults find_faults(const Surface& surface, const EdgeTable& edges, const Execution& execution) {
   EdgeFaults faults;
@@ -57,39 +56,47 @@ tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const
   return fail(ErrorCode::kMeshNotClosed, std::move(detail), {}, std::move(extra));
 }
 
-void write_notes(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
-                 std::uint64_t flat_triangles, std::vector<std::string>& notes) {
+void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
+                   const FlatPieces& flat, double thickness, Remarks& remarks) {
   if (report.degenerate_dropped > 0)
-    notes.push_back(counted(report.degenerate_dropped, "triangle with two corners at one place was",
-                            "triangles with two corners at one place were") +
-                    " dropped.");
+    remarks.note(counted(report.degenerate_dropped, "triangle with two corners at one place was",
+                         "triangles with two corners at one place were") +
+                 " left out.");
   if (report.duplicates_dropped > 0)
-    notes.push_back(counted(report.duplicates_dropped, "duplicate triangle was", "duplicate triangles were") +
-                    " dropped.");
+    remarks.note(counted(report.duplicates_dropped, "duplicate triangle was", "duplicate triangles were") +
+                 " left out.");
   if (report.welded_tolerant > 0)
-    notes.push_back(counted(report.welded_tolerant, "vertex was", "vertices were") +
-                    " merged with a neighbour within the weld tolerance to close open edges.");
+    remarks.note(counted(report.welded_tolerant, "vertex was", "vertices were") +
+                 " merged with a neighbour within the weld tolerance to close open edges.");
   if (report.flipped > 0)
-    notes.push_back(counted(report.flipped, "triangle was", "triangles were") + " turned to face outwards.");
+    remarks.note(counted(report.flipped, "triangle was", "triangles were") + " turned to face outwards.");
   if (faults.first_nonmanifold)
-    notes.push_back(
+    remarks.note(
         counted(faults.nonmanifold + faults.one_way, "non-manifold edge was", "non-manifold edges were") +
         " split, the first at " + place((*faults.first_nonmanifold)[0]) + ".");
   if (report.sheets_thickened > 0)
-    notes.push_back(counted(report.sheets_thickened, "open sheet was", "open sheets were") +
-                    " given the thickness asked for.");
+    remarks.note(counted(report.sheets_thickened, "open sheet became a slab", "open sheets became slabs") +
+                 " of the given 'thickness', " + short_number(thickness) + " m.");
   if (report.holes_filled > 0)
-    notes.push_back(
-        counted(report.holes_filled, "hole was", "holes were") + " filled with " +
-        counted(report.fill_triangles, "triangle", "triangles") +
-        (faults.first_open ? "; the first open edge was at " + place((*faults.first_open)[0]) : "") + ".");
+    remarks.note(counted(report.holes_filled, "hole was", "holes were") + " filled with " +
+                 counted(report.fill_triangles, "triangle", "triangles") + " of the material of cut faces" +
+                 (faults.first_open ? "; the first open edge was at " + place((*faults.first_open)[0]) : "") +
+                 ".");
   if (layers > 1)
-    notes.push_back("The boxes of the " + std::to_string(report.parts) + " parts overlap (" +
-                    std::to_string(layers) + " layers); each part is fractured by itself.");
-  if (report.shells_dropped > 0)
-    notes.push_back(counted(report.shells_dropped, "piece that bounds", "pieces that bound") +
-                    " no volume (flat or an open sheet, " + counted(flat_triangles, "triangle", "triangles") +
-                    " when closed) " + (report.shells_dropped == 1 ? "was" : "were") + " dropped.");
+    remarks.note("The boxes of the " + grouped(report.parts) +
+                 " parts overlap; each part is fractured by itself.");
+  const std::string them = report.shells_dropped == 1 ? "it" : "them";
+  if (flat.triangles > 0)
+    remarks.warn(
+        counted(report.shells_dropped, "thin piece", "thin pieces") + " (" + grouped(flat.triangles) +
+        " of " + counted(report.source_triangles, "triangle", "triangles") + ", the first at " +
+        place(flat.first) + (flat.node.empty() ? "" : " in the node \"" + shortened(flat.node) + "\"") +
+        ") " + (report.shells_dropped == 1 ? "has no volume and is" : "have no volume and are") +
+        " not in the answer. " +
+        (thickness > 0 ? "No slab could be made of "
+                       : std::string("Use 'thickness' to make ") +
+                             (report.shells_dropped == 1 ? "a slab of " : "slabs of ")) +
+        them + (thickness > 0 ? ": give " : ", or give ") + them + " a volume in a modelling tool.");
 }
 
 }  // namespace fracture::solid_detail

@@ -12,9 +12,6 @@
 
 namespace fracture::solid_detail {
 
-/// "1 triangle", "3 triangles".
-std::string counted(std::uint64_t count, const char* one, const char* many);
-
 /// "2.5", "(1, 2.5, 0)": to six digits.
 std::string number(double value);
 std::string place(const Vec3f& p);
@@ -31,8 +28,15 @@ EdgeFaults find_faults(const Surface& surface, const EdgeTable& edges, const Exe
 /// kMeshNotClosed, with the counts and the first offending edge.
 tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const SolidReport& report);
 
-/// `flat_triangles`: how many the dropped shells had.
-void write_notes(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
-                 std::uint64_t flat_triangles, std::vector<std::string>& notes);
+/// The pieces without a volume, which are not in the solid.
+struct FlatPieces {
+  std::uint64_t triangles = 0;  ///< of the source
+  Vec3f first{};                ///< a corner of the first one
+  std::string node;             ///< that it is in; empty: without a name
+};
+
+/// `thickness`: SolidOptions::thickness.
+void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
+                   const FlatPieces& flat, double thickness, Remarks& remarks);
 
 }  // namespace fracture::solid_detail

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/base/words.hpp"
 #include "common/solid/edges.hpp"
 #include "common/solid/faults.hpp"
 #include "common/solid/holes.hpp"
@@ -184,15 +185,31 @@ void report_fills(const Surface& surface, const Shells& shells, const std::vecto
   });
 }
 
+/// Counts the flat shells, before the surface is grouped by parts.
+FlatPieces flat_pieces(const Mesh& mesh, const Surface& surface, const Shells& shells,
+                       const SolidReport& report, const Execution& execution) {
+  FlatPieces flat;
+  if (report.shells_dropped == 0) return flat;
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    const std::uint32_t source = surface.source[t];
+    if (source == kNoIndex || !shells.list[shells.of_triangle[t]].flat) return;
+    if (flat.triangles++ > 0) return;
+    flat.first = surface.positions[surface.triangles[t][0]];
+    if (source < mesh.node.size() && mesh.node[source] < mesh.node_names.size())
+      flat.node = mesh.node_names[mesh.node[source]];
+  });
+  return flat;
+}
+
 /// Shells keep their order; flat ones lose their numbers. Counts both.
 std::vector<std::uint32_t> number_shells(const Surface& surface, const Shells& shells, SolidReport& report,
-                                         std::uint64_t& flat_triangles, const Execution& execution) {
+                                         const Execution& execution) {
+  bool any_flat = false;
   std::vector<std::uint32_t> numbers = filled(execution, shells.list.size(), kNoIndex);
   for_each_polled(execution, shells.list.size(), [&](std::size_t s) {
     const Shell& shell = shells.list[s];
     if (shell.flat) {
-      flat_triangles += shell.triangles;
-      if (flat_triangles == shell.triangles)
+      if (!std::exchange(any_flat, true))
         report.add_sample("shells_dropped", surface.positions[surface.triangles[shell.first][0]]);
       return;
     }
@@ -206,11 +223,11 @@ std::vector<std::uint32_t> number_shells(const Surface& surface, const Shells& s
 /// From shells to the solid, whose arrays take those of the surface.
 void finish(const Mesh& mesh, Surface& surface, Shells& shells,
             const std::vector<std::uint32_t>& part_of_shell, const std::vector<TriangleId>& fills,
-            bool filled_any, const EdgeFaults& faults, Solid& solid, const Execution& execution) {
+            bool filled_any, const EdgeFaults& faults, double thickness, Solid& solid,
+            const Execution& execution) {
   SolidReport& report = solid.report;
-  std::uint64_t flat_triangles = 0;
-  const std::vector<std::uint32_t> new_shell =
-      number_shells(surface, shells, report, flat_triangles, execution);
+  const FlatPieces flat = flat_pieces(mesh, surface, shells, report, execution);
+  const std::vector<std::uint32_t> new_shell = number_shells(surface, shells, report, execution);
   for_each_polled(execution, solid.parts.size(), [&](std::size_t p) {
     Part& part = solid.parts[p];
     report.cavities += part.shells.size() - 1;
@@ -227,7 +244,7 @@ void finish(const Mesh& mesh, Surface& surface, Shells& shells,
     drop_unused_vertices(surface, execution);
   write_out(mesh, surface, shells, part_of_shell, new_shell, solid, execution);
   color_parts(mesh, surface.source, solid, execution);
-  write_notes(faults, report, solid.layers, flat_triangles, report.notes);
+  write_remarks(faults, report, solid.layers, flat, thickness, report.remarks);
 }
 
 }  // namespace
@@ -262,8 +279,8 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   for_each_polled(execution, solid.parts.size(), [&](std::size_t p) { solid.box.add(solid.parts[p].box); });
   if (Expected<void> accepted = accept_reach(solid.box); !accepted)
     return tl::unexpected(std::move(accepted.error()));
-  finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults, solid,
-         execution);
+  finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults,
+         options.thickness, solid, execution);
   solid.source = std::move(mesh);
   return solid;
 }

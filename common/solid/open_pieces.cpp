@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/base/words.hpp"
 #include "common/solid/faults.hpp"
 #include "common/solid/polled.hpp"
 
@@ -52,13 +53,14 @@ std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells&
     most = std::fmax(most, std::fabs(shell.volume) / slab);
   });
   if (bodies > 0)
-    report.notes.push_back(
-        "'thickness': " + counted(bodies, "open piece", "open pieces") + " (" +
+    report.remarks.warn(
+        "'thickness' made no slab of " + counted(bodies, "open piece", "open pieces") + " (" +
         counted(triangles, "triangle", "triangles") + " when closed, the first at " +
         place(surface.positions[surface.triangles[first][0]]) +
-        ") got no thickness: the holes were filled, because the closed body holds " +
-        (bodies > 1 ? "up to " : "") + number(most) + " times the volume of a slab " + number(thickness) +
-        " m thick, and so it is solid now. If it is a curved sheet, give it its thickness in a modelling tool.");
+        "). The holes were filled instead, and the inside is solid, because the closed body holds " +
+        (bodies > 1 ? "up to " : "") + short_number(most) + " times the volume of a slab " +
+        short_number(thickness) +
+        " m thick. If it is a curved sheet, give it its thickness in a modelling tool.");
   return is_sheet;
 }
 

@@ -11,6 +11,12 @@ void SolidReport::add_sample(const char* figure, const Vec3f& place) {
   samples.push_back({figure, to_double(place)});
 }
 
+Remarks Solid::remarks() const {
+  Remarks all = source ? source->remarks : Remarks{};
+  all.add(report.remarks);
+  return all;
+}
+
 nlohmann::json SolidReport::to_json() const {
   nlohmann::json document;
   each_figure([&](const char* name, const auto& figure) {

@@ -6,6 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/solid/faults.hpp"
 #include "common/solid/open_pieces.hpp"
 #include "common/solid/polled.hpp"
@@ -119,13 +120,14 @@ class Thickener {
     return true;
   }
   /// About slabs that are thinner than asked; empty: none is.
-  std::string note() const {
+  std::string warning() const {
     if (thin_ == 0) return {};
-    return "'thickness': " + counted(thin_, "triangle of an open sheet is", "triangles of open sheets are") +
-           " less than 0.9 of " + number(thickness_) + " m thick beside a fold, the thinnest at " +
-           place(thinnest_at_) + " " + number(std::fmax(thinnest_, 0) * thickness_) +
-           " m: corners of a fold move along its mean normal. Round the fold off, or give the sheet its "
-           "thickness in a modelling tool.";
+    return "'thickness' is not reached at folds: " +
+           counted(thin_, "triangle of an open sheet has", "triangles of open sheets have") +
+           " less than 0.9 of " + short_number(thickness_) + " m, the thinnest at " + place(thinnest_at_) +
+           " has " + short_number(std::fmax(thinnest_, 0) * thickness_) +
+           " m, because the corners of a fold move along its mean normal. Round the fold off, or give the sheet "
+           "its thickness in a modelling tool.";
   }
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }
 
@@ -357,7 +359,7 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
     ++slabs;
     shell_done[shells.of_triangle[t]] = 1;
   }
-  if (std::string note = thickener.note(); !note.empty()) report.notes.push_back(std::move(note));
+  if (std::string warning = thickener.warning(); !warning.empty()) report.remarks.warn(std::move(warning));
   // What remains of a replaced shell goes: its fill, the other sides, and parts too small to be moved.
   std::vector<TriangleId> place_of = filled(execution, surface.triangles.size(), kNoTriangle);
   TriangleId kept{0};

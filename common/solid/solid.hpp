@@ -11,6 +11,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
+#include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/solid/vertex_id.hpp"
@@ -72,8 +73,8 @@ struct SolidReport {
   std::uint64_t hollow_triangles = 0;  ///< of their inner sides
   double hollow_volume = 0;            ///< m³, of what they enclose
   double least_thickness = 0;          ///< metres: the least distance between the two sides of a wall
-  double mean_thickness = 0;       ///< metres, by area: measured in the middles of the inner side's triangles
-  std::vector<std::string> notes;  ///< sentences for people, each with a count and a sample place
+  double mean_thickness = 0;  ///< metres, by area: measured in the middles of the inner side's triangles
+  Remarks remarks;            ///< each with a count and, if there is one, a sample place
   struct Sample {
     std::string figure;  ///< the name of the figure above, as each_figure() has it
     Vec3d place;
@@ -99,7 +100,6 @@ struct SolidReport {
     visit("least_thickness", least_thickness);
     visit("mean_thickness", mean_thickness);
     visit("nonmanifold_edges", nonmanifold_edges);
-    visit("notes", notes);
     visit("open_edges", open_edges);
     visit("parts", parts);
     visit("parts_hollowed", parts_hollowed);
@@ -138,6 +138,8 @@ struct Solid {
   Box box;
   SolidReport report;
 
+  /// Those of the importer, then those of make_solid().
+  Remarks remarks() const;
   /// Throws InternalError naming the first broken statement of the comments above (with ids).
   void validate() const;
 };

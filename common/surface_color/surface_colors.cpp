@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/surface_color/base_color.hpp"
 #include "common/surface_color/mean_pyramid.hpp"
@@ -107,16 +109,20 @@ SurfaceColor product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 /// Materials whose texture is of one image and looked at in one way, so that it is decoded once.
 using ImageUse = std::pair<std::uint32_t, bool>;  // image, weigh_opacity
 
-std::optional<Pixels> pixels_of(const Image& image, PixelBudget& budget, std::vector<std::string>& warnings) {
+std::optional<Pixels> pixels_of(const Image& image, PixelBudget& budget, Remarks& remarks) {
   const std::optional<std::uint64_t> count = pixel_count(image.bytes);
   const bool small = count && budget.take(*count);
   std::optional<Pixels> pixels;
   if (small) pixels = decode_image(image.bytes);
-  if (!pixels)
-    warnings.push_back("Cut faces take no colour from the image \"" + image.name.substr(0, 80) + "\": it " +
-                       (!count  ? "is neither PNG nor JPEG."
-                        : small ? "is damaged."
-                                : "has too many pixels, " + std::to_string(*count) + "."));
+  const std::string name = "\"" + shortened(image.name) + "\"";
+  if (!pixels && small)
+    remarks.warn("The image " + name +
+                 " is damaged. It is in the answer as it is, and cut faces take no colour from it. Export it "
+                 "again.");
+  else if (!pixels)
+    remarks.note("Cut faces take no colour from the image " + name + ", because it " +
+                 (count ? "has too many pixels, " + grouped(*count) : "is neither PNG nor JPEG") +
+                 ". 'interior_color' gives them one.");
   return pixels;
 }
 
@@ -130,13 +136,13 @@ class Painter {
     }
   }
 
-  std::vector<SurfaceColor> run(std::vector<std::string>& warnings, const PixelLimits& limits) {
+  std::vector<SurfaceColor> run(Remarks& remarks, const PixelLimits& limits) {
     paint_without_images();
     PixelBudget budget(*mesh_.library, limits);
     for (const auto& [use, slots] : materials_of_) {
       if (std::all_of(slots.begin(), slots.end(), [&](auto slot) { return triangles_of_[slot].empty(); }))
         continue;
-      std::optional<Pixels> pixels = pixels_of(mesh_.library->images[use.first], budget, warnings);
+      std::optional<Pixels> pixels = pixels_of(mesh_.library->images[use.first], budget, remarks);
       if (!pixels) continue;
       const MeanPyramid pyramid(std::move(*pixels), use.second);
       for (const std::uint32_t slot : slots) paint(slot, pyramid);
@@ -179,9 +185,8 @@ class Painter {
 
 }  // namespace
 
-std::vector<SurfaceColor> surface_colors(const Mesh& mesh, std::vector<std::string>& warnings,
-                                         const PixelLimits& limits) {
-  return Painter(mesh).run(warnings, limits);
+std::vector<SurfaceColor> surface_colors(const Mesh& mesh, Remarks& remarks, const PixelLimits& limits) {
+  return Painter(mesh).run(remarks, limits);
 }
 
 }  // namespace fracture

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "common/base/remarks.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
@@ -18,9 +18,8 @@ struct PixelLimits {
 
 /// For Mesh::triangle_color: the mean base colour of each triangle, at 64 places of it or fewer, from the level
 /// of a mean pyramid on which these are some pixels apart. Not known where a triangle has neither a material nor vertex
-/// colours, or its image cannot be read (pixels.hpp) or is too large; `warnings` says which image. Nothing where no
+/// colours, or its image cannot be read (pixels.hpp) or is too large; `remarks` says which image. Empty if no
 /// colour is known. The result is the same on every machine. Throws std::bad_alloc.
-std::vector<SurfaceColor> surface_colors(const Mesh& mesh, std::vector<std::string>& warnings,
-                                         const PixelLimits& limits = {});
+std::vector<SurfaceColor> surface_colors(const Mesh& mesh, Remarks& remarks, const PixelLimits& limits = {});
 
 }  // namespace fracture

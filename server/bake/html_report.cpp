@@ -47,6 +47,9 @@ tbody tr:nth-child(even) { background: var(--band); }
 .pic img { display: block; width: 8rem; height: 8rem; border-radius: 4px; background: var(--line); }
 .bad { color: var(--bad); font-weight: 600; }
 .warn { color: var(--warn); }
+.notes { color: var(--soft); }
+.notes summary { cursor: pointer; }
+ul + .notes { margin-top: .3rem; }
 ul { margin: 0; padding: 0; list-style: none; }
 li + li { margin-top: .3rem; }
 @media (max-width: 45rem) {
@@ -175,13 +178,25 @@ std::string not_made_row(const json& line) {
          "</td></tr>\n";
 }
 
-std::string warnings_cell(const json& line, const std::string& of_picture) {
+/// The sentences of a list of the line, each as an item.
+std::string items_of(const json& line, const char* list) {
   std::string items;
-  if (const auto warnings = line.find("warnings"); warnings != line.end() && warnings->is_array())
-    for (const json& warning : *warnings)
-      if (warning.is_string()) items += "<li>" + as_html(warning.get_ref<const std::string&>()) + "</li>";
-  if (!of_picture.empty()) items += "<li>No picture: " + as_html(of_picture) + "</li>";
-  return "<td class=\"why warn\">" + (items.empty() ? "" : "<ul>" + items + "</ul>") + "</td>";
+  if (const auto sentences = line.find(list); sentences != line.end() && sentences->is_array())
+    for (const json& sentence : *sentences)
+      if (sentence.is_string()) items += "<li>" + as_html(sentence.get_ref<const std::string&>()) + "</li>";
+  return items;
+}
+
+std::string list_of(const std::string& items) { return items.empty() ? "" : "<ul>" + items + "</ul>"; }
+
+/// The warnings, and the notes folded away below them.
+std::string remarks_cell(const json& line, const std::string& of_picture) {
+  std::string warnings = items_of(line, "warnings"), notes = items_of(line, "notes");
+  if (!of_picture.empty()) warnings += "<li>No picture: " + as_html(of_picture) + "</li>";
+  if (!notes.empty())
+    notes = "<details class=\"notes\"><summary>Notes: " + grouped(line.at("notes").size()) + "</summary>" +
+            list_of(notes) + "</details>";
+  return "<td class=\"why warn\">" + list_of(warnings) + notes + "</td>";
 }
 
 std::string made_row(const json& line, const std::string& page, bool pictures) {
@@ -204,7 +219,7 @@ std::string made_row(const json& line, const std::string& page, bool pictures) {
          grouped(static_cast<std::uint64_t>(number_in(certificate, "fragments"))) +
          "</td><td class=\"n\" data-of=\"ms\">" + milliseconds(number_in(line, "seconds")) +
          "</td><td class=\"n\" data-of=\"Size\">" + in_bytes(number_in(line, "bytes")) + "</td>" +
-         warnings_cell(line, warning) + "</tr>\n";
+         remarks_cell(line, warning) + "</tr>\n";
 }
 
 /// What the head of the page counts.
@@ -273,7 +288,7 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
     if (pictures) page += "<th></th>";
     page +=
         "<th>Mesh</th><th class=\"n\">Fragments</th><th class=\"n\">ms</th><th class=\"n\">Size</th>"
-        "<th>Warnings</th></tr></thead>\n<tbody>\n";
+        "<th>Warnings and notes</th></tr></thead>\n<tbody>\n";
     for (const json* line : made) page += made_row(*line, head.path, pictures);
     page += "</tbody>\n</table>\n";
   }

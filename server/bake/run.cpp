@@ -354,8 +354,11 @@ class Run {
     if (!written) return fail(number, written.error());
     if (!options_.depfile.empty() && !write_depfile(options_.depfile, job, input, plan_.rules.path))
       unwritable(options_.depfile);
-    const std::vector<std::string>& warnings = baked->summary.warnings;
-    for (const std::string& warning : warnings) say(name_of_input(job.input) + ": warning: " + warning);
+    const Remarks& remarks = baked->summary.remarks;
+    const std::string mesh = name_of_input(job.input);
+    for (const std::string& warning : remarks.warnings) say(mesh + ": warning: " + warning);
+    if (!options_.quiet)
+      for (const std::string& note : remarks.notes) say(mesh + ": note: " + note);
     json line = {{"status", "made"},
                  {"key", keys.result},
                  {"mesh", "sha256:" + keys.digest},
@@ -363,7 +366,8 @@ class Run {
                  {"bytes", written->front().bytes},
                  {"seconds", took.count()},
                  {"certificate", certificate_document(baked->summary.certificate)}};
-    if (!warnings.empty()) line["warnings"] = warnings;
+    if (!remarks.warnings.empty()) line["warnings"] = remarks.warnings;
+    if (!remarks.notes.empty()) line["notes"] = remarks.notes;
     for (const WrittenFile& file : std::span(*written).subspan(1))
       line["beside"].push_back(
           {{"path", file.path}, {"digest", "sha256:" + file.digest.hex()}, {"bytes", file.bytes}});

@@ -19,7 +19,7 @@ struct RunOptions {
   std::string report;                 ///< path of the NDJSON report; empty: none
   std::string depfile;                ///< for one job: see depfile.hpp; empty: none
   bool force = false;                 ///< make outputs again that are right already
-  bool quiet = false;                 ///< no progress; refusals and warnings are said all the same
+  bool quiet = false;                 ///< no progress and no notes, but refusals and warnings
   FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; null: nobody does
   Previews* previews = nullptr;       ///< draws the picture of each job that has one; null: nobody does
   std::string title;                  ///< of the plan's page

@@ -39,8 +39,9 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
     std::printf("  repaired   %" PRIu64 " open edges, %" PRIu64 " non-manifold edges, %" PRIu64
                 " holes filled with %.6g m²\n",
                 r.open_edges, r.nonmanifold_edges, r.holes_filled, r.filled_area);
-  for (const std::string& warning : source.warnings) std::printf("  - %s\n", warning.c_str());
-  for (const std::string& note : r.notes) std::printf("  - %s\n", note.c_str());
+  const Remarks remarks = mesh.solid.remarks();
+  for (const std::string& warning : remarks.warnings) std::printf("  warning: %s\n", warning.c_str());
+  for (const std::string& note : remarks.notes) std::printf("  note: %s\n", note.c_str());
 }
 
 int refuse(const InspectOptions& options, const Error& error) {

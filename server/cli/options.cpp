@@ -164,7 +164,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                  "and 1 GiB")
       ->type_name("FOLDER")
       ->check(not_empty);
-  app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
+  app.add_flag("-q,--quiet", o.quiet, "No progress, notes or summary");
 
   constexpr const char* kLookGroup = "Pictures of the results, drawn by fracture-render of the client";
   app.add_option(

@@ -75,7 +75,8 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   write_texts(out, library.extensions_used);
   write_texts(out, library.extensions_required);
   out.text(mesh.copyright);
-  write_texts(out, mesh.warnings);
+  write_texts(out, mesh.remarks.warnings);
+  write_texts(out, mesh.remarks.notes);
 }
 
 void require(bool promise, const char* what) {
@@ -184,7 +185,8 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.library = std::make_shared<const MaterialLibrary>(std::move(library));
   mesh.copyright = in.text();
   require(is_utf8(mesh.copyright), "the copyright is not UTF-8");
-  mesh.warnings = read_texts(in);
+  mesh.remarks.warnings = read_texts(in);
+  mesh.remarks.notes = read_texts(in);
   require(in.at_end(), "the mesh ends early or late");
   check_mesh(mesh, limits);
   return mesh;

@@ -89,10 +89,6 @@ std::string_view text_of(std::span<const std::uint8_t> file) {
   return {reinterpret_cast<const char*>(file.data()), file.size()};
 }
 
-void add_once(const std::string& warning, std::vector<std::string>& warnings) {
-  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
-}
-
 /// What a certificate does not say is 0.
 Certificate certificate_in(const json& c) {
   Certificate result;
@@ -123,8 +119,8 @@ AnswerSummary summary_of(const FracturedSolid& fractured) {
   AnswerSummary summary{.certificate = fractured.set.certificate,
                         .partition = !fractured.report.barycenter,
                         .judged = true,
-                        .warnings = {}};
-  for (const std::string& warning : fractured.report.warnings) add_once(warning, summary.warnings);
+                        .remarks = {}};
+  summary.remarks.add(fractured.report.remarks);
   return summary;
 }
 
@@ -165,9 +161,11 @@ AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format
   AnswerSummary summary{.certificate = certificate_in(certificate),
                         .partition = !report.contains("barycenter"),
                         .judged = certificate.contains("unmirrored_caps"),
-                        .warnings = {}};
+                        .remarks = {}};
   for (const json& warning : report.value("warnings", json::array()))
-    if (warning.is_string()) add_once(warning, summary.warnings);
+    if (warning.is_string()) summary.remarks.warn(warning);
+  for (const json& note : report.value("notes", json::array()))
+    if (note.is_string()) summary.remarks.note(note);
   return summary;
 }
 

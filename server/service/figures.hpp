@@ -5,10 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/remarks.hpp"
 #include "common/fragment/fragments.hpp"
 #include "server/service/engine.hpp"
 
@@ -21,7 +20,7 @@ struct AnswerSummary {
   Certificate certificate;
   bool partition = true;  ///< is promised; else that each fragment is closed, no more (dual=barycenter)
   bool judged = true;     ///< false: by a server that did not count caps without a mirror image
-  std::vector<std::string> warnings;  ///< each once
+  Remarks remarks;
 };
 
 AnswerSummary summary_of(const FracturedSolid& fractured);

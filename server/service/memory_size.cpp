@@ -25,7 +25,8 @@ std::size_t memory_size(const Mesh& mesh) {
                       heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
                       nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
                       heap(mesh.node) + heap(mesh.node_names) + heap(mesh.triangle_color) +
-                      heap(mesh.warnings) + mesh.copyright.capacity() + memory_size(*mesh.library);
+                      heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) + mesh.copyright.capacity() +
+                      memory_size(*mesh.library);
   // The library is shared: counted twice, which does no harm either.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;

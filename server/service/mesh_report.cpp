@@ -21,14 +21,15 @@ bool repaired(const SolidReport& r) {
 
 nlohmann::json mesh_report(const PreparedMesh& mesh) {
   const Mesh& source = *mesh.solid.source;
+  const Remarks remarks = mesh.solid.remarks();
   nlohmann::json report = {{"verdict", repaired(mesh.solid.report) ? "repaired" : "closed"},
                            {"solid", mesh.solid.report.to_json()},
                            {"frame", mesh.frame},
                            {"nodes", source.node_names},
                            {"materials", material_names(source)},
                            {"images", source.library->images.size()},
-                           {"warnings", source.warnings}};
-  for (const std::string& note : mesh.solid.report.notes) report["warnings"].push_back(note);
+                           {"warnings", remarks.warnings},
+                           {"notes", remarks.notes}};
   if (source.passed_through)
     report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};
   return report;

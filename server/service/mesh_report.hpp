@@ -10,7 +10,7 @@ namespace fracture {
 /// Did the solid need anything beyond merging equal positions?
 bool repaired(const SolidReport& report);
 
-/// verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, passed_through.
+/// verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes, passed_through.
 nlohmann::json mesh_report(const PreparedMesh& mesh);
 
 }  // namespace fracture

@@ -21,7 +21,8 @@ std::size_t memory_size(const nlohmann::json& parameters) {
 std::size_t memory_size(const FractureResult& result) {
   std::size_t bytes = sizeof result + result.file.capacity() + result.parameters.capacity();
   if (result.summary)
-    for (const std::string& warning : result.summary->warnings) bytes += sizeof warning + warning.capacity();
+    for (const auto* list : {&result.summary->remarks.warnings, &result.summary->remarks.notes})
+      for (const std::string& sentence : *list) bytes += sizeof sentence + sentence.capacity();
   return bytes;
 }
 

@@ -31,7 +31,6 @@ FracturedSolid with_everything() {
   report.solid = {};
   report.solid.welded = 12;
   report.solid.volume = 0.5;
-  report.solid.notes = {"a \"note\""};
   report.solid.add_sample("welded", {0, 1, 2});
   report.solid.add_sample("flipped", {0.5f, 0, 0});
   report.sites = {.given = 9, .used = 6, .duplicates_merged = 2, .far_dropped = 1};
@@ -55,7 +54,7 @@ FracturedSolid with_everything() {
   report.fragment = {77, 0.25};
   report.frame = {0.0254, FrameReport::From::kRequest, true, FrameReport::From::kFile};
   report.passed_through = 11;
-  report.warnings = {"first", "second"};
+  report.remarks = {{"first", "second"}, {"a \"note\""}};
   made.support = {.asked = {.gravity = {0, -10, 0}, .density = 500, .strength = 200, .broken = {7, 8}},
                   .falling = {1},
                   .loads = {{.tension = 1, .shear = 2, .bending = 3, .torsion = 4, .stress = 300}},
@@ -90,6 +89,7 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
                             "max_triangles": 100, "fewest_triangles": 20, "max_volume": 6, "sites_added": 4,
                             "passes": 2, "too_large": 1})"));
   EXPECT_EQ(report.at("warnings"), json({"first", "second"}));
+  EXPECT_EQ(report.at("notes"), json::array({"a \"note\""}));
 }
 
 TEST(ReportText, SupportNamesFragmentsByIdAndBondsInTheirOrder) {
@@ -110,7 +110,7 @@ TEST(ReportText, TheSolidIsAsItsOwnReportHasIt) {
   EXPECT_EQ(solid, made.report.solid.to_json());
   EXPECT_EQ(solid.size(), 26u);
   EXPECT_EQ(solid.at("welded"), 12);
-  EXPECT_EQ(solid.at("notes"), json::array({"a \"note\""}));
+  EXPECT_FALSE(solid.contains("notes")) << "sentences are in the report alone";
   EXPECT_EQ(solid.at("samples"), json::parse(R"({"welded": [0, 1, 2], "flipped": [0.5, 0, 0]})"));
 }
 
@@ -126,7 +126,8 @@ TEST(ReportText, NamesStandInTheirOrder) {
 TEST(ReportText, WhatWasNotAskedForIsNotThere) {
   const json report = report_of(two_halves());
   EXPECT_EQ(report.size(), 4u);
-  for (const char* name : {"sites", "size", "solid", "warnings"}) EXPECT_TRUE(report.contains(name)) << name;
+  for (const char* name : {"notes", "sites", "size", "solid", "warnings"})
+    EXPECT_TRUE(report.contains(name)) << name;
   EXPECT_EQ(report.at("size").size(), 9u) << "the volumes and the number of triangles";
 }
 

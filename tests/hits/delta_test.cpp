@@ -66,7 +66,7 @@ TEST(Delta, WhereEachPartHasAGrainOfItsOwn) {
   p.hits[1].point = {0.2, 1.5, 0};
   p.hits[2].point = {0, 0.25, 0};  // between the two
   EXPECT_EQ(expect_hits(mesh, p), 3);
-  EXPECT_EQ(fracture_mesh(mesh, p).report.warnings, std::vector<std::string>{}) << "all sites found a place";
+  EXPECT_EQ(fracture_mesh(mesh, p).report.remarks, Remarks{}) << "all sites found a place";
 }
 
 // What winds around a Voronoi vertex in both of them are two layers, and under a map perhaps other ones.

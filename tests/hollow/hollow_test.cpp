@@ -210,7 +210,7 @@ TEST(Hollow, OnlyWhatHoldsTheBallWhereOneIsAskedFor) {
   const Solid walls = hollowed(solid_of(things), {.fraction = 0.01, .least_ball = 0.2}, {});
   walls.validate();
   EXPECT_EQ(walls.report.parts_hollowed, 1u) << "beam and ring hold none";
-  EXPECT_NE(walls.report.notes.back().find("shell=0"), std::string::npos);
+  EXPECT_NE(walls.report.remarks.notes.back().find("shell=0"), std::string::npos);
   EXPECT_EQ(hollowed(solid_of(things), {.fraction = 0.01}, {}).report.parts_hollowed, 3u);
 }
 
@@ -234,8 +234,9 @@ TEST(Hollow, ManyPartsShareTheTriangles) {
   const Solid few = hollowed(solid_of(cube_field(3)), {.fraction = 0.1, .max_all = 5'000}, {});
   few.validate();
   EXPECT_LT(few.report.parts_hollowed, 27u);
-  ASSERT_FALSE(few.report.notes.empty());
-  EXPECT_NE(few.report.notes.back().find("stayed solid"), std::string::npos);
+  ASSERT_EQ(few.report.remarks.warnings.size(), 1u) << "nobody but the caller asked for walls";
+  EXPECT_NE(few.report.remarks.warnings[0].find("of 27 closed parts stayed solid"), std::string::npos);
+  EXPECT_NE(few.report.remarks.warnings[0].find("5,000 triangles"), std::string::npos);
 }
 
 TEST(Hollow, FewerTrianglesForEachPartAreLessWork) {

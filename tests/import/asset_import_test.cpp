@@ -121,7 +121,7 @@ TEST(AssetImport, TexturedAssetKeepsItsSixMaterialsAndFifteenImages) {
   EXPECT_EQ(mesh->library->images.size(), 15u);
   EXPECT_EQ(mesh->node_names.size(), 6u);
   EXPECT_EQ(mesh->attributes.tangents.size(), mesh->positions.size());
-  EXPECT_TRUE(mesh->warnings.empty());
+  EXPECT_TRUE(mesh->remarks.empty());
 }
 
 // The authors' tangents (MikkTSpace) are the oracle: ours have to point the same way and have the same

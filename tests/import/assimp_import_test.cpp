@@ -79,7 +79,8 @@ TEST(ObjImport, NamesInLatin1BecomeUtf8) {
   const Mesh mesh = import_ok(obj, MeshFormat::kObj, files);
   EXPECT_EQ(mesh.node_names, std::vector<std::string>{"b\xc3\xb6x"});
   EXPECT_EQ(mesh.library->materials.at(0).at("name"), "d\xc3\xa4k");
-  for (const std::string& warning : mesh.warnings) EXPECT_NO_THROW(nlohmann::json(warning).dump());
+  for (const auto* list : {&mesh.remarks.warnings, &mesh.remarks.notes})
+    for (const std::string& sentence : *list) EXPECT_NO_THROW(nlohmann::json(sentence).dump());
 }
 
 TEST(ObjImport, MtlOutsideTheUploadIsNotOpened) {

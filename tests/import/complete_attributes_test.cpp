@@ -34,7 +34,8 @@ TEST(CompleteAttributes, TangentFollowsTheImageAndItsHandednessTheMirroring) {
   Mesh mesh = upright_square(false);
   complete_attributes(mesh);
   for (const Vec4f& t : mesh.attributes.tangents) EXPECT_EQ(t, (Vec4f{1, 0, 0, 1}));
-  EXPECT_THAT(mesh.warnings, Contains(HasSubstr("Tangents were computed")));
+  EXPECT_THAT(mesh.remarks.notes, Contains(HasSubstr("Tangents were computed")));
+  EXPECT_TRUE(mesh.remarks.warnings.empty());
   mesh = upright_square(true);
   complete_attributes(mesh);
   for (const Vec4f& t : mesh.attributes.tangents) EXPECT_EQ(t, (Vec4f{-1, 0, 0, -1}));
@@ -45,7 +46,7 @@ TEST(CompleteAttributes, TangentsOfTheFileStay) {
   mesh.attributes.tangents.assign(4, {0, 1, 0, -1});
   complete_attributes(mesh);
   EXPECT_EQ(mesh.attributes.tangents[0], (Vec4f{0, 1, 0, -1}));
-  EXPECT_TRUE(mesh.warnings.empty());
+  EXPECT_TRUE(mesh.remarks.empty());
 }
 
 TEST(CompleteAttributes, NormalsAreComputedOnlyUnderANormalMap) {
@@ -69,7 +70,7 @@ TEST(CompleteAttributes, MissingTextureCoordinatesAreZeros) {
   complete_attributes(mesh);
   ASSERT_EQ(mesh.attributes.uvs.size(), 3u);
   EXPECT_EQ(mesh.attributes.uvs[2], std::vector<Vec2f>(4));
-  EXPECT_THAT(mesh.warnings, Contains(HasSubstr("texture coordinates")));
+  EXPECT_THAT(mesh.remarks.warnings, Contains(HasSubstr("no UVs")));
 }
 
 TEST(CompleteAttributes, ColoursAreClamped) {

@@ -252,7 +252,8 @@ TEST(GltfImport, MissingExternalImageIsAWarningAndLeavesNoDanglingReference) {
       {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"roughnessFactor", 0.5}}},
        {"normalTexture", {{"index", 0}, {"scale", 2}}}}};
   const Mesh mesh = import_ok(tet);
-  EXPECT_THAT(mesh.warnings, ::testing::ElementsAre(HasSubstr("../secret/wood.png")));
+  EXPECT_THAT(mesh.remarks.warnings, ::testing::ElementsAre(HasSubstr("../secret/wood.png")));
+  EXPECT_THAT(mesh.remarks.notes, ::testing::IsEmpty());
   EXPECT_TRUE(mesh.library->images.empty());
   EXPECT_TRUE(mesh.library->textures.empty());
   EXPECT_EQ(mesh.library->materials[0],
@@ -402,13 +403,14 @@ TEST(GltfImport, SkinInBindPoseLeavesTheMeshAlone) {
   tet.json["scenes"] = {{{"nodes", {0, 1}}}};
   Mesh mesh = import_ok(tet);
   EXPECT_EQ(mesh.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
-  EXPECT_THAT(mesh.warnings, ::testing::ElementsAre(HasSubstr("bind pose")));
+  EXPECT_THAT(mesh.remarks.notes, ::testing::ElementsAre(HasSubstr("bind pose")));
+  EXPECT_THAT(mesh.remarks.warnings, ::testing::IsEmpty());
   // A stored pose that is not the bind pose is what every viewer shows, and said so.
   tet.json["nodes"][2]["translation"] = {0, 4, 0};
   mesh = import_ok(tet);
   EXPECT_EQ(mesh.positions[2], (Vec3f{0, 3, 0}));
   EXPECT_EQ(mesh.positions[1], (Vec3f{1, 0, 0}));
-  EXPECT_THAT(mesh.warnings, ::testing::ElementsAre(HasSubstr("not the bind pose")));
+  EXPECT_THAT(mesh.remarks.notes, ::testing::ElementsAre(HasSubstr("not the bind pose")));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ Mesh scene() {
   mesh.material[24] = 1;
   mesh.attributes.uvs.emplace_back();
   for (const Vec3f& p : mesh.positions) mesh.attributes.uvs[0].push_back({p.x, p.y});
-  mesh.warnings = {"kept"};
+  mesh.remarks = {{"kept"}, {"kept too"}};
   return mesh;
 }
 
@@ -55,7 +55,7 @@ TEST(Selection, ANameStandsForEveryNodeOfThatNameAndTheRestPassesThrough) {
   EXPECT_EQ(mesh.positions.size() + mesh.passed_through->positions.size(), scene().positions.size());
   EXPECT_EQ(mesh.passed_through->library, mesh.library);
   EXPECT_EQ(mesh.passed_through->node_names[mesh.passed_through->node[0]], "wall");
-  EXPECT_EQ(mesh.warnings, std::vector<std::string>{"kept"});
+  EXPECT_EQ(mesh.remarks, (Remarks{{"kept"}, {"kept too"}}));
   for (const Mesh* part : {static_cast<const Mesh*>(&mesh), mesh.passed_through.get()})
     for (std::size_t w = 0; w < part->positions.size(); ++w)
       EXPECT_EQ(part->attributes.uvs[0][w], (Vec2f{part->positions[w].x, part->positions[w].y}));

@@ -88,8 +88,10 @@ TEST(Masonry, WhatIsRoundIsNone) {
     EXPECT_NEAR(masonry.frames[0].axes.determinant(), 1, 1e-12);
     EXPECT_TRUE(masonry_of(solid_of(mesh), false, 8).frames[0].is_wall) << "bricks of a given size";
     const SitePlan plan = bricks_of(solid_of(mesh), 40);
-    ASSERT_FALSE(plan.notes.empty());
-    EXPECT_NE(plan.notes[0].find("1 of 1 parts are no walls"), std::string::npos) << plan.notes[0];
+    const std::vector<std::string>& warnings = plan.remarks.warnings;
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(warnings[0].starts_with("The mesh is not a wall:")) << warnings[0];
+    EXPECT_NE(warnings[0].find("'cell'"), std::string::npos) << "what to do";
     EXPECT_GT(levels(places_of(plan), {0, 1, 0}), 60u) << "no courses";
   }
 }
@@ -107,6 +109,9 @@ TEST(Masonry, EachPartHasItsOwn) {
   const Masonry few = masonry_of(solid, true, 2);
   EXPECT_EQ(few.frames.size(), 2u);
   const SitePlan plan = bricks_of(solid, 60);
+  EXPECT_TRUE(plan.remarks.warnings.empty()) << "three of four parts have courses";
+  ASSERT_FALSE(plan.remarks.notes.empty());
+  EXPECT_TRUE(plan.remarks.notes[0].starts_with("1 of 4 parts is not a wall (")) << plan.remarks.notes[0];
   EXPECT_EQ(plan.map.frames().size(), 3u);
   std::set<std::size_t> used;
   for (const Vec3d& p : plan.points) used.insert(plan.map.index_at(p));
@@ -122,7 +127,7 @@ TEST(BrickPattern, BricksHaveTheirRealSizeAndPiecesAreLumpsOfThem) {
   EXPECT_EQ(levels(plan.points, {0, 1, 0}), 21u);
   EXPECT_EQ(levels(plan.points, {0, 0, 1}), 2u);
   EXPECT_EQ(groups_of(plan).size(), 100u);
-  EXPECT_TRUE(plan.notes.empty());
+  EXPECT_TRUE(plan.remarks.empty());
 }
 
 TEST(BrickPattern, CoursesTurnWithTheWall) {
@@ -147,8 +152,9 @@ TEST(BrickPattern, BricksAreInProportionWhereThereAreTooFewOrTooManyRealOnes) {
     EXPECT_EQ(groups_of(plan).size(), 60u);
     EXPECT_GE(plan.points.size(), 60u);
     EXPECT_LE(plan.points.size(), 2u * 60 * 8);
-    ASSERT_EQ(plan.notes.size(), 1u);
-    EXPECT_NE(plan.notes[0].find("% of the size of real ones"), std::string::npos) << plan.notes[0];
+    EXPECT_TRUE(plan.remarks.warnings.empty());
+    ASSERT_EQ(plan.remarks.notes.size(), 1u);
+    EXPECT_NE(plan.remarks.notes[0].find("% of the size of real ones"), std::string::npos);
   }
 }
 

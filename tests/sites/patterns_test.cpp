@@ -108,7 +108,7 @@ TEST(ImpactPattern, AllOfASmallRadiusIsFilledWithTheAskedDensity) {
         solid, ImpactPattern{.impacts = {{0.1, 0, 0}}, .radius = radius, .exponent = exponent, .share = 1},
         4000);
     ASSERT_EQ(plan.points.size(), 4000u);
-    EXPECT_TRUE(plan.notes.empty());
+    EXPECT_TRUE(plan.remarks.empty());
     // Within a distance r lies the share (r / radius)^(3 - exponent).
     for (const double part : {0.25, 0.5, 0.75}) {
       const auto near = std::count_if(plan.points.begin(), plan.points.end(), [&](const Vec3d& p) {
@@ -123,8 +123,24 @@ TEST(ImpactPattern, AnImpactFarOutsideLeavesUniformSitesAndSaysSo) {
   const Solid solid = solid_of(cube(2));
   const SitePlan plan = plan_of(solid, ImpactPattern{.impacts = {{50, 0, 0}}, .radius = 0.1});
   EXPECT_EQ(plan.points.size(), 50u);
-  ASSERT_EQ(plan.notes.size(), 1u);
-  EXPECT_NE(plan.notes[0].find("40 of 40 sites"), std::string::npos) << plan.notes[0];
+  const auto& [warnings, notes] = plan.remarks;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_NE(warnings[0].find("no place for sites within 0.1 m of the impacts"), std::string::npos)
+      << warnings[0];
+  EXPECT_NE(warnings[0].find("Move 'impacts' onto the mesh"), std::string::npos) << warnings[0];
+}
+
+TEST(ImpactPattern, AnEmptyMiddleThatNobodyHitIsANote) {
+  // A shell of 2 m around an empty room of 1.8 m.
+  const Solid solid =
+      solid_of(joined({scaled(cube(), {2, 2, 2}), reversed(scaled(cube(), {1.8f, 1.8f, 1.8f}))}));
+  const SitePlan plan = plan_of(solid, ImpactPattern{.radius = 0.5});
+  EXPECT_TRUE(plan.remarks.warnings.empty());
+  ASSERT_EQ(plan.remarks.notes.size(), 1u);
+  EXPECT_TRUE(plan.remarks.notes[0].starts_with("No impact point is set ('impacts')"))
+      << plan.remarks.notes[0];
+  EXPECT_NE(plan.remarks.notes[0].find("for 40 of 40 sites within 0.5 m of it"), std::string::npos);
 }
 
 TEST(GridPattern, CountsAndCellsAreAsAsked) {
@@ -166,8 +182,8 @@ TEST(Patterns, MakeTheCellsOfAggregatesUpToTheirLimits) {
   const Expected<SitePlan> fewer = plan_sites(solid, p, {});
   ASSERT_TRUE(fewer);
   EXPECT_EQ(fewer->points.size(), 3u * (kMaxPatternSites / 3));
-  ASSERT_EQ(fewer->notes.size(), 1u);
-  EXPECT_NE(fewer->notes[0].find("'cells_per_fragment' is 3"), std::string::npos);
+  ASSERT_EQ(fewer->remarks.warnings.size(), 1u);
+  EXPECT_NE(fewer->remarks.warnings[0].find("'cells_per_fragment' is 3"), std::string::npos);
   p.sites = 20;
   p.pattern = GridPattern{};
   EXPECT_EQ(cells_per_fragment(p), 1u);

@@ -190,7 +190,7 @@ TEST(SolidReport, WritesEveryFigureToJson) {
   EXPECT_EQ(json["filled_area"], 1.0);
   EXPECT_EQ(json["volume"], 1.0);
   EXPECT_EQ(json["parts"], 1);
-  EXPECT_FALSE(json["notes"].empty());
+  EXPECT_FALSE(json.contains("notes")) << "sentences are in the report of the answer or of the mesh";
   for (const char* figure : {"open_edges", "holes_filled"}) {  // the hole is the face y = -1/2
     ASSERT_EQ(json["samples"][figure].size(), 3u);
     EXPECT_EQ(json["samples"][figure][1], -0.5);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
@@ -105,7 +106,7 @@ TEST(Holes, AnOpenTubeGetsTwoEnds) {
   EXPECT_GT(solid->report.volume, 0.95 * volume_of(uv_sphere(12, 40)));
 }
 
-TEST(Sheets, AQuadBesideACubeIsDroppedWithANoteAndTheCubeStays) {
+TEST(Sheets, AQuadBesideACubeIsDroppedWithAWarningAndTheCubeStays) {
   const Expected<Solid> solid = try_solid(joined({translated(open_quad(), {5, 0, 0}), cube()}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
@@ -113,6 +114,47 @@ TEST(Sheets, AQuadBesideACubeIsDroppedWithANoteAndTheCubeStays) {
   EXPECT_EQ(solid->report.volume, 1);
   EXPECT_EQ(solid->box.max.x, 0.5);
   EXPECT_EQ(solid->report.fill_triangles, 0u) << "the fill of a dropped sheet is not counted";
+  const auto& [warnings, notes] = solid->report.remarks;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(warnings[0].starts_with("1 thin piece (2 of 14 triangles, the first at (")) << warnings[0];
+  EXPECT_NE(warnings[0].find("has no volume and is not in the answer. Use 'thickness'"), std::string::npos)
+      << warnings[0];
+  EXPECT_TRUE(notes.empty()) << "nothing else was done";
+}
+
+TEST(Sheets, SeveralAreCountedAndTheNodeOfTheFirstIsNamed) {
+  Mesh mesh = joined({cube(), translated(open_quad(), {5, 0, 0}), translated(open_quad(), {7, 0, 0})});
+  mesh.node_names = {"Cube", "Face"};
+  mesh.node.assign(mesh.triangles.size(), 1);
+  for (int t = 0; t < 12; ++t) mesh.node[t] = 0;
+  const Expected<Solid> solid = try_solid(mesh);
+  ASSERT_TRUE(solid);
+  ASSERT_EQ(solid->report.remarks.warnings.size(), 1u);
+  const std::string& warning = solid->report.remarks.warnings[0];
+  EXPECT_TRUE(warning.starts_with("2 thin pieces (4 of 16 triangles, the first at (")) << warning;
+  EXPECT_NE(warning.find(" in the node \"Face\") have no volume and are not in"), std::string::npos)
+      << warning;
+  mesh.node_names[1] = "x";
+  for (int k = 0; k < 150; ++k) mesh.node_names[1] += "\u00e4";  // of two bytes: one is at the limit of 200
+  const Expected<Solid> named = try_solid(mesh);
+  ASSERT_TRUE(named);
+  EXPECT_NO_THROW((void)nlohmann::json(named->report.remarks.warnings).dump());
+}
+
+TEST(Repairs, AreNotesBecauseNothingIsToBeDoneAboutThem) {
+  const Expected<Solid> one = try_solid(cube_without({2})), two = try_solid(cube_without({2, 3}));
+  ASSERT_TRUE(one && two);
+  for (const auto& [solid, words] : {std::pair(&*one, "1 hole was filled with 2 triangles of the material"),
+                                     {&*two, "2 holes were filled with 4 triangles of the material"}}) {
+    EXPECT_TRUE(solid->report.remarks.warnings.empty());
+    ASSERT_EQ(solid->report.remarks.notes.size(), 1u);
+    EXPECT_TRUE(solid->report.remarks.notes[0].starts_with(words)) << solid->report.remarks.notes[0];
+  }
+  Mesh turned = cube();
+  std::swap(turned.triangles[0][1], turned.triangles[0][2]);
+  const Expected<Solid> flipped = try_solid(turned);
+  ASSERT_TRUE(flipped);
+  EXPECT_EQ(flipped->report.remarks, (Remarks{{}, {"1 triangle was turned to face outwards."}}));
 }
 
 TEST(Sheets, AFinOnAnEdgeOfACubeIsCutOffAndDropped) {

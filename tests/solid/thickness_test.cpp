@@ -17,10 +17,11 @@ Expected<Solid> thickened(Mesh mesh, double thickness) {
   return try_solid(std::move(mesh), {.thickness = thickness});
 }
 
-std::size_t notes_on_thickness(const Solid& solid) {
+std::size_t warnings_on_thickness(const Solid& solid) {
+  const std::vector<std::string>& warnings = solid.report.remarks.warnings;
   return static_cast<std::size_t>(
-      std::count_if(solid.report.notes.begin(), solid.report.notes.end(),
-                    [](const std::string& note) { return note.starts_with("'thickness'"); }));
+      std::count_if(warnings.begin(), warnings.end(),
+                    [](const std::string& warning) { return warning.starts_with("'thickness'"); }));
 }
 
 /// n × n squares in the plane z = 0, facing +z, over the unit square.
@@ -106,7 +107,7 @@ TEST(Thickness, LeavesSolidsAndLargeHolesAlone) {
   EXPECT_EQ(solid->report.sheets_thickened, 1u);
   EXPECT_NEAR(solid->report.volume, 2.1, 1e-7);
   EXPECT_EQ(solid->report.holes_filled, 1u);
-  EXPECT_EQ(notes_on_thickness(*solid), 1u) << "the cube without a lid";
+  EXPECT_EQ(warnings_on_thickness(*solid), 1u) << "the cube without a lid";
 }
 
 /// The upper half of a sphere of radius 1, open below.
@@ -127,17 +128,18 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
   const Expected<Solid> solid = thickened(mesh, 0.01);
   ASSERT_TRUE(solid) << solid.error().detail;
   EXPECT_EQ(solid->report.sheets_thickened, 0u);
-  ASSERT_EQ(notes_on_thickness(*solid), 1u);
+  ASSERT_EQ(warnings_on_thickness(*solid), 1u);
   // 2/3 pi of a slab of 2 pi x 0.01: 33 times, of polygons a little less.
   const std::string times = "holds 3";
-  EXPECT_NE(solid->report.notes[0].find(times), std::string::npos) << solid->report.notes[0];
-  EXPECT_NE(solid->report.notes[0].find("modelling tool"), std::string::npos);
+  EXPECT_NE(solid->report.remarks.warnings[0].find(times), std::string::npos)
+      << solid->report.remarks.warnings[0];
+  EXPECT_NE(solid->report.remarks.warnings[0].find("modelling tool"), std::string::npos);
   const Expected<Solid> closed = thickened(uv_sphere(16, 32), 0.01);
   ASSERT_TRUE(closed);
-  EXPECT_EQ(notes_on_thickness(*closed), 0u) << "nothing was filled";
+  EXPECT_EQ(warnings_on_thickness(*closed), 0u) << "nothing was filled";
   const Expected<Solid> not_asked = thickened(mesh, 0);
   ASSERT_TRUE(not_asked);
-  EXPECT_EQ(notes_on_thickness(*not_asked), 0u);
+  EXPECT_EQ(warnings_on_thickness(*not_asked), 0u);
 }
 
 TEST(Thickness, SaysWhereAFoldIsThinnerThanAsked) {
@@ -156,12 +158,14 @@ TEST(Thickness, SaysWhereAFoldIsThinnerThanAsked) {
   const Expected<Solid> thin = thickened(folded(sharp.cos, sharp.sin), 0.2);
   ASSERT_TRUE(thin) << thin.error().detail;
   EXPECT_EQ(thin->report.sheets_thickened, 1u);
-  ASSERT_EQ(notes_on_thickness(*thin), 1u);
-  EXPECT_NE(thin->report.notes[0].find("6 triangles"), std::string::npos) << thin->report.notes[0];
-  EXPECT_NE(thin->report.notes[0].find(" 0.1 m"), std::string::npos) << "cos 60°: " << thin->report.notes[0];
+  ASSERT_EQ(warnings_on_thickness(*thin), 1u);
+  EXPECT_NE(thin->report.remarks.warnings[0].find("6 triangles"), std::string::npos)
+      << thin->report.remarks.warnings[0];
+  EXPECT_NE(thin->report.remarks.warnings[0].find(" 0.1 m"), std::string::npos)
+      << "cos 60°: " << thin->report.remarks.warnings[0];
   const Expected<Solid> even = thickened(folded(slight.cos, slight.sin), 0.2);
   ASSERT_TRUE(even);
-  EXPECT_EQ(notes_on_thickness(*even), 0u);
+  EXPECT_EQ(warnings_on_thickness(*even), 0u);
 }
 
 TEST(Thickness, ABentSheetFollowsItsNormals) {

@@ -67,6 +67,17 @@ TEST(Anchors, AreMarkedByThePipelineAndCounted) {
   EXPECT_FALSE(made.anchored.contains(0));
   EXPECT_EQ(made.anchored.count, 1u);
   EXPECT_EQ(made.report.anchored, 1u);
+  EXPECT_TRUE(made.report.remarks.empty());
+}
+
+TEST(Anchors, ThatHoldNothingAreAWarningThatSaysWhatToDo) {
+  FractureParameters p;
+  p.sites = 4;
+  p.anchors.planes.push_back({{-1, 0, 0}, -40});
+  const Fractured made = fracture_mesh(box({0, 0, 0}, {4, 1, 1}), p);
+  EXPECT_EQ(made.report.anchored, 0u);
+  EXPECT_TRUE(warns(made.report, "No fragment touches an anchor, so nothing is held. Move the anchors"));
+  EXPECT_TRUE(made.report.remarks.notes.empty());
 }
 
 }  // namespace

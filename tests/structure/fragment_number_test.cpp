@@ -10,6 +10,7 @@
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/site_families.hpp"
 #include "tests/support/surface_mesh.hpp"
 
 namespace fracture::test {
@@ -50,7 +51,7 @@ TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
       const std::size_t n = made.set.fragments.size();
       EXPECT_LE(n, 44u);
       // Cells of a size of their own may be fewer.
-      EXPECT_EQ(warns(made.report, "fragments: 40 asked"), n < 36) << n;
+      EXPECT_EQ(warns(made.report, "40 fragments were asked for"), n < 36) << n;
     }
   }
 }
@@ -122,6 +123,25 @@ TEST(FragmentNumber, MorePartsThanFragmentsAreSaidSoAndTheLargestBreaksAllTheSam
   expect_sound(made.set, mesh);
   EXPECT_EQ(made.set.fragments.size(), 30u + 1 + 20 / 4);
   EXPECT_TRUE(warns(made.report, "31 separate parts"));
+}
+
+TEST(FragmentNumber, FewerBecauseOfMaxFragmentsAreANoteAndBecauseOfTheCellsAWarning) {
+  FractureParameters p = asking_for(60);
+  p.size.max_fragments = 50;
+  const Fractured meant = fracture_mesh(cube(), p);
+  EXPECT_EQ(meant.set.fragments.size(), 50u);
+  EXPECT_TRUE(
+      has_note(meant.report, "60 fragments were asked for, and 50 were made, because 'max_fragments'"));
+  EXPECT_TRUE(meant.report.remarks.warnings.empty());
+  p = asking_for(40, PointsPattern{random_sites(box_of(cube()), 20, 1)});
+  p.size.min_of_mean = 0.002;
+  const Fractured few = fracture_mesh(cube(), p);
+  EXPECT_TRUE(
+      warns(few.report, "40 fragments were asked for, and 20 were made, because the pattern has no more"));
+  EXPECT_TRUE(warns(few.report, "Ask for more 'sites', or lower the limits ('min_of_mean')."));
+  EXPECT_TRUE(few.report.remarks.notes.empty());
+  const Mesh two = joined({cube(), translated(cube(), {3, 0, 0})});
+  EXPECT_TRUE(warns(fracture_mesh(two, asking_for(1)).report, "1 fragment was asked for, and 2 were made"));
 }
 
 // The sites are kept under a key that no limit of size but the number of fragments is part of.
@@ -199,7 +219,7 @@ TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
   const Fractured local = fracture_mesh(mesh, p);
   expect_sound(local.set, mesh);
   EXPECT_GE(local.set.fragments.size(), 20u);
-  EXPECT_FALSE(warns(local.report, "fragments:")) << "the rest is one piece";
+  EXPECT_FALSE(warns(local.report, "asked for")) << "the rest is one piece";
 }
 
 TEST(FragmentNumber, ManyCellsBecomeFewFragments) {
@@ -210,7 +230,7 @@ TEST(FragmentNumber, ManyCellsBecomeFewFragments) {
   const Fractured made = fracture_mesh(mesh, p);
   expect_sound(made.set, mesh);
   EXPECT_EQ(made.set.fragments.size(), 20u);
-  EXPECT_FALSE(warns(made.report, "fragments:"));
+  EXPECT_FALSE(warns(made.report, "asked for"));
 }
 
 TEST(FragmentNumber, CrumbsBelowAFractionOfTheMeanAreUnited) {
@@ -250,7 +270,7 @@ TEST(FragmentNumber, HoldsForRealMeshesOfAnyMaterial) {
       const Expected<FracturedSolid> made = fracture(*solid, *diagram, p, {}, timings);
       if (!made) continue;  // refused by name: another test's matter
       const std::size_t n = made->set.fragments.size();
-      EXPECT_EQ(warns(made->report, "fragments: 50 asked"), n < 45 || n > 55) << n;
+      EXPECT_EQ(warns(made->report, "50 fragments were asked for"), n < 45 || n > 55) << n;
       const bool dirty =
           solid->report.holes_filled > 0 || made->set.certificate.united > made->set.size.united;
       EXPECT_TRUE(solid->parts.size() > 10 || dirty || n >= 45) << n;

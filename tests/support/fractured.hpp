@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "common/pipeline/refracture.hpp"
 
@@ -41,11 +42,13 @@ inline FracturedSolid fracture_mesh_again(const Mesh& mesh, const FractureParame
   return std::move(*made);
 }
 
-/// Does one of the report's warnings say so?
-inline bool warns(const Report& report, std::string_view of) {
-  return std::any_of(report.warnings.begin(), report.warnings.end(),
-                     [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
+inline bool any_has(const std::vector<std::string>& sentences, std::string_view text) {
+  return std::any_of(sentences.begin(), sentences.end(),
+                     [&](const std::string& sentence) { return sentence.find(text) != std::string::npos; });
 }
+/// Does one of the report's warnings, or of its notes, say so?
+inline bool warns(const Report& report, std::string_view of) { return any_has(report.remarks.warnings, of); }
+inline bool has_note(const Report& report, std::string_view of) { return any_has(report.remarks.notes, of); }
 
 /// The sites of a row of n cells of the same length along x within the box.
 inline std::vector<Vec3d> row_of_sites(const Box& box, int n) {

@@ -20,8 +20,8 @@ SurfaceColor of(std::uint16_t red, std::uint16_t green, std::uint16_t blue) {
 const SurfaceColor kUnknown{};
 
 std::vector<SurfaceColor> colors_of(const Mesh& mesh, const PixelLimits& limits = {}) {
-  std::vector<std::string> warnings;
-  return surface_colors(mesh, warnings, limits);
+  Remarks remarks;
+  return surface_colors(mesh, remarks, limits);
 }
 
 /// Squares, two triangles each, whose UVs are the given rectangles (u, v, width, height).
@@ -101,10 +101,11 @@ TEST(SurfaceColors, WhereNothingHasAColorThereAreNone) {
 TEST(SurfaceColors, OfAnImageThatCannotBeReadNothingIsKnown) {
   Mesh mesh = squares({{0, 0, 1, 1}, {0, 0, 1, 1}});
   paint(mesh, {'R', 'I', 'F', 'F'}, {0.5, 0.5, 0.5, 1});
-  std::vector<std::string> warnings;
-  EXPECT_TRUE(surface_colors(mesh, warnings).empty());
-  ASSERT_EQ(warnings.size(), 1u) << "once for each image";
-  EXPECT_NE(warnings[0].find("neither PNG nor JPEG"), std::string::npos);
+  Remarks remarks;
+  EXPECT_TRUE(surface_colors(mesh, remarks).empty());
+  EXPECT_TRUE(remarks.warnings.empty());
+  ASSERT_EQ(remarks.notes.size(), 1u) << "once for each image";
+  EXPECT_NE(remarks.notes[0].find("neither PNG nor JPEG"), std::string::npos);
   // A triangle without a material beside one whose colour is known.
   paint(mesh, png(1, 1, [](int, int) { return std::array{255, 0, 0, 255}; }));
   mesh.material[3] = kNoIndex;

@@ -8,7 +8,11 @@ from .package import FractureError
 LOOK = 0.1  # s between two polls of the thread
 # Events that are allowed while the operator works. All others could change the scene that the answer belongs to.
 PASSED = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEMOVE", "TIMER"}
-MOST_WARNINGS = 5
+MOST_SENTENCES = 5  # of one kind
+
+
+def counted(count, thing):
+    return f"{count:,} {thing}{'' if count == 1 else 's'}"
 
 
 class OBJECT_OT_fracture_exact(bpy.types.Operator):
@@ -71,17 +75,21 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
 
     def _finish(self, context, work):
         try:
-            made, warnings = work.finish(context)
+            made, warnings, notes = work.finish(context)
         except FractureError as error:
             return self._refuse(context, error, work.failed_names)
-        for warning in warnings[:MOST_WARNINGS]:
-            self.report({"WARNING"}, warning)
-        if len(warnings) > MOST_WARNINGS:
-            more = len(warnings) - MOST_WARNINGS
-            self.report({"WARNING"}, "1 more warning is not shown" if more == 1 else f"{more:,} more warnings are not shown")
+        self._tell("INFO", notes, "note")
+        self._tell("WARNING", warnings, "warning")
         count = sum(len(entry.objects) for entry in made)
-        self.report({"INFO"}, f"{count:,} fragment{'' if count == 1 else 's'}")
+        self.report({"INFO"}, counted(count, "fragment"))
         return {"FINISHED"}
+
+    def _tell(self, kind, sentences, name):
+        for sentence in sentences[:MOST_SENTENCES]:
+            self.report({kind}, sentence)
+        if len(sentences) > MOST_SENTENCES:
+            more = len(sentences) - MOST_SENTENCES
+            self.report({kind}, f"{counted(more, f'more {name}')} {'is' if more == 1 else 'are'} not shown")
 
     def _refuse(self, context, error, names):
         if error.type == "cancelled":

@@ -19,18 +19,19 @@ class Run:
         return self._written[number].objects if number is not None and number < len(self._written) else []
 
     def finish(self, context):
-        """Creates the fragments of all answers and hides the originals. Returns a list of fragments.Made, and the warnings. Raises
-        the FractureError of the run; then nothing was created."""
+        """Creates the fragments of all answers and hides the originals. Returns a list of fragments.Made, the warnings and the
+        notes. Raises the FractureError of the run; then nothing was created."""
         if self.asking.error is not None:
             raise self.asking.error
         for answer in self.asking.answers:
             fragments.check(answer)
-        made, warnings = [], []
+        made, warnings, notes = [], [], []
         for answer, written in zip(self.asking.answers, self._written):
             made.append(_build(context, answer, written))
             warnings += [f"{written.objects[0]}: {warning}" for warning in answer.warnings]
+            notes += [f"{written.objects[0]}: {note}" for note in answer.notes]
         _select(context, made)
-        return made, warnings
+        return made, warnings, notes
 
 
 def begin(context):

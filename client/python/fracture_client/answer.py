@@ -66,8 +66,14 @@ class Answer:
 
     @property
     def warnings(self) -> List[str]:
-        """The warnings of the report: results that may differ from those that you wanted."""
+        """Sentences of the report to act on: what happened, what it means for the result, and what to do. [] if there are none."""
         return list(self.report.get("warnings", []))
+
+    @property
+    def notes(self) -> List[str]:
+        """Sentences of the report on what was done. They ask for nothing. [] if there are none, and from servers of algorithm 22
+        or less, which have notes among the warnings."""
+        return list(self.report.get("notes", []))
 
     @property
     def certificate(self) -> Dict[str, Any]:

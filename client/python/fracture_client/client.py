@@ -88,9 +88,9 @@ class Client(Caller):
 
     def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Dict[str, Any]:
-        """The report on a mesh, without fracturing it: verdict, solid, frame, nodes, materials, images, warnings. The mesh is sent,
-        prepared with `preparation`, and stored. The arguments are those of put(). Raises FractureError, also if the mesh cannot be
-        fractured, and OSError."""
+        """The report on a mesh, without fracturing it: verdict, solid, frame, nodes, materials, images, warnings, notes. The mesh is
+        sent, prepared with `preparation`, and stored. The arguments are those of put(). Raises FractureError, also if the mesh
+        cannot be fractured, and OSError."""
         upload = Upload.of(mesh, files, format)
         kind, body = upload.body()
         target = "/meshes" + query_of({**upload.query, **preparation})

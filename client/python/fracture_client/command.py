@@ -6,7 +6,7 @@ import os
 import pathlib
 import sys
 import urllib.parse
-from typing import List, Optional, Tuple
+from typing import Any, List, Mapping, Optional, Tuple
 
 from .answer import Answer, kind_of_file
 from .client import Client
@@ -51,8 +51,7 @@ def main(arguments: List[str]) -> int:
     try:
         with Client(options.server, token, options.timeout) as client:
             mesh = client.put(options.mesh, files=options.file, format=options.format)
-            for warning in mesh.report.get("warnings", []):
-                _say(options.quiet, f"mesh: {warning}")
+            _say_remarks(options.quiet, "mesh", mesh.report, {})
             if options.job:
                 answer = _followed(client.job(mesh, query), options.quiet)
             else:
@@ -71,11 +70,17 @@ def main(arguments: List[str]) -> int:
     except KeyboardInterrupt:
         print("fracture_client: interrupted", file=sys.stderr)
         return INTERRUPTED
-    for warning in answer.warnings:
-        if warning not in mesh.report.get("warnings", []):
-            _say(options.quiet, f"answer: {warning}")
+    _say_remarks(options.quiet, "answer", answer.report, mesh.report)
     print(f"{options.out}: {_summary(answer)}, {options.out.stat().st_size:,} bytes")
     return DONE
+
+
+def _say_remarks(quiet: bool, of: str, report: Mapping[str, Any], said: Mapping[str, Any]) -> None:
+    """Prints the warnings and the notes of `report`, except those in `said`, a report that was printed before."""
+    for kind, name in (("warnings", "warning"), ("notes", "note")):
+        for sentence in report.get(kind, []):
+            if sentence not in said.get(kind, []):
+                _say(quiet, f"{of}: {name}: {sentence}")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -96,7 +101,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="file whose first line is the token "
                         "(default: the variable FRACTURE_TOKEN, if it is set)")
     parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="limit for each step (default: 300)")
-    parser.add_argument("--quiet", action="store_true", help="print neither warnings nor progress")
+    parser.add_argument("--quiet", action="store_true", help="print no warnings, notes or progress")
     parser.add_argument("--version", action="version", version=VERSION)
     return parser
 

@@ -34,8 +34,8 @@ class Mesh:
 
     @property
     def report(self) -> Dict[str, Any]:
-        """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings. It
-        is from put() or the last refresh(), and {} without either."""
+        """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings,
+        notes. It is from put() or the last refresh(), and {} without either."""
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:

@@ -74,8 +74,13 @@ export class Answer {
   get parameters(): Record<string, any> {
     return this.figures.parameters;
   }
+  /** Sentences to act on: what happened, what it means for the result, and what to do. */
   get warnings(): readonly string[] {
     return this.figures.report.warnings ?? [];
+  }
+  /** Sentences on what was done. They ask for nothing. Servers of algorithm 22 or less have notes among the warnings. */
+  get notes(): readonly string[] {
+    return this.figures.report.notes ?? [];
   }
   get fragments(): readonly Fragment[] {
     return (this.readFragments ??= fragmentsOf(this.document, this.figures));

@@ -24,7 +24,7 @@ export interface Figures {
   /** The content key of the mesh. */
   mesh: string;
   parameters: Record<string, any>;
-  report: { warnings: string[]; [figure: string]: any };
+  report: { warnings: string[]; notes?: string[]; [figure: string]: any };
   certificate: {
     fragments: number; volume_in: number; volume_out: number; open_edges: number; unmirrored_caps: number; [figure: string]: any;
   };

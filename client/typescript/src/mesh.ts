@@ -18,7 +18,7 @@ export interface StoredMesh {
   files: number;
   /** Seconds after the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings. */
+  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes. */
   report: Record<string, any>;
 }
 

@@ -21,7 +21,7 @@ async function source(...names) {
   return import(pathToFileURL(path.join(out, 'out.mjs')));
 }
 const { Asker, Gestures, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
-  handlesOf, presetOf, readPreset, countRemark, warningsOf, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
+  handlesOf, presetOf, readPreset, countRemark, remarkLists, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
   'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'take/snippets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
 
 describe('Asker', () => {
@@ -140,9 +140,11 @@ describe('History', () => {
 
 describe('what an answer says about itself', () => {
   const hit = { point: [0, 0, 0], radius: 1 };
-  const shown = ({ asked, made, warnings = [], settings = {}, hits = [] }) => ({
-    answer: { parameters: asked === undefined ? {} : { fragments: asked }, fragments: Array(made).fill({}), warnings }, wish: { settings, hits },
+  const shown = ({ asked, made, hits = [], report = {}, certificate = {}, parameters = {} }) => ({
+    answer: { parameters: asked === undefined ? {} : { fragments: asked, ...parameters }, fragments: Array(made).fill({}), report, certificate }, wish: { hits },
   });
+  /** The values in a template of lit and in those within it, in their order. */
+  const textsOf = value => (Array.isArray(value) ? value.flatMap(textsOf) : value?.values ? textsOf(value.values) : ['string', 'number'].includes(typeof value) ? [String(value)] : []);
 
   test('AsManyAsWereAskedForAreNoNews', () => {
     for (const same of [{ asked: 40, made: 40 }, { asked: 40, made: 40, hits: [hit] }, { asked: 0, made: 105 }, { made: 105 }]) assert.equal(countRemark(shown(same)), undefined);
@@ -152,17 +154,25 @@ describe('what an answer says about itself', () => {
     assert.match(countRemark(shown({ asked: 40, made: 52, hits: [hit] })), /: the pieces that the hit broke off/);
     assert.equal(countRemark(shown({ asked: 40, made: 35, hits: [hit] })), '40 requested, 35 made.', 'fewer are not');
   });
-  test('WhatTheServerSaysOfTheNumberIsSaid', () => {
-    const warnings = ['max_triangles: 9 asked, 12 made; nothing', 'fragments: 1200 asked, 1900 made; the mesh has 1900 separate parts, each of which is at least one'];
-    assert.equal(countRemark(shown({ asked: 1200, made: 1900, warnings })), '1,200 requested, 1,900 made: the mesh has 1900 separate parts, each of which is at least one.');
+  test('FarOffTheFiguresSayWhy', () => {
+    const parts = number => ({ size: { parts: number, united: 3 } });
+    assert.equal(countRemark(shown({ asked: 1200, made: 1900, report: parts(1900) })), '1,200 requested, 1,900 made: the mesh has 1,900 separate parts, and each is at least one fragment.');
+    assert.match(countRemark(shown({ asked: 40, made: 60, report: parts(2) })), /: the others touch nothing/);
+    assert.match(countRemark(shown({ asked: 40, made: 30, report: parts(1) })), /: the pattern and the size limits/);
+    assert.match(countRemark(shown({ asked: 40, made: 30, report: parts(1), certificate: { united: 4 } })), /: the surface crosses itself/);
+    assert.match(countRemark(shown({ asked: 60, made: 50, report: parts(1), parameters: { max_fragments: 50 } })), /: the largest number of fragments is lower/);
     assert.match(countRemark(shown({ asked: 40, made: 37 })), /^40 requested, 37 made: the number can differ/);
   });
-  test('AnImpactThatNobodyMadeIsSaidSo', () => {
-    const around = '1 of 44 sites found no place in the solid within the radius of their impact and were placed uniformly', other = 'keep: the region lies outside';
-    const [first, second] = warningsOf(shown({ made: 40, warnings: [around, other] }));
-    assert.match(first, /^No impact point is set/);
-    assert.equal(second, other);
-    assert.deepEqual(warningsOf(shown({ made: 40, warnings: [around, other], settings: { impacts: [[9, 9, 9]] } })), [around, other], 'where somebody hit beside the mesh it is news');
+  test('NoSentenceOfTheServerDecides', () => {
+    const warnings = ['1,200 fragments were asked for, and 1,900 were made, because of something new'];
+    assert.match(countRemark(shown({ asked: 1200, made: 1900, report: { size: { parts: 1900 }, warnings } })), /1,900 separate parts/);
+  });
+  test('WarningsAndNotesAreShownApart', () => {
+    const shownTexts = (warnings, notes) => textsOf(remarkLists(warnings, notes));
+    assert.deepEqual(shownTexts([], []), []);
+    assert.deepEqual(shownTexts(['to do'], []), ['Warnings', 'to do']);
+    assert.deepEqual(shownTexts([], ['done', 'done too']), ['Notes', '2', 'done', 'done too']);
+    assert.deepEqual(shownTexts(['to do'], ['done']), ['Warnings', 'to do', 'Notes', '1', 'done']);
   });
 });
 

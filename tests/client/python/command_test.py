@@ -11,7 +11,7 @@ import unittest
 
 from support import PACKAGE, PATIENCE, ROOT, FaultServer, Reply, WithServer, answer, box_obj, deserted_url, digest, eventually, \
     main, problem, small_glb, stored
-from fracture_client import Answer, command
+from fracture_client import Answer, Client, command
 
 EXAMPLE = ROOT / "client" / "examples" / "integrate.py"
 
@@ -86,6 +86,22 @@ class WrongUse(Programs):
                 done = self.run_command(*arguments, server.url, self.mesh, self.out, **environment)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual({asked.field("Authorization") for asked in server.asked}, {wanted})
+
+    def test_warnings_and_notes_are_told_apart_and_once(self):
+        of_mesh = {"warnings": ["An image was left out."], "notes": ["1 hole was filled."]}
+        glb = small_glb(report={"warnings": of_mesh["warnings"] + ["The cuts are flat."], "notes": of_mesh["notes"] + ["2 pieces are small."]})
+
+        def handler(asked):
+            return answer(200, glb, digest(glb)) if asked.method == "POST" else stored(200, of_mesh)
+        for quiet, wanted in ((["--quiet"], ""), ([], "mesh: warning: An image was left out.\nmesh: note: 1 hole was filled.\n"
+                                                      "answer: warning: The cuts are flat.\nanswer: note: 2 pieces are small.\n")):
+            with FaultServer(handler) as server:
+                done = self.run_command(*quiet, server.url, self.mesh, self.out)
+                self.assertEqual((done.returncode, done.stderr), (0, wanted))
+        with FaultServer(handler) as server, Client(server.url) as client:
+            made = client.put(self.mesh).fracture()
+            self.assertEqual((made.warnings[-1], made.notes[-1], len(made.warnings), len(made.notes)),
+                             ("The cuts are flat.", "2 pieces are small.", 2, 2))
 
     def test_an_interrupt_closes_the_connection(self):
         def handler(asked):

@@ -108,8 +108,8 @@ def problem(status, slug, headers=""):
                   "Content-Type: application/problem+json\r\n" + headers)
 
 
-def stored(status=201):
-    return answer(status, json.dumps({"id": "sha256:0", "report": {"verdict": "closed"}}))
+def stored(status=201, report=None):
+    return answer(status, json.dumps({"id": "sha256:0", "report": {"verdict": "closed", **(report or {})}}))
 
 
 def figures(**more):

@@ -29,6 +29,7 @@ test('stores by digest, then fractures', async t => {
   assert.equal(server.requests[2].body.toString(), '{"sites":7}');
   assert.deepEqual(made.head.timing, { work: 3.5, clip: 12 });
   assert.deepEqual([made.fragments.length, made.fragments[0].id, made.head.exchanges], [1, 7, 1]);
+  assert.deepEqual([made.warnings, made.notes], [['to do'], ['done']]);
 });
 
 test('what the server has, or this client put, is not sent again', async t => {

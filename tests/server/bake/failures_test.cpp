@@ -120,17 +120,22 @@ TEST_F(BakeFailures, ManyGoOnAndWriteAllButTheUnsound) {
   EXPECT_EQ(status, (std::vector<std::string>{"made", "unsound", "unsound", "failed", "failed", "made"}));
 }
 
-TEST_F(BakeFailures, WarningsAreSaidAndReportedForOneAndForMany) {
-  // Five of six sides.
+TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
+  // Five of six sides, which is a note, and a square apart, which is a warning.
   folder.write(
       "in/box1.obj",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\n"
-      "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n");
+      "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 9 10 11 12\n");
   ASSERT_EQ(bake(one(10)).made, 1u);
-  const json warnings = report("report").at(0).at("warnings");
-  ASSERT_FALSE(warnings.empty());
-  const std::string first = "box1.obj: warning: " + warnings.at(0).get<std::string>();
+  const json line = report("report").at(0);
+  ASSERT_EQ(line.at("warnings").size(), 1u) << line;
+  ASSERT_EQ(line.at("notes").size(), 1u) << line;
+  const auto warning = line["warnings"][0].get<std::string>(), note = line["notes"][0].get<std::string>();
+  EXPECT_TRUE(warning.starts_with("1 thin piece (2 of 12 triangles")) << warning;
+  EXPECT_TRUE(note.starts_with("1 hole was filled with 2 triangles")) << note;
+  const std::string first = "box1.obj: warning: " + warning, second = "box1.obj: note: " + note;
   EXPECT_NE(said.find(first), std::string::npos) << said;
+  EXPECT_NE(said.find(second), std::string::npos) << said;
   fs::create_directory(folder / "out");
   ASSERT_EQ(bake({.inputs = {folder / "in/box1.obj"},
                   .output = folder / "out",
@@ -138,6 +143,7 @@ TEST_F(BakeFailures, WarningsAreSaidAndReportedForOneAndForMany) {
                 .made,
             1u);
   EXPECT_NE(said.find(first), std::string::npos) << said;
+  EXPECT_NE(said.find(second), std::string::npos) << said;
   EXPECT_EQ(read_file(folder / "out/box1.obj.glb"), read_file(folder / "one.glb"));
 }
 

@@ -23,7 +23,7 @@ PROGRAM, RENDERER = "", ""
 BOX = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 """
-HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")  # filled, which is worth a warning
+HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")  # filled, which is worth a note
 OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 
@@ -313,8 +313,9 @@ class WithScripts(Case):
         for row, line in zip(rows[1:], made):
             self.assertIn(line["input"], row[1])
             self.assertEqual(row[2], str(line["certificate"]["fragments"]))
-            for warning in line.get("warnings", []):
-                self.assertIn(warning, row[-1])
+            for sentence in line.get("warnings", []) + line.get("notes", []):
+                self.assertIn(sentence, row[-1])
+            self.assertEqual("Notes: 1" in row[-1], "holed" in line["input"])
         self.assertEqual([urllib.parse.unquote(picture["src"]) for picture in page.pictures],
                          [os.path.relpath(line["preview"]["file"], "night") for line in made])
         for picture in page.pictures:

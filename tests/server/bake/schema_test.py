@@ -26,7 +26,7 @@ v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 """
 OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-# A box without most of one face, which is filled with a warning.
+# A box without half of one face, which is filled; a note says so.
 HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")
 
 FITS, BREAKS = True, False
@@ -120,7 +120,7 @@ class Schemas(unittest.TestCase):
         (self.folder / "renderer").chmod(0o755)
         few = {"sites": 4}
         self.write("m", {"input": "box.obj", "output": "a.glb", "parameters": few},
-                   {"input": "holed.obj", "output": "b.obj", "parameters": few},
+                   {"input": "holed.obj", "output": "b.obj", "parameters": {**few, "keep_center": [99, 0, 0], "keep_radius": 1}},
                    {"input": "open.obj", "output": "c.glb", "parameters": few},
                    {"input": "absent.obj", "output": "d.glb"},
                    {"input": "names.obj", "output": "e.glb", "parameters": few},
@@ -134,7 +134,9 @@ class Schemas(unittest.TestCase):
                 fits.validate(line)
             self.assertEqual([line["status"] for line in lines],
                              ["made", "made", "refused", "unreadable", "unwritable", "refused"], turn)
-            self.assertIn("warnings", lines[1])
+            self.assertIn("outside", lines[1]["warnings"][0])
+            self.assertIn("1 hole was filled", lines[1]["notes"][0])
+            self.assertFalse({"warnings", "notes"} & set(lines[0]), "nothing to say of a box")
             self.assertEqual(lines[5]["problem"]["known"], ["lid"])
             seen = set().union(*lines)
             self.assertEqual(seen, set(fits.schema["properties"]), "each member that is described is written")
@@ -153,7 +155,7 @@ class Schemas(unittest.TestCase):
             for name in line:
                 self.assertFalse(fits.is_valid({k: v for k, v in line.items() if k != name}), f"without {name}")
         for wrong in ({**made, "status": "done"}, {**made, "status": "refused"}, {**made, "digest": "sha256:0"},
-                      {**made, "more": 1}, {**made, "problem": {"detail": "a"}}, {**made, "warnings": []},
+                      {**made, "more": 1}, {**made, "problem": {"detail": "a"}}, {**made, "warnings": []}, {**made, "notes": []},
                       {**made, "beside": []}, {**made, "beside": [{"path": "a.mtl"}]},
                       {**made, "preview": {}}, {**made, "preview": "a.png"}, {**unreadable, "preview": {"file": "a.png"}},
                       {**unreadable, "problem": {}}, {**unreadable, "key": made["key"]},

@@ -126,7 +126,7 @@ TEST(ChargedMemory, ExtrasOfMaterialsCountInTheCacheAtWhatTheyHold) {
   auto source = std::make_shared<Mesh>();
   source->library = library;
   source->copyright.assign(1'000'000, 'c');
-  source->warnings.assign(1'000, std::string(1'000, 'w'));
+  source->remarks.warnings.assign(1'000, std::string(1'000, 'w'));
   mesh.solid.source = source;
   EXPECT_GE(memory_size(mesh),
             100'000 * (sizeof(nlohmann::json) + sizeof(nlohmann::json::array_t)) + 2'000'000);

@@ -44,7 +44,7 @@ Mesh full_mesh() {
   library.extensions_required = {"KHR_texture_transform"};
   mesh.library = std::make_shared<const MaterialLibrary>(std::move(library));
   mesh.copyright = "me";
-  mesh.warnings = {"something was dropped"};
+  mesh.remarks = {{"an image was left out"}, {"skins were baked"}};
   return mesh;
 }
 
@@ -83,7 +83,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.library->images[0].bytes, mesh.library->images[0].bytes);
   EXPECT_EQ(back.library->extensions_required, mesh.library->extensions_required);
   EXPECT_EQ(back.copyright, "me");
-  EXPECT_EQ(back.warnings, mesh.warnings);
+  EXPECT_EQ(back.remarks, mesh.remarks);
 }
 
 TEST(MeshCodec, AnErrorComesBackWithItsFiguresButNotWithEveryCode) {

@@ -179,10 +179,10 @@ TEST_F(ServiceTest, AnAnswerKeepsItsParametersAndWhatItComesTo) {
 TEST(AnswerSummary, HasEachWarningOnceAndKnowsWhetherAPartitionIsPromised) {
   FracturedSolid made;
   made.set.certificate.open_edges = 3;
-  made.report.warnings = {"b", "a", "b"};
+  made.report.remarks = {{"b", "a", "b"}, {"n", "n"}};
   const AnswerSummary partition = summary_of(made);
   EXPECT_EQ(partition.certificate.open_edges, 3u);
-  EXPECT_EQ(partition.warnings, (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(partition.remarks, (Remarks{{"b", "a"}, {"n"}}));
   EXPECT_TRUE(partition.partition && partition.judged);
   made.report.barycenter.emplace();
   EXPECT_FALSE(summary_of(made).partition);
@@ -202,7 +202,7 @@ TEST(AnswerSummary, IsReadFromAFileThatIsFromElsewhere) {
                     {"volume_out", 3.5},
                     {"relative_error", 0.25},
                     {"fragments", 4}}},
-                  {"report", {{"warnings", {"w", "w"}}}}};
+                  {"report", {{"warnings", {"w", "w"}}, {"notes", {"n", "m", "n"}}}}};
   const AnswerSummary summary = read(figures);
   EXPECT_EQ(summary.certificate.open_edges, 1u);
   EXPECT_EQ(summary.certificate.unmirrored_caps, 2u);
@@ -210,7 +210,7 @@ TEST(AnswerSummary, IsReadFromAFileThatIsFromElsewhere) {
   EXPECT_EQ(summary.certificate.volume_out, 3.5);
   EXPECT_EQ(summary.certificate.relative_error, 0.25);
   EXPECT_EQ(summary.certificate.fragments, 4u);
-  EXPECT_EQ(summary.warnings, std::vector<std::string>{"w"});
+  EXPECT_EQ(summary.remarks, (Remarks{{"w"}, {"n", "m"}}));
   EXPECT_TRUE(summary.partition && summary.judged);
   figures["report"]["barycenter"] = json::object();
   figures["certificate"].erase("unmirrored_caps");

@@ -6,6 +6,7 @@ import { samples } from '../mesh/samples';
 import { words } from '../words/words';
 import { bytes, digits, metric, title } from './format';
 import { icons } from './icons';
+import { remarkLists } from './remarks';
 
 export function meshPanel(app: App): TemplateResult {
   const { source, wanted, note } = app.state;
@@ -35,7 +36,7 @@ function chooser(app: App, label: string, folder: boolean): TemplateResult {
 }
 
 function report(app: App): TemplateResult {
-  const { source, look } = app.state, { whole, mesh, label } = source!, { solid, frame, warnings = [] } = whole.report as Record<string, any>;
+  const { source, look } = app.state, { whole, mesh, label } = source!, { solid, frame, warnings = [], notes = [] } = whole.report as Record<string, any>;
   const { min, max } = app.view?.batch ? boundsOf(app) : { min: [0, 0, 0], max: [0, 0, 0] };
   const sides = max.map((value, k) => value - min[k]!);
   const clean = solid.open_edges === 0 && solid.holes_filled === 0 && solid.nonmanifold_edges === 0;
@@ -69,7 +70,7 @@ function report(app: App): TemplateResult {
       ${words.mesh.showRepairs}</label>
     <label class="check"><input type="checkbox" .checked=${look.person} @change=${(event: Event) => app.look({ person: (event.target as HTMLInputElement).checked })}>
       ${words.mesh.showPerson}</label>
-    ${warnings.length > 0 ? html`<h3>${words.mesh.notes}</h3><ul class="notes">${(warnings as string[]).map(text => html`<li>${text}</li>`)}</ul>` : nothing}
+    ${remarkLists(warnings, notes)}
   </section>`;
 }
 

@@ -8,17 +8,16 @@ import { words } from '../words/words';
 import { sealButton } from './certificate';
 import { css } from './css';
 import { digits, kilograms, metric, milliseconds } from './format';
-import { warningsOf } from './remarks';
+import { remarkLists } from './remarks';
 
 export function piecesPanel(app: App): TemplateResult {
   const { shown, look: { chosen } } = app.state;
   if (!shown) return html`<p class="hint">${words.pieces.none}</p>`;
-  const { answer } = shown, { fragments } = answer, [first] = chosen, warnings = warningsOf(shown);
+  const { answer } = shown, { fragments } = answer, [first] = chosen;
   return html`
     <section aria-label=${words.pieces.list}>
       <div class="row between"><h2>${words.pieces.count(fragments.length)}</h2>${sealButton(app)}</div>
-      ${warnings.length > 0 ? html`<details><summary>${words.mesh.warnings} <span class="hint">${warnings.length.toLocaleString('en')}</span></summary>
-        <ul class="notes">${warnings.map(text => html`<li>${text}</li>`)}</ul></details>` : nothing}
+      ${remarkLists(answer.warnings, answer.notes)}
     </section>
     <section aria-label=${words.pieces.sizes}>
       <h3>${words.pieces.sizes}</h3>${histogram(app, fragments)}

@@ -1,20 +1,29 @@
-// What an answer says about itself, for who knows the page and not the service.
+// Remarks on an answer or a mesh: what to act on, what was done, and why the number of fragments is another one.
+import { html, nothing, type TemplateResult } from 'lit';
 import type { Shown } from '../app/state';
 import { words } from '../words/words';
 
-/** The server takes the middle of the mesh for the place where nobody has hit it, and warns of what follows as if somebody had. */
-const NOT_AROUND_IMPACT = /^\d+ of \d+ sites found no place in the solid within the radius of their impact/;
-
-export function warningsOf({ answer, wish }: Shown): string[] {
-  const aimed = wish.settings['impacts'] !== undefined;
-  return answer.warnings.map(text => (!aimed && NOT_AROUND_IMPACT.test(text) ? words.pieces.notHit : text));
+/** Warnings are there to be read. Notes are folded away. */
+export function remarkLists(warnings: readonly string[], notes: readonly string[]): TemplateResult {
+  const list = (texts: readonly string[]) => html`<ul class="notes">${texts.map(text => html`<li>${text}</li>`)}</ul>`;
+  return html`
+    ${warnings.length > 0 ? html`<div class="warnings"><h3>${words.remarks.warnings}</h3>${list(warnings)}</div>` : nothing}
+    ${notes.length > 0 ? html`<details><summary>${words.remarks.notes} <span class="hint">${notes.length.toLocaleString('en')}</span></summary>${list(notes)}</details>` : nothing}`;
 }
 
-/** Why there are more or fewer fragments than were asked for; undefined where there are as many, or none were asked for. */
+/** Why there are more or fewer fragments than were asked for; undefined if there are as many, or none were asked for. */
 export function countRemark({ answer, wish: { hits } }: Shown): string | undefined {
-  const asked = Number(answer.parameters['fragments'] ?? 0), made = answer.fragments.length, [hit] = hits;
+  const asked = Number(answer.parameters['fragments'] ?? 0), made = answer.fragments.length;
   if (asked === 0 || asked === made) return undefined;
-  // The server says why from a tenth on, but not with hits: they are on top of what was asked for.
-  const said = answer.warnings.find(text => text.startsWith(`fragments: ${asked} asked, `))?.split('; ').slice(1).join('; ');
-  return words.break.made(asked, made, said ?? (!hit ? words.break.withinTenth : made > asked ? words.break.brokenOff(hits.length) : undefined));
+  return words.break.made(asked, made, reason(answer, asked, made, hits.length));
+}
+
+/** The figures decide, not the server's sentences: those change. */
+function reason({ report, certificate, parameters }: Shown['answer'], asked: number, made: number, hits: number): string | undefined {
+  if (hits > 0) return made > asked ? words.break.brokenOff(hits) : undefined;
+  if (10 * made <= 11 * asked && 10 * made >= 9 * asked) return words.break.withinTenth;
+  const { parts = 1, united = 0 } = (report['size'] ?? {}) as { parts?: number; united?: number };
+  if (made > asked) return parts > asked ? words.break.separateParts(parts) : words.break.apart;
+  if (made === parameters['max_fragments']) return words.break.atMost;
+  return Number(certificate['united'] ?? 0) > united ? words.break.crossesItself : words.break.noMoreCells;
 }
