@@ -1,6 +1,5 @@
 // fracture-server inspect: what the service would make of a mesh, without fracturing it.
 #include <cerrno>
-#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -8,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
@@ -27,18 +27,23 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
               size.z, mesh.frame.metres_per_unit, name_of(mesh.frame.unit_from), mesh.frame.z_up ? "z" : "y",
               name_of(mesh.frame.up_from));
   std::printf("  volume     %.9g m³, area %.9g m²\n", r.volume, r.area);
-  std::printf("  solid      %" PRIu64 " parts, %" PRIu64 " shells, %" PRIu64 " cavities\n", r.parts, r.shells,
-              r.cavities);
-  std::printf("  source     %" PRIu64 " triangles, %" PRIu64
-              " vertices, %zu nodes, %zu materials, %zu images\n",
-              r.source_triangles, r.source_vertices, source.node_names.size(),
-              source.library->materials.size(), source.library->images.size());
+  const auto nodes = source.node_names.size(), materials = source.library->materials.size(),
+             images = source.library->images.size();
+  std::printf("  solid      %s, %s, %s\n", counted(r.parts, "part", "parts").c_str(),
+              counted(r.shells, "shell", "shells").c_str(),
+              counted(r.cavities, "cavity", "cavities").c_str());
+  std::printf(
+      "  source     %s, %s, %s, %s, %s\n", counted(r.source_triangles, "triangle", "triangles").c_str(),
+      counted(r.source_vertices, "vertex", "vertices").c_str(), counted(nodes, "node", "nodes").c_str(),
+      counted(materials, "material", "materials").c_str(), counted(images, "image", "images").c_str());
   if (source.passed_through)
-    std::printf("  passed through whole: %zu triangles\n", source.passed_through->triangles.size());
+    std::printf("  passed through whole: %s\n",
+                counted(source.passed_through->triangles.size(), "triangle", "triangles").c_str());
   if (mended)
-    std::printf("  repaired   %" PRIu64 " open edges, %" PRIu64 " non-manifold edges, %" PRIu64
-                " holes filled with %.6g m²\n",
-                r.open_edges, r.nonmanifold_edges, r.holes_filled, r.filled_area);
+    std::printf("  repaired   %s, %s, %s filled with %.6g m²\n",
+                counted(r.open_edges, "open edge", "open edges").c_str(),
+                counted(r.nonmanifold_edges, "non-manifold edge", "non-manifold edges").c_str(),
+                counted(r.holes_filled, "hole", "holes").c_str(), r.filled_area);
   const Remarks remarks = mesh.solid.remarks();
   for (const std::string& warning : remarks.warnings) std::printf("  warning: %s\n", warning.c_str());
   for (const std::string& note : remarks.notes) std::printf("  note: %s\n", note.c_str());
