@@ -1,4 +1,4 @@
-// What a browser gets: the page, the interface for people, and what these load.
+// The files for a browser: the page, the documents, and the files that these load.
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/content_coding.hpp"

@@ -20,7 +20,7 @@ using enum Listener;
 constexpr Route kRoutes[] = {
     {kGetIndex, kPublic, "GET", "/", Carries::kNothing, kIndexTypes,
      "The server's name and addresses; the page"},
-    {kGetDocs, kPublic, "GET", "/docs", Carries::kNothing, kHtmlTypes, "This interface for people"},
+    {kGetDocs, kPublic, "GET", "/docs", Carries::kNothing, kHtmlTypes, "The documents, and this interface"},
     {kGetPageFile, kPublic, "GET", "/page/{file}", Carries::kNothing, kAnyTypes,
      "A file that the page loads"},
     {kGetVersion, kPublic, "GET", "/version", Carries::kNothing, kJsonTypes,

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { Bench, eventually, onMesh, pictures, require, serious, shown, skip, state } from './support.mjs';
+import { Bench, clean, eventually, onMesh, pictures, require, shown, skip, state } from './support.mjs';
 
 describe('the page', { skip, timeout: 300_000 }, () => {
   let bench;
@@ -11,13 +11,6 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     bench = await Bench.start();
   });
   after(() => bench?.stop());
-
-  /** Nothing was refused by the policy, nothing failed, nothing was asked elsewhere. */
-  async function clean({ page, complaints, foreign }) {
-    assert.deepEqual(await page.evaluate(() => globalThis.violations), []);
-    assert.deepEqual(complaints, []);
-    assert.deepEqual(foreign, []);
-  }
 
   test('opens with a sample that is broken', async () => {
     await (await bench.open()).close();  // the browser's own start is not the page's
@@ -185,27 +178,17 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     }
   });
 
-  test('the interface for people', async () => {
-    const opened = await bench.open({ path: '/docs', wait: false }), { page } = opened;
-    await page.waitForSelector('article[id="post /fracture"]');
-    await page.fill('input[type=search]', 'restitution');
-    await page.waitForSelector('[id="parameter restitution"]');
-    assert.doesNotMatch(await page.locator('main > p').first().textContent(), /this file|edit/i, 'it is about the service, not about how its document is made');
-    await clean(opened);
-    assert.deepEqual(serious(opened.complaints), []);
-    await opened.close();
-  });
-
-  test('the way back from it leads to what was there, and without one to a new page', async () => {
+  test('the way back from the documents leads to what was there, and without one to a new page', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":20}' }), { page } = opened;
     await page.evaluate(() => globalThis.fracture.breaking.setParameter('fragments', 23));
     await shown(page);
     await page.waitForFunction(() => location.hash.includes('23'));
     const address = page.url();
-    await page.getByRole('link', { name: 'Interface' }).click();
+    await page.getByRole('link', { name: 'Documents' }).click();
+    await page.locator('.docs-nav').getByRole('link', { name: 'HTTP interface' }).click();
     // What is followed there are further entries of the history.
     await page.locator('.docs-nav').getByRole('link', { name: 'POST /fracture', exact: true }).click();
-    await page.locator('.docs-nav').getByRole('link', { name: /^Parameters/ }).click();
+    await page.locator('.docs-nav').getByRole('link', { name: /^Parameters \(/ }).click();
     await page.getByRole('link', { name: 'Back to the page' }).click();
     await page.waitForURL(address);
     await shown(page);

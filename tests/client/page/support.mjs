@@ -1,11 +1,12 @@
 // What the tests of the page share: a fracture-server (FRACTURE_TEST_SERVER) behind the site, Chromium with WebGL in software, and a
 // page whose complaints are kept.
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import os from 'node:os';
 import path from 'node:path';
-import { fileURLToPath } from 'node:url';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 import { Site } from './site.mjs';
 
 export const here = path.dirname(fileURLToPath(import.meta.url)), folder = path.resolve(here, '../../../client/page'), dist = path.join(folder, 'dist');
@@ -20,6 +21,18 @@ export const skip = !program ? 'FRACTURE_TEST_SERVER names no fracture-server' :
 /** Folders of real meshes; the first has the ones of the tests. */
 const meshes = (process.env.FRACTURE_TEST_MESHES ?? '').split(':').filter(Boolean);
 export const meshOf = name => meshes.map(at => path.join(at, name)).find(at => fs.existsSync(at));
+
+/** Modules of the page's sources, for node. */
+export async function source(...names) {
+  const { build } = require('esbuild'), out = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));
+  const at = (...parts) => path.join(folder, ...parts);
+  await build({
+    stdin: { contents: names.map(name => `export * from './src/${name}';`).join('\n'), resolveDir: folder }, bundle: true, format: 'esm', platform: 'node',
+    outfile: path.join(out, 'out.mjs'), logLevel: 'error', tsconfig: at('tsconfig.json'),
+    alias: { 'fracture-client': at('../typescript/src/index.ts'), three: at('node_modules/three/build/three.module.js') },
+  });
+  return import(pathToFileURL(path.join(out, 'out.mjs')));
+}
 
 const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-dev-shm-usage', '--disable-background-networking',
   '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
@@ -111,6 +124,13 @@ export class Bench {
 
 /** Complaints but for the lines that a browser writes of an error of the server. */
 export const serious = complaints => complaints.filter(text => !SAID.test(text));
+
+/** Nothing was refused by the policy, nothing failed, nothing was asked elsewhere. */
+export async function clean({ page, complaints, foreign }) {
+  assert.deepEqual(await page.evaluate(() => globalThis.violations), []);
+  assert.deepEqual(complaints, []);
+  assert.deepEqual(foreign, []);
+}
 
 /** When panels and words are of the state that the page has now: it draws them with its next frame. */
 export const painted = page => page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));

@@ -6,20 +6,9 @@ import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
 import { describe, test } from 'node:test';
-import { pathToFileURL } from 'node:url';
 import { promisify } from 'node:util';
-import { folder, require } from './support.mjs';
+import { source } from './support.mjs';
 
-async function source(...names) {
-  const { build } = require('esbuild'), out = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));
-  const at = (...parts) => path.join(folder, ...parts);
-  await build({
-    stdin: { contents: names.map(name => `export * from './src/${name}';`).join('\n'), resolveDir: folder }, bundle: true, format: 'esm', platform: 'node',
-    outfile: path.join(out, 'out.mjs'), logLevel: 'error', tsconfig: at('tsconfig.json'),
-    alias: { 'fracture-client': at('../typescript/src/index.ts'), three: at('node_modules/three/build/three.module.js') },
-  });
-  return import(pathToFileURL(path.join(out, 'out.mjs')));
-}
 const { Asker, Gestures, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
   handlesOf, presetOf, readPreset, countRemark, remarkLists, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
   'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'take/snippets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');

@@ -1,99 +1,111 @@
-// The interface for people: /openapi.json of the server that sent this page, as text that can be read and searched.
+// The documents for people: those of the repository, and the HTTP interface, with one search for all.
 import { html, nothing, render, type TemplateResult } from 'lit';
+import { unsafeHTML } from 'lit/directives/unsafe-html.js';
 import { takeTheme } from '../app/theme';
 import { words } from '../words/docs';
 import { backToPage } from './back';
-import { examplesOf, type Operation, type Schema, typeOf } from './document';
+import { entriesOf, headingsOf, KINDS, type Page, shownOf } from './documents';
+import { Finder } from './finder';
+import { type Document, Interface } from './interface';
+import { documentOf, INTERFACE, keepScroll, placeOf, scrollTo } from './places';
+import type { Entry } from './search';
 
-interface Document {
-  info: { title: string; version: string; summary?: string; description?: string };
-  tags?: { name: string; description?: string }[];
-  paths: Record<string, Record<string, Operation>>;
-  components: { schemas?: Record<string, Schema>; parameters?: Record<string, any>; responses?: Record<string, any> };
-}
-
-const METHODS = ['get', 'put', 'post', 'delete', 'head', 'patch'];
 const root = document.getElementById('docs')!;
-let filter = '', page: Document | undefined, problem = '', token = '';
+let pages: Page[] | undefined, service: Interface | undefined, entries: Entry[] = [], problem = '', token = '', open = false, settled = false;
+const finder = new Finder(() => entries, show);
+
+const current = (): string => documentOf(placeOf(location.hash), (pages ?? []).map(({ path }) => path));
 
 function show(): void {
-  render(page ? contents(page) : html`<div class="docs-body"><h1>${words.title}</h1>${problem === '401' ? html`<form @submit=${(event: Event) => {
-    event.preventDefault();
-    token = String(new FormData(event.target as HTMLFormElement).get('token'));
-    void load();
-  }}><label>${words.token} <input name="token" type="password" autocomplete="off"></label> <button class="primary">${words.use}</button></form>`
-  : html`<p role="status">${problem || words.loading}</p>`}</div>`, root);
+  const at = current(), page = pages?.find(({ path }) => path === at);
+  document.title = `${page?.name ?? words.title} - fracture`;
+  render(html`<div class="docs-side"><div class="docs-top" role="banner">
+      <a class="home" href="/" aria-label=${words.home} @click=${backToPage}>← <span>${words.home}</span></a>${finder.shown()}
+      <button class="docs-menu" aria-expanded=${open} aria-controls="contents" @click=${() => {
+        open = !open;
+        show();
+      }}>${words.contents}</button></div>
+      <nav id="contents" class="docs-nav ${open ? 'open' : ''}" aria-label=${words.contents} @click=${(event: Event) => {
+        if ((event.target as Element).closest('a')) open = false;
+      }}>${KINDS.map(kind => html`<b>${words.kinds[kind]}</b>
+        ${kind === 'reference' ? one(INTERFACE, words.title, at, () => service?.contents()) : nothing}
+        ${(pages ?? []).filter(each => each.kind === kind).map(each => one(each.path, each.name, at, () => headingsOf(each).filter(({ level }) => level === 2)
+          .map(({ id, text }) => html`<a href="#${id}">${text}</a>`)))}`)}</nav></div>
+    <main class="docs-body" tabindex="-1">${page ? html`<p class="docs-path">${words.kinds[page.kind]} · <code>${page.path}</code>${page.pictures ? ` · ${words.pictures}` : ''}</p>
+      <article class="docs-text">${unsafeHTML(shownOf(page))}</article>` : at === INTERFACE && pages ? asked() : html`<p role="status">${problem || words.loading}</p>`}</main>`, root);
 }
 
-async function load(): Promise<void> {
+/** A document in the list; what it contains, if it is the one that is read. */
+function one(place: string, name: string, at: string, contents: () => unknown): TemplateResult {
+  return html`<a href="#${place}" aria-current=${place === at ? 'page' : nothing}>${name}</a>${place === at ? html`<div class="docs-parts">${contents()}</div>` : nothing}`;
+}
+
+/** The interface, or what is missing for it. */
+function asked(): TemplateResult {
+  if (service) return service.shown();
+  return html`<h1>${words.title}</h1>${problem === '401' ? html`<form @submit=${(event: Event) => {
+    event.preventDefault();
+    token = String(new FormData(event.target as HTMLFormElement).get('token'));
+    void loadInterface();
+  }}><label>${words.token} <input name="token" type="password" autocomplete="off"></label> <button class="primary">${words.use}</button></form>`
+  : html`<p role="status">${problem || words.loading}</p>`}`;
+}
+
+/** The JSON of an address, or nothing; then `problem` says why. */
+async function load<T>(address: string): Promise<T | undefined> {
   try {
-    const answer = await fetch('/openapi.json', { headers: { Accept: 'application/json', ...(token ? { Authorization: `Bearer ${token}` } : {}) } });
-    if (answer.ok) page = await answer.json() as Document;
-    else problem = answer.status === 401 ? '401' : `${answer.status} ${answer.statusText}`;
+    const answer = await fetch(address, { headers: { Accept: 'application/json', ...(token ? { Authorization: `Bearer ${token}` } : {}) } });
+    if (answer.ok) return await answer.json() as T;
+    problem = answer.status === 401 ? '401' : `${answer.status} ${answer.statusText}`;
   } catch {
     problem = words.absent;
   }
+  return undefined;
+}
+
+/** Whether what the address names is here. */
+function ready(): boolean {
+  const at = current();
+  return pages !== undefined && (at === INTERFACE ? service !== undefined : true);
+}
+
+/** After something arrived: to the place that the address names, if it was waited for. */
+function arrived(): void {
+  entries = [...(pages ?? []).flatMap(entriesOf), ...(service?.entries() ?? [])];
+  finder.again();
+  if (!settled && ready()) move();
+  else show();
+}
+
+function move(): void {
+  settled = ready();
   show();
-  if (page && location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
+  document.querySelector('.docs-nav [aria-current]')?.scrollIntoView({ block: 'nearest' });
+  if (settled) scrollTo(placeOf(location.hash));
+  reachable();
 }
 
-/** What a $ref stands for. */
-function resolve<T>(value: any): T {
-  let at = value;
-  for (let depth = 0; typeof at?.$ref === 'string' && depth < 8; ++depth)
-    at = (at.$ref as string).slice(2).split('/').reduce((node: any, key) => node?.[key.replaceAll('~1', '/').replaceAll('~0', '~')], page);
-  return at as T;
+/** Tables and code that scroll sideways can be reached with the keyboard. */
+function reachable(): void {
+  for (const each of document.querySelectorAll<HTMLElement>('.docs-body pre, .docs-body .table')) {
+    if (each.scrollWidth > each.clientWidth) each.tabIndex = 0;
+    else each.removeAttribute('tabindex');
+  }
 }
 
-function contents(document: Document): TemplateResult {
-  const { info, tags = [], paths, components } = document, search = filter.trim().toLowerCase();
-  const operations = Object.entries(paths).flatMap(([path, item]) => Object.entries(item).filter(([method]) => METHODS.includes(method))
-    .map(([method, operation]) => ({ path, method, operation, text: `${method} ${path} ${operation.summary} ${operation.description ?? ''}`.toLowerCase() })));
-  const found = operations.filter(({ text }) => text.includes(search)), properties = Object.entries(components.schemas?.['Parameters']?.properties ?? {});
-  const parameters = properties.filter(([name, schema]) => `${name} ${resolve<Schema>(schema).description ?? ''}`.toLowerCase().includes(search));
-  return html`<nav class="docs-nav" aria-label=${words.contents}><a class="home" href="/" @click=${backToPage}>${words.home}</a>
-      <input type="search" aria-label=${words.search} placeholder=${words.search} @input=${(event: Event) => {
-        filter = (event.target as HTMLInputElement).value;
-        show();
-      }}>
-      ${tags.map(({ name }) => html`<b>${name}</b>${found.filter(({ operation }) => operation.tags?.[0] === name).map(({ path, method }) => html`<a href="#${method} ${path}"><code>${method.toUpperCase()}</code> ${path}</a>`)}`)}
-      ${properties.length > 0 ? html`<b><a href="#parameters">${words.parameters} (${parameters.length})</a></b>` : nothing}</nav>
-    <main class="docs-body"><h1>${info.title} <small>${info.version}</small></h1><p>${info.description}</p>
-      <p>${words.raw} <a href="/openapi.json">/openapi.json</a></p>
-      ${tags.map(({ name, description }) => {
-        const own = found.filter(({ operation }) => operation.tags?.[0] === name);
-        return own.length === 0 ? nothing : html`<h2>${name} <small>${description}</small></h2>${own.map(each => one(each.path, each.method, each.operation))}`;
-      })}
-      ${parameters.length > 0 ? html`<h2 id="parameters">${words.parameters}</h2><dl class="docs-parameters">${parameters.map(([name, schema]) => parameter(name, schema))}</dl>` : nothing}
-    </main>`;
+async function loadInterface(): Promise<void> {
+  const found = await load<Document>('/openapi.json');
+  if (found) service = new Interface(found);
+  arrived();
 }
-
-function one(path: string, method: string, operation: Operation): TemplateResult {
-  const parameters = (operation.parameters ?? []).map(each => resolve<any>(each)), few = parameters.filter(({ in: where }) => where !== 'query');
-  const queries = parameters.filter(({ in: where }) => where === 'query'), body = Object.keys(resolve<any>(operation.requestBody)?.content ?? {});
-  const shared = new Set(Object.keys(page?.components.schemas?.['Parameters']?.properties ?? {})), own = queries.filter(({ name }) => !shared.has(name));
-  return html`<article id="${method} ${path}"><h3><code class="method">${method.toUpperCase()}</code> <code>${path}</code></h3>
-    <p><b>${operation.summary}</b></p>${(operation.description ?? '').split('\n\n').filter(Boolean).map(text => html`<p>${marked(text)}</p>`)}
-    ${few.length + own.length > 0 ? html`<dl class="docs-parameters">${[...few, ...own].map(({ name, in: where, description, schema }) => html`<div><dt><code>${name}</code> <small>${where}</small></dt>
-      <dd>${marked(description)} <small>${typeOf(resolve<Schema>(schema))}</small></dd></div>`)}</dl>` : nothing}
-    ${queries.length > own.length ? html`<p><a href="#parameters">${words.allParameters(queries.length - own.length)}</a></p>` : nothing}
-    ${body.length > 0 ? html`<p>${words.body} ${body.map(type => html`<code>${type}</code> `)}</p>` : nothing}
-    <table><tbody>${Object.entries(operation.responses).map(([status, answer]) => {
-      const { description, content, headers } = resolve<any>(answer);
-      return html`<tr><th scope="row">${status}</th><td>${marked(description)} ${Object.keys(content ?? {}).map(type => html`<code>${type}</code> `)}
-        ${headers ? html`<details><summary>${words.headers}</summary><dl>${Object.entries<any>(headers).map(([name, header]) => html`<div><dt><code>${name}</code></dt><dd>${header.description}</dd></div>`)}</dl></details>` : nothing}</td></tr>`;
-    })}</tbody></table>
-    ${examplesOf(method, path, location.origin).map(text => html`<pre><code>${text}</code></pre>`)}</article>`;
-}
-
-function parameter(name: string, source: unknown): TemplateResult {
-  const schema = resolve<Schema>(source);
-  return html`<div id="parameter ${name}"><dt><code>${name}</code></dt><dd>${marked(schema.description)} <small>${typeOf(schema)}</small></dd></div>`;
-}
-
-/** `code` as it stands in descriptions. */
-const marked = (text = '') => text.split('`').map((part, k) => (k % 2 === 1 ? html`<code>${part}</code>` : part));
 
 takeTheme();
+keepScroll();
+addEventListener('hashchange', move);
+addEventListener('resize', reachable);
 show();
-void load();
+void loadInterface();
+void load<Page[]>('/page/documents.json').then(found => {
+  pages = found ?? [];
+  arrived();
+});

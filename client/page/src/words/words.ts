@@ -9,7 +9,7 @@ export const words = {
     enter: 'Enter uses the tool at the centre of the view',
   },
   header: {
-    undo: 'Undo', redo: 'Redo', keys: 'Keyboard shortcuts', docs: 'HTTP interface', theme: 'Dark or light theme', away: 'no server, trying again',
+    undo: 'Undo', redo: 'Redo', keys: 'Keyboard shortcuts', docs: 'Documents', theme: 'Dark or light theme', away: 'no server, trying again',
     connecting: 'connecting', token: 'needs a token', ready: (version: string, algorithm: number) => `${version} · algorithm ${algorithm}`,
   },
   mesh: {

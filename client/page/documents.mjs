@@ -1,0 +1,107 @@
+// The documents of the repository as HTML, for /docs: the build writes them into dist/page/documents.json. The text is our own, and only
+// what Markdown makes of it gets through: raw HTML other than comments ends the build.
+import fs from 'node:fs';
+import path from 'node:path';
+import { Marked } from 'marked';
+
+const GUIDES = 'proto/guides';
+/** In the order of the list. A document that is missing ends the build, because its links would silently become text. */
+const LISTED = {
+  tutorial: ['README.md', 'client/python/README.md', 'client/typescript/README.md', 'client/blender/README.md', 'client/README.md'],
+  'how-to': ['client/ENGINES.md', 'server/bake/README.md', 'docker/README.md'],
+  reference: ['proto/interface.md', 'proto/parameters.md', 'proto/materials.md', 'server/README.md', 'client/OPERATIONS.md', 'CHANGELOG.md'],
+  explanation: ['proto/README.md', 'client/page/README.md'],
+};
+/** In the list, instead of the first heading. */
+const NAMES = { 'README.md': 'Quick start' };
+/** The page shows it in its own way. */
+const INTERFACE = 'proto/openapi.yaml';
+
+/** Paths of all documents, by kind. */
+export function listed(root) {
+  const guides = fs.readdirSync(path.join(root, GUIDES)).filter(name => name.endsWith('.md') && name !== 'README.md').sort().map(name => `${GUIDES}/${name}`);
+  return { ...LISTED, 'how-to': [`${GUIDES}/README.md`, ...guides, ...LISTED['how-to']] };
+}
+
+/** [{path, kind, name, html, pictures}]; `pictures`: the document has some, which are left out. */
+export function documents(root) {
+  const paths = listed(root), known = new Set(Object.values(paths).flat());
+  return Object.entries(paths).flatMap(([kind, files]) => files.map(file => {
+    const { title, html, pictures } = rendered(file, fs.readFileSync(path.join(root, file), 'utf8'), known);
+    return { path: file, kind, name: NAMES[file] ?? title, html, pictures };
+  }));
+}
+
+const escaped = text => text.replace(/[&<>"]/g, letter => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[letter]);
+const plain = html => html.replace(/<[^>]*>/g, '');
+
+/** The anchor that GitHub makes of a heading; `seen` counts those that are the same. */
+export function anchorOf(text, seen) {
+  const base = text.trim().toLowerCase().replace(/[^\p{L}\p{M}\p{N}\p{Pc}\- ]/gu, '').replaceAll(' ', '-');
+  let name = base;
+  while (seen.has(name)) {
+    seen.set(base, seen.get(base) + 1);
+    name = `${base}-${seen.get(base)}`;
+  }
+  seen.set(name, 0);
+  return name;
+}
+
+/** Pictures are left out: they would weigh more than all of the text. */
+function isPicture(tokens = []) {
+  const solid = tokens.filter(({ type, raw }) => type !== 'text' || raw.trim() !== '');
+  return solid.length > 0 && solid.every(({ type, tokens: inner }) => type === 'image' || (type === 'link' && isPicture(inner)));
+}
+
+/** One document. Headings get the ids `path:anchor`; links between documents become `#path:anchor`. */
+export function rendered(file, markdown, known) {
+  const seen = new Map();
+  let title = '', pictures = false;
+  const renderer = {
+    heading({ tokens, depth }) {
+      const html = this.parser.parseInline(tokens), text = this.parser.parseInline(tokens, this.parser.textRenderer);
+      const anchor = anchorOf(text, seen);
+      if (depth === 1 && title === '') title = text;
+      return `<h${depth} id="${escaped(file)}:${anchor}">${html}</h${depth}>\n`;
+    },
+    html({ text }) {
+      if (/^\s*<!--(?:(?!-->)[^])*-->\s*$/.test(text)) return '';
+      throw new Error(`${file}: has HTML, which /docs does not take: ${text.slice(0, 80)}`);
+    },
+    image() {
+      pictures = true;
+      return '';
+    },
+    link({ href, tokens }) {
+      return linked(file, href, this.parser.parseInline(tokens), known);
+    },
+    paragraph({ tokens }) {
+      const html = this.parser.parseInline(tokens);
+      return isPicture(tokens) ? '' : `<p>${html}</p>\n`;
+    },
+    table({ header, rows }) {
+      // A column of nothing but pictures goes with them.
+      const bare = cells => cells.some(({ tokens }) => isPicture(tokens)) && cells.every(({ text, tokens }) => text === '' || isPicture(tokens));
+      const columns = header.map((_, k) => k).filter(k => !bare(rows.map(row => row[k])));
+      if (columns.length < header.length) pictures = true;
+      if (columns.length === 0) return '';
+      const line = cells => `<tr>${columns.map(k => this.tablecell(cells[k])).join('').replaceAll('\n', '')}</tr>\n`;
+      return `<div class="table"><table><thead>${line(header)}</thead><tbody>${rows.map(line).join('')}</tbody></table></div>\n`;
+    },
+    code: ({ text }) => `<pre><code>${escaped(text)}</code></pre>\n`,
+  };
+  const html = new Marked({ gfm: true, renderer }).parse(markdown);
+  return { title, html: html.trim(), pictures };
+}
+
+function linked(file, href, html, known) {
+  if (/^https?:\/\//.test(href)) return /^https?:\/\/(127\.0\.0\.1|localhost)\b/.test(href) ? html : `<a href="${escaped(href)}" rel="noopener">${html}</a>`;
+  if (/^[a-z][a-z0-9+.-]*:/i.test(href)) throw new Error(`${file}: links to ${href}, and /docs takes only http and https`);
+  const [place, anchor] = href.split('#'), full = place === '' ? file : path.posix.normalize(path.posix.join(path.posix.dirname(file), place));
+  if (full === INTERFACE) return `<a href="#interface">${html}</a>`;
+  if (known.has(full)) return `<a href="#${escaped(full)}${anchor ? `:${escaped(anchor)}` : ''}">${html}</a>`;
+  // A source file, which only the repository has: its path says where.
+  const text = plain(html);
+  if (text.includes(full)) return html;
+  return text === path.posix.basename(full) ? `<code>${escaped(full)}</code>` : `${html} (<code>${escaped(full)}</code>)`;
+}

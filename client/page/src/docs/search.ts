@@ -1,0 +1,72 @@
+// The search in documents and interface. All words must be found; a title counts more than a heading, and a heading more than text.
+export interface Entry {
+  /** The place that it leads to. */
+  at: string;
+  /** The document that it is part of. Its words count as found, but move nothing up: else a title would bring all of its sections. */
+  of: string;
+  title: string;
+  heading: string;
+  text: string;
+}
+export interface Found {
+  entry: Entry;
+  score: number;
+}
+
+const FIELDS = [['title', 300], ['heading', 200], ['text', 100], ['of', 0]] as const;
+const LETTER = /[\p{L}\p{N}_]/u;
+
+export const wordsOf = (query: string): string[] => query.toLowerCase().split(/[\s,;]+/).filter(Boolean);
+
+/** 0: not in it; 1: within a word; 2: the beginning of a word; 3: a word. */
+function fit(text: string, word: string): number {
+  let best = 0;
+  for (let at = text.indexOf(word); at >= 0 && best < 3; at = text.indexOf(word, at + 1)) {
+    const starts = !LETTER.test(text[at - 1] ?? ' ') || !LETTER.test(word[0]!), ends = !LETTER.test(text[at + word.length] ?? ' ');
+    best = Math.max(best, starts ? (ends ? 3 : 2) : 1);
+  }
+  return best;
+}
+
+/** The best first; equal ones in their order. */
+export function search(entries: Entry[], query: string): Found[] {
+  const words = wordsOf(query), phrase = words.join(' ');
+  if (words.length === 0) return [];
+  const found: Found[] = [];
+  for (const entry of entries) {
+    const fields = FIELDS.map(([name, weight]) => ({ text: entry[name].toLowerCase(), weight }));
+    let score = 0;
+    for (const word of words) {
+      const best = Math.max(...fields.map(({ text, weight }) => {
+        const how = fit(text, word);
+        return how === 0 ? -1 : weight + 10 * how;
+      }));
+      score = best < 0 ? -Infinity : score + best;
+    }
+    if (score === -Infinity) continue;
+    for (const { text, weight } of fields) {
+      if (weight === 0 || text === '') continue;
+      // Words that stand together, and a title or heading that is nothing else.
+      if (words.length > 1 && text.includes(phrase)) score += 20;
+      if (text === phrase) score += 30;
+    }
+    found.push({ entry, score: score / words.length });
+  }
+  return found.sort((a, b) => b.score - a.score);
+}
+
+/** The text around the first word, in parts; each second part is a word that was asked for. */
+export function excerptOf(text: string, query: string, length = 150): string[] {
+  const words = wordsOf(query), lower = text.toLowerCase(), first = Math.min(...words.map(word => lower.indexOf(word)).filter(at => at >= 0));
+  let from = Number.isFinite(first) ? Math.max(0, first - 50) : 0;
+  if (from > 0) from = text.indexOf(' ', from) + 1;
+  const to = from + length < text.length ? text.lastIndexOf(' ', from + length) : text.length;
+  const shown = `${from > 0 ? '… ' : ''}${text.slice(from, to > from ? to : from + length)}${to < text.length ? ' …' : ''}`;
+  return partsOf(shown, query);
+}
+
+/** A text in parts; each second part is a word that was asked for. */
+export function partsOf(text: string, query: string): string[] {
+  const words = wordsOf(query).map(word => word.replace(/[.*+?^${}()|[\]\\]/g, '\\$&'));
+  return words.length === 0 ? [text] : text.split(new RegExp(`(${words.join('|')})`, 'gi'));
+}
