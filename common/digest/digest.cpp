@@ -1,7 +1,6 @@
 #include "common/digest/digest.hpp"
 
 #include <openssl/evp.h>
-#include <openssl/sha.h>
 
 #include <algorithm>
 #include <memory>
@@ -11,6 +10,18 @@
 #include "common/base/pacer.hpp"
 
 namespace fracture {
+namespace {
+
+/// Fetched once, because EVP_sha256() and SHA256() look for their implementation at each use.
+const EVP_MD* implementation_of(DigestAlgorithm algorithm) {
+  static const EVP_MD* const sha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  static const EVP_MD* const sha512 = EVP_MD_fetch(nullptr, "SHA512", nullptr);
+  const EVP_MD* const kind = algorithm == DigestAlgorithm::kSha256 ? sha256 : sha512;
+  if (!kind) throw InternalError("libcrypto has no SHA-2");
+  return kind;
+}
+
+}  // namespace
 
 std::string Digest::hex() const {
   constexpr char kDigits[] = "0123456789abcdef";
@@ -26,13 +37,15 @@ std::string Digest::hex() const {
 Digest sha256(std::span<const std::byte> data) {
   count_bulk(data.size());
   Digest d;
-  SHA256(reinterpret_cast<const unsigned char*>(data.data()), data.size(), d.bytes.data());
+  if (EVP_Digest(data.data(), data.size(), d.bytes.data(), nullptr,
+                 implementation_of(DigestAlgorithm::kSha256), nullptr) != 1)
+    throw InternalError("a digest cannot be computed");
   return d;
 }
 
 std::vector<std::uint8_t> digest_bytes(DigestAlgorithm algorithm, std::span<const std::byte> data,
                                        const Execution& execution) {
-  const EVP_MD* const kind = algorithm == DigestAlgorithm::kSha256 ? EVP_sha256() : EVP_sha512();
+  const EVP_MD* const kind = implementation_of(algorithm);
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
   count_bulk(data.size());
   bool good = context && EVP_DigestInit_ex(context.get(), kind, nullptr) == 1;

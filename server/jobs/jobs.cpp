@@ -49,13 +49,14 @@ Jobs::~Jobs() { stop(); }
 
 std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Owner& owner,
                                  std::function<void(const JobView&)> accepted) {
-  const RequestKeys keys = keys_of(request);
-  request.digest = keys.digest;
+  const auto keys = std::make_shared<const RequestKeys>(keys_of(request));
+  request.keys = keys;
+  request.digest = keys->digest;
   const auto job = std::make_shared<Job>();
-  job->view.id = job->record.id = keys.digest.substr(0, 16) + "-" + random_digits();
+  job->view.id = job->record.id = keys->digest.substr(0, 16) + "-" + random_digits();
   job->view.owner = job->record.owner = owner.name;
   job->holder = terms.payer.flow.name;
-  job->view.result_key = job->record.result_key = keys.result;
+  job->view.result_key = job->record.result_key = keys->result;
   job->client = terms.payer.flow.name;
   {
     const std::lock_guard lock(mutex_);

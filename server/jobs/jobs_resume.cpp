@@ -303,7 +303,8 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   request->owner = mesh->owner;
   request->digest = record.digest;
   request->triangles = record.triangles;
-  const std::string key = keys_of(*request).result;
+  request->keys = std::make_shared<const RequestKeys>(keys_of(*request));
+  const std::string key = request->keys->result;
   {
     const std::lock_guard lock(mutex_);
     job->view.result_key = job->record.result_key = key;  // another one where the algorithm has changed

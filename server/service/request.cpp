@@ -40,6 +40,7 @@ std::string sizes_in_diagram(const FractureParameters& parameters) {
 }  // namespace
 
 RequestKeys keys_of(const FractureRequest& request) {
+  if (request.keys) return *request.keys;
   const RequestParameters& parameters = request.parameters;
   const std::string version = std::to_string(kAlgorithmVersion);
   RequestKeys keys;

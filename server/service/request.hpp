@@ -16,24 +16,6 @@
 
 namespace fracture {
 
-/// The mesh and its further files are borrowed: from `owner` when there is one, else from the caller for the
-/// duration of the call.
-struct FractureRequest {
-  std::span<const std::byte> mesh;
-  MeshFormat format = MeshFormat::kGlb;
-  RequestParameters parameters;
-  std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
-  OutputFormat output = OutputFormat::kGlb;
-  std::shared_ptr<const void> owner{};
-  std::string digest{};         ///< digest_of() in hex, when it is known already
-  std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
-};
-
-/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a fixed line and the
-/// digest of a text that lists the digest of the mesh and then name and digest of each file, ordered by name.
-/// No mesh alone has the digest of one with files.
-Digest digest_of(const FractureRequest& request, const Execution& execution = kUninterrupted);
-
 /// What the values of a request are called in the caches. Keys hash everything that determines the value and
 /// the algorithm version, so an entry is never stale.
 struct RequestKeys {
@@ -46,6 +28,27 @@ struct RequestKeys {
   /// request that concerns one mesh to one server.
   std::string result;
 };
+
+/// The mesh and its further files are borrowed: from `owner` when there is one, else from the caller for the
+/// duration of the call.
+struct FractureRequest {
+  std::span<const std::byte> mesh;
+  MeshFormat format = MeshFormat::kGlb;
+  RequestParameters parameters;
+  std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
+  OutputFormat output = OutputFormat::kGlb;
+  std::shared_ptr<const void> owner{};
+  std::string digest{};         ///< digest_of() in hex, when it is known already
+  std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
+  /// keys_of() of this request, if they are known already. What they hash must not change any more.
+  std::shared_ptr<const RequestKeys> keys{};
+};
+
+/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a fixed line and the
+/// digest of a text that lists the digest of the mesh and then name and digest of each file, ordered by name.
+/// No mesh alone has the digest of one with files.
+Digest digest_of(const FractureRequest& request, const Execution& execution = kUninterrupted);
+
 RequestKeys keys_of(const FractureRequest& request);
 
 /// Where `of` names an answer to another mesh: kBadParameter.
