@@ -24,11 +24,13 @@ class BackgroundMemory {
     /// It ends soon. False: it does not, because it does not run, or because somebody waits for it by now.
     std::function<bool()> give_up;
     bool given_up = false;
+    std::uint64_t number = 0;  ///< grows from one to the next
   };
   using Id = std::list<Holder>::iterator;
 
   Id add(Holder holder) {
     const std::lock_guard lock(mutex_);
+    holder.number = next_++;
     return holders_.insert(holders_.end(), std::move(holder));
   }
   /// Its memory is free.
@@ -66,11 +68,12 @@ class BackgroundMemory {
     }
     return given_up > 0;
   }
-  /// Returns when what was given up is free; false: it is not after so long.
-  bool wait(std::chrono::milliseconds longest) {
+  /// Returns when what was given up is free, whatever began meanwhile; false: it is not at that time.
+  bool wait(std::chrono::steady_clock::time_point longest) {
     std::unique_lock lock(mutex_);
-    return removed_.wait_for(lock, longest, [this] {
-      return std::none_of(holders_.begin(), holders_.end(), [](const Holder& h) { return h.given_up; });
+    return removed_.wait_until(lock, longest, [this, end = next_] {
+      return std::none_of(holders_.begin(), holders_.end(),
+                          [end](const Holder& h) { return h.given_up && h.number < end; });
     });
   }
 
@@ -78,6 +81,7 @@ class BackgroundMemory {
   std::mutex mutex_;
   std::condition_variable removed_;
   std::list<Holder> holders_;  // in the order in which they began
+  std::uint64_t next_ = 0;
 };
 
 }  // namespace fracture

@@ -14,8 +14,9 @@ namespace fracture {
 
 class ComputationAllowance {
  public:
-  /// Makes room for a reservation that is to have so many bytes and was refused them; false: none can be made.
-  using MakeRoom = std::function<bool(const MemoryBudget::Reservation&, std::uint64_t bytes)>;
+  /// Makes room for a reservation that is to have so many bytes and was refused them, and lets it have them; false: it
+  /// cannot.
+  using MakeRoom = std::function<bool(MemoryBudget::Reservation&, std::uint64_t bytes)>;
   ComputationAllowance(MemoryBudget& budget, MemoryBudget::Reservation reservation, MakeRoom make_room)
       : budget_(budget),
         reservation_(std::move(reservation)),
@@ -29,8 +30,7 @@ class ComputationAllowance {
   Allowance::Answer grow(std::uint64_t bytes) {
     if (bytes > budget_.capacity()) return Allowance::Answer::kNever;
     const std::lock_guard lock(mutex_);
-    while (!reservation_.grow_to(bytes))
-      if (!make_room_(reservation_, bytes)) return refused();
+    if (!reservation_.grow_to(bytes) && !make_room_(reservation_, bytes)) return refused();
     return Allowance::Answer::kGranted;
   }
   Allowance::Answer refused() const {

@@ -81,10 +81,16 @@ MemoryBudget::Use Dispatcher::use_of(Priority priority) {
 ComputationAllowance::MakeRoom Dispatcher::make_room_for(const std::string& client) {
   // They end at their next poll, and free what they hold.
   static constexpr std::chrono::seconds kLongest{2};
-  return [this, client](const MemoryBudget::Reservation& memory, std::uint64_t bytes) {
-    return memory.verdict() == MemoryBudget::Verdict::kHeldInBackground &&
-           background_.give_up(client, working_.whole().missing(bytes - memory.bytes())) &&
-           background_.wait(kLongest);
+  return [this, client](MemoryBudget::Reservation& memory, std::uint64_t bytes) {
+    const auto lacks = [&memory] { return memory.verdict() == MemoryBudget::Verdict::kHeldInBackground; };
+    if (!lacks()) return false;
+    const MemoryLine::Claim claim(line_);
+    const Away away(WorkerPool::turn());  // others compute meanwhile
+    const Clock::time_point longest = Clock::now() + kLongest;
+    while (lacks() && background_.give_up(client, working_.whole().missing(bytes - memory.bytes())) &&
+           background_.wait(longest))
+      if (memory.grow_to(bytes)) return true;
+    return memory.grow_to(bytes);
   };
 }
 

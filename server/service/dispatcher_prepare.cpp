@@ -117,8 +117,8 @@ void Dispatcher::begin_mesh(const std::shared_ptr<Preparation>& p, int threads) 
     const std::string& client = p->terms.payer.flow.name;
     MemoryBudget::Reservation memory = working_.begin(client, use_of(p->terms.priority));
     const ComputationAllowance::MakeRoom make_room = make_room_for(client);
-    while (!memory.grow_to(bytes))
-      if (!make_room(memory, bytes)) return tl::unexpected<Error>(lacking(memory.verdict(), bytes));
+    if (!memory.grow_to(bytes) && !make_room(memory, bytes))
+      return tl::unexpected<Error>(lacking(memory.verdict(), bytes));
     p->working.emplace(working_.whole(), std::move(memory), make_room);
     return p->make(threads);
   }));

@@ -1,5 +1,7 @@
 // Work whose turn has come and for which there is no memory: it leaves its thread to others and goes on when somebody
 // has given back enough. So queued work holds none of the memory that computing takes.
+//
+// Background work gives up memory for those whom a client waits for. Until they have it, no other background work takes it.
 #pragma once
 
 #include <algorithm>
@@ -34,24 +36,48 @@ class MemoryLine {
     // Nobody else takes any between the attempt and the place in the line.
     const std::lock_guard lock(mutex_);
     MemoryBudget::Reservation reservation = memory_.begin(waits.client, waits.use);
-    if (reservation.grow_to(waits.bytes)) return reservation;
+    if (may_take(waits.use) && reservation.grow_to(waits.bytes)) return reservation;
     line_.push_back({std::move(waits), std::move(reservation)});
     return std::nullopt;
   }
 
-  /// Memory was given back, or somebody who waits was given up. Whoever has waited longest is tried first; one that needs
-  /// more than there is holds up none of the others. Needs no memory itself.
+  /// Somebody who computes needs memory that background work is giving up. No background work takes any while this lives.
+  class Claim {
+   public:
+    explicit Claim(MemoryLine& line) : line_(line) {
+      const std::lock_guard lock(line_.mutex_);
+      ++line_.claims_;
+    }
+    ~Claim() {
+      {
+        const std::lock_guard lock(line_.mutex_);
+        --line_.claims_;
+      }
+      line_.given_back();
+    }
+    Claim(const Claim&) = delete;
+    Claim& operator=(const Claim&) = delete;
+
+   private:
+    MemoryLine& line_;
+  };
+
+  /// Memory was given back, or somebody who waits was given up. Background work comes last. Whoever has waited longest is
+  /// tried first; one that needs more than there is holds up none of its use. Needs no memory itself.
   void given_back() noexcept {
     std::list<Entry> over, go_on;  // let go, and called, without the lock
     {
       const std::lock_guard lock(mutex_);
-      for (auto at = line_.begin(); at != line_.end();) {
-        const auto next = std::next(at);
-        if (at->waits.given_up())
-          over.splice(over.end(), line_, at);
-        else if (at->reservation.grow_to(at->waits.bytes))
-          go_on.splice(go_on.end(), line_, at);
-        at = next;
+      for (const Use use : {Use::kWaitedFor, Use::kBackground}) {
+        const bool may = may_take(use);  // those who wait for clients were tried again by then
+        for (auto at = line_.begin(); at != line_.end();) {
+          const auto next = std::next(at);
+          if (at->waits.given_up())
+            over.splice(over.end(), line_, at);
+          else if (may && at->waits.use == use && at->reservation.grow_to(at->waits.bytes))
+            go_on.splice(go_on.end(), line_, at);
+          at = next;
+        }
       }
     }
     for (Entry& entry : go_on) try {
@@ -66,14 +92,24 @@ class MemoryLine {
   }
 
  private:
+  using Use = MemoryBudget::Use;
   struct Entry {
     Waits waits;
     MemoryBudget::Reservation reservation;  ///< of nothing yet
   };
 
+  /// With the lock. Background work does not, while others wait for what background work holds beyond its half.
+  bool may_take(Use use) const {
+    if (use != Use::kBackground) return true;
+    return claims_ == 0 && std::none_of(line_.begin(), line_.end(), [](const Entry& entry) {
+             return entry.reservation.verdict() == MemoryBudget::Verdict::kHeldInBackground;
+           });
+  }
+
   ClientShares& memory_;
   mutable std::mutex mutex_;
   std::list<Entry> line_;  // the longest waiting first
+  std::size_t claims_ = 0;
 };
 
 }  // namespace fracture

@@ -214,6 +214,50 @@ TEST_F(HeldInBackground, IsGivenUpWhenTheTurnComesOfAComputationThatIsExpectedTo
   end();
 }
 
+/// They began to wait before bob did. What the first job gives up would do for both of them, and not for bob besides.
+TEST_F(HeldInBackground, IsNotTakenByFurtherJobsThatWaitForMemory) {
+  Gate grows, busy;
+  control->during_cut = [&](const Execution& execution) {
+    if (execution.turn->is_urgent()) return;  // bob's
+    if (cuts++ == 0) {
+      grows.pass(execution);
+      execution.made(Product::kImportBytes, 40 * kMiB);
+    }
+    gate.pass(execution);
+  };
+  ask_as("ana", Priority::kBackground, 0);
+  grows.wait_for(1);
+  pool.submit(Priority::kBackground, 0, [&](int) { busy.pass_without_polls(); }, {"ana", 1});
+  busy.wait_for(1);
+  for (const std::uint32_t sites : {1100u, 1101u}) ask_as("ana", Priority::kBackground, 0, sites);
+  grows.open = true;
+  gate.wait_for(1);
+  busy.open = true;
+  test::require_eventually(test::kPatience, "both jobs to wait for memory",
+                           [this] { return small.waiting_for_memory() == 2; });
+  ask_as("bob", Priority::kRealtime, 0, 1100);
+  EXPECT_EQ(end_of("bob"), std::nullopt);
+  end();
+}
+
+TEST_F(HeldInBackground, LeavesAThreadToOthersUntilItIsFree) {
+  control->during_cut = [this](const Execution& execution) {
+    const bool first = cuts++ == 0;
+    execution.made(Product::kImportBytes, makes);
+    if (first) gate.pass_without_polls();
+  };
+  begin_job(40 * kMiB);
+  ask_as("bob", Priority::kBatch, 22 * kMiB);
+  test::require_eventually(test::kPatience, "bob to need more", [this] { return cuts == 2; });
+  ask_as("eve", Priority::kBatch, 0);
+  EXPECT_EQ(end_of("eve"), std::nullopt);
+  {
+    const std::lock_guard lock(mutex);
+    EXPECT_FALSE(ends.contains("bob")) << "he waited on both threads' time";
+  }
+  end();
+}
+
 TEST_F(HeldInBackground, IsKeptUpToTheHalf) {
   begin_job(28 * kMiB);
   ask_as("bob", Priority::kBatch, 32 * kMiB);
@@ -228,6 +272,29 @@ TEST_F(HeldInBackground, IsKeptFromOtherBackgroundWork) {
   EXPECT_EQ(end_of("bob"), ErrorCode::kOutOfMemory);
   end();
   EXPECT_EQ(end_of("ana"), std::nullopt);
+}
+
+TEST(MemoryLine, GivesBackgroundWorkNothingWhileSomebodyNeedsWhatItGivesUp) {
+  ClientShares memory(MemoryBudget::Divided{100, 0, 0}, 100);
+  MemoryLine line(memory);
+  std::vector<std::string> went_on;
+  std::vector<MemoryBudget::Reservation> held;
+  const auto take = [&](const std::string& client, MemoryBudget::Use use) {
+    return line.take({client, 10, use, [] { return false; },
+                      [&, client](MemoryBudget::Reservation later) {
+                        went_on.push_back(client);
+                        held.push_back(std::move(later));
+                      }});
+  };
+  {
+    const MemoryLine::Claim claim(line);
+    EXPECT_FALSE(take("ana", MemoryBudget::Use::kBackground));
+    EXPECT_TRUE(take("bob", MemoryBudget::Use::kWaitedFor));
+    line.given_back();
+    EXPECT_TRUE(went_on.empty());
+  }
+  EXPECT_EQ(went_on, std::vector<std::string>{"ana"});
+  EXPECT_EQ(line.size(), 0u);
 }
 
 }  // namespace
