@@ -1,10 +1,12 @@
 // Private to dispatcher*.cpp: one who waits, what is computed, and what that takes.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <stop_token>
@@ -156,7 +158,7 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
 }
 
 /// One result being computed, by the leader of its flight.
-struct Dispatcher::Computation {
+struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   explicit Computation(Dispatcher& its_dispatcher) : dispatcher(its_dispatcher) {}
   /// However it ended, its memory is free.
   ~Computation() { give_back(); }
@@ -171,6 +173,10 @@ struct Dispatcher::Computation {
   std::optional<BackgroundMemory::Id> in_background{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
+  std::atomic<bool> given_up{false};  ///< others need its memory
+  std::mutex of_leave_part{};
+  /// While it waits for a part, it waits no longer. False: it does not wait.
+  std::function<bool()> leave_part{};
   bool tried_again = false;  ///< a part that somebody else computed, and was ended for
   double busy_seconds = 0;
   FractureAnswer answer{};
@@ -183,6 +189,9 @@ struct Dispatcher::Computation {
     return crowded_out && !std::exchange(tried_again, true);
   }
   bool abandoned() const { return flight->stop().stop_requested(); }
+  bool was_given_up() const {
+    return given_up && flight->common.urgency.priority_of_task() == Priority::kBackground;
+  }
   Execution execution(int threads, std::stop_token stop) {
     Execution e;
     e.threads = threads;
@@ -196,11 +205,32 @@ struct Dispatcher::Computation {
   void hold(MemoryBudget::Reservation memory) {
     const std::string client = flight->common.urgency.turn().name;
     if (memory.use() == MemoryBudget::Use::kBackground)
-      in_background =
-          dispatcher.background_.add({.client = client, .bytes = memory.bytes(), .give_up = [this] {
-                                        return dispatcher.pool_.give_up(flight->common.urgency.task());
-                                      }});
+      in_background = dispatcher.background_.add({client, memory.bytes(), [this] { return give_up(); }});
     working.emplace(dispatcher.working_.whole(), std::move(memory), dispatcher.make_room_for(client));
+  }
+  /// As BackgroundMemory::Holder says it, with the lock of that.
+  bool give_up() {
+    const Urgency& urgency = flight->common.urgency;
+    if (urgency.priority_of_task() != Priority::kBackground) return false;
+    given_up = true;
+    if (dispatcher.pool_.give_up(urgency.task())) return true;
+    // It is queued, or waits for a part. What ends it gives memory back, which takes the lock, too.
+    dispatcher.timer_.at(Clock::now(), [weak = weak_from_this()] {
+      if (const Shared c = weak.lock()) c->dispatcher.end_if_given_up(c);
+    });
+    return true;
+  }
+  void waits_by(std::function<bool()> leave) {
+    const std::lock_guard lock(of_leave_part);
+    leave_part.swap(leave);
+  }
+  bool waits_no_longer() {
+    std::function<bool()> leave;
+    {
+      const std::lock_guard lock(of_leave_part);
+      leave = leave_part;
+    }
+    return leave && leave();
   }
   void give_back() {
     if (!working) return;

@@ -145,10 +145,23 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   struct Place {
     typename Flights::Seat seat;
     std::shared_ptr<ResultFlights::Flight> result;
+    std::atomic<bool> waits{false};
     std::optional<std::stop_callback<std::function<void()>>> gives_up;
   };
   const auto place = std::make_shared<Place>();
   place->result = c->flight;
+  // What is given up is told to the part, which has to know by then who waits for it.
+  const auto leave = [this, &flights, weak = std::weak_ptr(place)] {
+    const auto left = weak.lock();
+    if (!left || !flights.leave(left->seat)) return false;
+    left->result->common.urgency.gives_up(pool_);
+    withdraw_if_abandoned(*left->seat.flight, left->seat.flight->common);
+    return true;
+  };
+  c->waits_by([leave, weak = std::weak_ptr(place)] {
+    const auto waiting = weak.lock();
+    return waiting && waiting->waits && leave();
+  });
   const auto seat =
       flights.join(key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
         if (role == Flights::Role::kLeader) return;  // goes on by itself, below
@@ -163,23 +176,20 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
           });
           return true;
         });
-        if (!resumed) end(c, tl::unexpected<Error>(resumed.error()));
+        if (!resumed) return end(c, tl::unexpected<Error>(resumed.error()));
+        end_if_given_up(c);
       });
   place->seat = seat;
-  // What is given up is told to the part, which has to know by then who waits for it.
   const auto watch_for_the_end = [&] {
-    place->gives_up.emplace(place->result->stop(), [this, &flights, weak = std::weak_ptr(place)] {
-      const auto left = weak.lock();
-      if (!left || !flights.leave(left->seat)) return;
-      left->result->common.urgency.gives_up(pool_);
-      withdraw_if_abandoned(*left->seat.flight, left->seat.flight->common);
-    });
+    place->gives_up.emplace(place->result->stop(), [leave] { leave(); });
   };
   Urgency& mine = place->result->common.urgency;
   const std::shared_ptr<Urgency> part(seat.flight, &seat.flight->common);
   if (seat.role != Flights::Role::kLeader) try {
       mine.waits_for(pool_, part);
-      return watch_for_the_end();
+      watch_for_the_end();
+      place->waits = true;
+      return end_if_given_up(c);
     } catch (...) {
       if (!flights.leave(seat)) return;  // it has gone on
       mine.gives_up(pool_);
@@ -214,6 +224,7 @@ void Dispatcher::at_station(const Shared& c, Station station) {
 
 void Dispatcher::begin(const Shared& c, int threads) {
   if (c->abandoned()) return;
+  if (c->was_given_up()) return end(c, tl::unexpected<Error>(given_up()));
   Urgency& urgency = c->flight->common.urgency;
   const auto again = [this, c, &urgency] {
     urgency.goes_on(pool_, [&](Priority priority, const Flow& flow) {
@@ -262,6 +273,7 @@ void Dispatcher::obtain_mesh(const Shared& c, int threads) {
 
 void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads) {
   if (c->abandoned()) return;
+  if (c->was_given_up()) return end(c, tl::unexpected<Error>(given_up()));
   if (!mesh && c->goes_on_without(mesh.error())) return obtain_mesh(c, threads);
   if (!mesh) return end(c, tl::unexpected<Error>(mesh.error()));
   c->answer.mesh_cache = mesh->cache;
@@ -296,6 +308,7 @@ void Dispatcher::obtain_diagram(const Shared& c, int threads) {
 
 void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, int threads) {
   if (c->abandoned()) return;
+  if (c->was_given_up()) return end(c, tl::unexpected<Error>(given_up()));
   if (!diagram && c->goes_on_without(diagram.error())) return obtain_diagram(c, threads);
   if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
   c->answer.diagram_cache = diagram->cache;
@@ -324,6 +337,17 @@ void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
   results_.land(c->flight, outcome);
   if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
     failures_->keep(c->request, outcome.error(), *outcome.error().extra);
+}
+
+void Dispatcher::end_if_given_up(const Shared& c) {
+  if (!c->was_given_up()) return;
+  if (c->waits_no_longer() || pool_.withdraw_resumed(c->flight->common.urgency.task()))
+    end(c, tl::unexpected<Error>(given_up()));
+}
+
+Error Dispatcher::given_up() {
+  return overloaded("This computation was given up because others need the memory that it held. Ask again.",
+                    std::chrono::seconds(1));
 }
 
 std::vector<std::optional<std::size_t>> Dispatcher::queue_positions(

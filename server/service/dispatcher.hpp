@@ -196,6 +196,9 @@ class Dispatcher {
   template <class Station>
   void at_station(const Shared& c, Station station);
   void end(const Shared& c, Expected<FractureAnswer> outcome);
+  /// A background computation that others need the memory of, and that does not run.
+  void end_if_given_up(const Shared& c);
+  static Error given_up();
   template <class Value, class Make>
   void obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::string& key, const Shared& c,
               int threads, Make make, void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int));

@@ -153,6 +153,12 @@ class FairQueue {
       if (std::optional<Item> item = remove(id, priority, &Line::queue)) return item;
     return std::nullopt;
   }
+  /// The same of one that goes on.
+  std::optional<Item> remove_resumed(std::uint64_t id) {
+    for (const Priority priority : kPriorities)
+      if (std::optional<Item> item = remove(id, priority, &Line::resumed)) return item;
+    return std::nullopt;
+  }
   /// A task that waits is of this class from now on. A queued one takes the turn of this flow: true.
   bool move(std::uint64_t id, Priority to, const Flow& flow) {
     for (const Priority priority : kPriorities) {

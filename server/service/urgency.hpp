@@ -92,6 +92,11 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return priority_;
   }
+  /// Of its task. If that computes a part, others may wait for the part.
+  Priority priority_of_task() const {
+    const std::lock_guard lock(mutex_);
+    return in_part_ ? part_->priority() : priority_;
+  }
   /// More than one client waits, or has waited.
   bool is_of_several() const {
     const std::lock_guard lock(mutex_);

@@ -109,9 +109,13 @@ void WorkerPool::share(TaskId task) {
   schedule();
 }
 
-bool WorkerPool::withdraw(TaskId task) {
+bool WorkerPool::withdraw(TaskId task) { return withdraw(task, &Queue::remove); }
+
+bool WorkerPool::withdraw_resumed(TaskId task) { return withdraw(task, &Queue::remove_resumed); }
+
+bool WorkerPool::withdraw(TaskId task, std::optional<Task> (Queue::*remove)(std::uint64_t id)) {
   std::unique_lock lock(mutex_);
-  std::optional<Task> withdrawn = queue_.remove(task);
+  std::optional<Task> withdrawn = (queue_.*remove)(task);
   if (!withdrawn) return false;
   ++withdrawing_;
   lock.unlock();

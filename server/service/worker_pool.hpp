@@ -90,6 +90,8 @@ class WorkerPool {
   void share(TaskId task);
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
+  /// The same of a task that was resumed. Whoever withdraws it has to end what it went on with.
+  bool withdraw_resumed(TaskId task);
   /// A background task that runs ends at its next poll (kOverloaded): more urgent ones need what it holds. False where it
   /// does not run, or is more urgent.
   bool give_up(TaskId task);
@@ -179,6 +181,7 @@ class WorkerPool {
 
   void work();
   void run(Running& job, int threads);
+  bool withdraw(TaskId task, std::optional<Task> (Queue::*remove)(std::uint64_t id));
   // All of these with the lock.
   bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queue_.empty(); }
   std::size_t running_of(Priority priority) const;

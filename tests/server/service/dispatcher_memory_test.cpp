@@ -240,6 +240,31 @@ TEST_F(HeldInBackground, IsNotTakenByFurtherJobsThatWaitForMemory) {
   end();
 }
 
+/// Bob uploads the mesh, and ana's job waits for it with its memory.
+TEST_F(HeldInBackground, IsGivenUpByAJobThatWaitsForWhatAnotherClientComputes) {
+  Gate reads;
+  std::atomic<int> imports{0};
+  control->during_cut = nullptr;
+  control->during_import = [&](const Execution& execution) {
+    if (imports++ == 0) reads.pass(execution);
+  };
+  Terms terms;
+  terms.payer.flow = {"bob", 1};
+  std::atomic<bool> stored{false};
+  EXPECT_FALSE(
+      small.prepare(fracture_request("mesh of ana"), terms, [&](auto mesh) { stored = mesh.has_value(); }));
+  reads.wait_for(1);
+  ask_as("ana", Priority::kBackground, 0, 2200);  // 38 MiB
+  test::require_eventually(test::kPatience, "the job to hold its memory",
+                           [this] { return small.figures().working_bytes > 38 * kMiB; });
+  ask_as("eve", Priority::kBatch, 0, 1000);  // 20 MiB
+  EXPECT_EQ(end_of("eve"), std::nullopt);
+  EXPECT_EQ(end_of("ana"), ErrorCode::kOverloaded) << "as a job, it begins again";
+  reads.open = true;
+  end();
+  EXPECT_TRUE(stored) << "bob's upload goes on";
+}
+
 TEST_F(HeldInBackground, LeavesAThreadToOthersUntilItIsFree) {
   control->during_cut = [this](const Execution& execution) {
     const bool first = cuts++ == 0;
