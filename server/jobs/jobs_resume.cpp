@@ -7,6 +7,7 @@
 #include <map>
 #include <new>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "common/parameters/parameter_object.hpp"
@@ -21,6 +22,8 @@ constexpr std::uint64_t kMostEnds = 2;
 const std::string kNobody;
 /// No further mesh is read from the disk while those of resumed jobs hold more than this.
 constexpr std::uint64_t kMostBytes = 64u << 20;
+/// The first one of a holder goes on though others have that many, up to so many times as much in all.
+constexpr std::size_t kForFirst = 4;
 
 /// Whose share the jobs of this owner count for. The owner's own, if its terms cannot be had now: the attempt to go on with a
 /// job says why.
@@ -174,17 +177,24 @@ Jobs::Shared Jobs::next_to_submit(const std::set<std::string>& over_share) {
   std::size_t computing = 0;
   std::uint64_t bytes = 0;
   bool suspect_computes = false;
+  std::set<std::string_view> compute;  // holders
   for (const Shared& job : jobs_) {
     if (!job->computing) continue;
     ++computing;
     bytes += job->resumed_bytes;
     suspect_computes = suspect_computes || job->begun > 0;
+    compute.insert(job->holder);
   }
-  if (bytes > kMostBytes || computing >= 2 * static_cast<std::size_t>(dispatcher_.pool().threads()))
-    return nullptr;
+  const std::size_t most = 2 * static_cast<std::size_t>(dispatcher_.pool().threads());
+  const auto is_room = [&](std::size_t times) {
+    return bytes <= times * kMostBytes && computing < times * most;
+  };
+  const bool room = is_room(1), room_for_first = is_room(kForFirst);
+  if (!room && !room_for_first) return nullptr;
   Shared suspect;
   for (const Shared& job : jobs_) {
     if (!can_be_submitted(*job) || job->refused_in == pass_ || over_share.contains(job->holder)) continue;
+    if (!room && compute.contains(job->holder)) continue;
     if (job->begun > 0) {
       if (!suspect) suspect = job;
     } else if (job->terms || !suspect_computes) {

@@ -66,6 +66,28 @@ TEST_F(Resume, WhoIsOverItsShareCostsTheDiskNothing) {
   EXPECT_EQ(host.find(job).state, JobState::kQueued) << "nobody has missed it yet";
 }
 
+/// Twice as many go on as there are threads, but for a first one. They compute while the gate is closed.
+TEST_F(Resume, JobsOfOneClientLeaveAPlaceForAnother) {
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) leave_job(folder.path, seed, "ana");
+  const std::string bobs = leave_job(folder.path, 10, "bob");
+  JobsHost host(folder.path);
+  host.control->during_cut = gate.hook();
+  host.jobs.resume(
+      [](const std::string& owner) {
+        Terms terms;
+        terms.priority = Priority::kBackground;
+        terms.deadline = far_off();
+        terms.payer.flow = {"name " + owner, 1};
+        return terms;
+      },
+      [](const JobView&) {});
+  host.jobs.flush();
+  EXPECT_EQ(host.jobs.figures().waiting, 1u) << "ana's last one";
+  gate.open = true;
+  host.wait_for(bobs, JobState::kDone);
+  host.idle();
+}
+
 TEST_F(Resume, WhoIsOverItsShareHoldsUpNobodyElse) {
   const std::string anas = leave_job(folder.path, 1, "ana");
   leave_job(folder.path, 2, "ana");
