@@ -19,6 +19,14 @@ Problem no_mesh() {
       "then ask again.");
 }
 
+Error of_upload(Error error) {
+  if (error.code == ErrorCode::kDeadlineExceeded)
+    error.detail =
+        "The mesh is not stored, because it was not prepared before the deadline passed: the server's --deadline or "
+        "--realtime-deadline, or the Request-Timeout of the request. Send a smaller mesh, or ask for more time.";
+  return error;
+}
+
 std::string describe(const StoredMesh& mesh, const PreparedMesh& prepared, const StoreConfig& config) {
   const nlohmann::ordered_json document = {{"id", std::string(kDigestScheme) + mesh.digest},
                                            {"format", extension_of(mesh.format)},
@@ -80,7 +88,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
             std::move(input), terms,
             [this, request, reply, keep](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
-                if (!prepared) return refusal(std::move(prepared.error()), request->id);
+                if (!prepared) return refusal(of_upload(std::move(prepared.error())), request->id);
                 return keep(*prepared);
               });
             });

@@ -85,6 +85,20 @@ TEST(Meshes, AMeshThatCannotBeUsedIsNotStored) {
   EXPECT_EQ(server.get("/meshes/" + id_of("mesh")).problem(), "not-found");
 }
 
+TEST(Meshes, AnUploadPastItsDeadlineIsToldOfItsMeshAndNotOfSites) {
+  Gate gate;
+  TestServer server;
+  server.control->during_import = gate.hook();
+  const Reply reply = ask(server.port(), "PUT", "/meshes/" + id_of("mesh"),
+                          "Content-Type: model/obj\r\nRequest-Timeout: 0.05\r\n", "mesh");
+  EXPECT_EQ(reply.status, 504);
+  const auto detail = reply.json().at("detail").get<std::string>();
+  EXPECT_NE(detail.find("smaller mesh"), std::string::npos) << detail;
+  EXPECT_NE(detail.find("Request-Timeout"), std::string::npos) << detail;
+  EXPECT_EQ(detail.find("sites"), std::string::npos) << detail;
+  EXPECT_EQ(server.get("/meshes/" + id_of("mesh")).status, 404);
+}
+
 TEST(Meshes, AStoredMeshIsFracturedWithoutSendingItAgain) {
   TestServer server;
   const std::string path = "/meshes/" + id_of("mesh");
