@@ -147,8 +147,13 @@ bool Jobs::begins_again(const Shared& job, const Error& error) {
   const bool crowded_out = lacked_memory || over_share || error.code == ErrorCode::kOverloaded;
   if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
   if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
-  // That much was not enough; half as much more is little, so that it needs few attempts.
-  if (lacked_memory) job->least_bytes = std::max(job->least_bytes, needed->get<std::uint64_t>() / 2 * 3);
+  if (lacked_memory) {
+    // That much was not enough. Half as much more makes attempts few, but beyond three quarters of all the job
+    // would begin only if nobody else held any.
+    const auto bytes = needed->get<std::uint64_t>();
+    const std::uint64_t most = dispatcher_.working().capacity() / 4 * 3;
+    job->least_bytes = std::max(job->least_bytes, std::min(bytes / 2 * 3, std::max(bytes, most)));
+  }
   job->waiting = true;
   return true;
 }

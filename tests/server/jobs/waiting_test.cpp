@@ -141,6 +141,24 @@ TEST_F(WaitingJob, IsGivenAsMuchAsInAnyAttemptBefore) {
   host->idle();
 }
 
+/// Else it would begin only when no other computation holds any memory.
+TEST_F(WaitingJob, LeavesAQuarterToOthersIfItNeededLess) {
+  host.emplace();
+  const std::uint64_t capacity = host->dispatcher.working().capacity();
+  crowd.hook(*host->control);
+  crowd.bytes = capacity / 10 * 6;
+  host->control->during_cut = [this](const Execution& execution) {
+    if (++crowd.cuts == 2) crowd.hold(execution);
+  };
+  const std::string job = host->start(1);
+  require_eventually(kPatience, "the second attempt", [&] { return crowd.gate.arrived == 1; });
+  EXPECT_GE(host->dispatcher.working().used(), capacity / 10 * 6);
+  EXPECT_LE(host->dispatcher.working().used(), capacity / 4 * 3);
+  crowd.gate.open = true;
+  host->wait_for(job, JobState::kDone);
+  host->idle();
+}
+
 /// Also where it is read from the disk again.
 TEST_F(WaitingJob, IsChargedToWhoeverAskedForIt) {
   tenants::Tenant tenant;
