@@ -18,14 +18,14 @@ std::vector<MaterialPreset> make_presets() {
   glass.merge = 0.7;
   presets.push_back(
       {"glass",
-       "Rings and spokes in panes, lengths of rods, long shards of vessels, smooth waves in lumps.",
+       "Panes break into rings and spokes, rods into lengths, vessels into long shards, lumps along smooth waves.",
        glass,
        0,
        1,
        {0.08, 1.2, 1},
        {2500, 0.4, 0.25, 45e6},
        {"#cfe6dd", 0.3, 1, 0.05, 0, 0.05, 0.4},
-       "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction glass on glass 0.4 "
+       "EN 572-1 (soda-lime: 2500 kg/m3, bending strength 45 MPa); kinetic friction of glass on glass 0.4 "
        "(CRC Handbook)",
        std::nullopt,
        0.02});
@@ -57,7 +57,7 @@ std::vector<MaterialPreset> make_presets() {
                      {6, 1.8}});
 
   presets.push_back({"stone",
-                     "Ragged chunks with the sizes of blasted rock.",
+                     "Ragged chunks, with sizes as in blasted rock.",
                      UniformPattern{},
                      0,
                      1,
@@ -73,7 +73,7 @@ std::vector<MaterialPreset> make_presets() {
   brick.jitter = 0.05;
   presets.push_back(
       {"brick",
-       "Masonry in running bond: lumps with toothed edges, whole, half and crushed bricks at the hit.",
+       "Masonry in running bond: lumps with toothed edges; whole, half and crushed bricks at the hit.",
        brick,
        0,
        1,
@@ -86,7 +86,7 @@ std::vector<MaterialPreset> make_presets() {
   ceramic.exponent = 1.5;
   ceramic.share = 0.55;
   presets.push_back({"ceramic",
-                     "Small shards at the impact, large ones away from it.",
+                     "Small shards at the impact, large shards farther away.",
                      ceramic,
                      0,
                      1,
@@ -109,14 +109,14 @@ std::vector<MaterialPreset> make_presets() {
        {7850, 0.57, 0.2, 360e6},
        {"#c5c6c7", 0.1, 1, 0.4, 1, 0.3},
        "EN 1991-1-1 (steel 78.5 kN/m3); S235: tensile strength 360 MPa (EN 10025-2); kinetic friction "
-       "steel on steel 0.57 (CRC Handbook)",
+       "of steel on steel 0.57 (CRC Handbook)",
        std::nullopt,
        0.015,
        {6, 1.4}});
 
   // It breaks along its flakes of graphite, which are grey and matt beside the iron.
   presets.push_back({"cast_iron",
-                     "Blocky pieces of even size with a grainy break.",
+                     "Blocky pieces of similar size, with grainy fracture surfaces.",
                      UniformPattern{},
                      1,
                      1.5,
@@ -138,7 +138,7 @@ std::vector<MaterialPreset> make_presets() {
        {0.03, 3, 1},
        {917, 0.05, 0.1, 1.4e6},
        {"#d8ecf5", 0.3, 1.1, 0.4, 0, 0.15, 0.7, 0.4},
-       "917 kg/m3 at 0 C (CRC Handbook); tensile strength 1.4 MPa at -10 C (Petrovic 2003); friction 0.02 "
+       "917 kg/m3 at 0 °C (CRC Handbook); tensile strength 1.4 MPa at -10 °C (Petrovic 2003); friction 0.02 "
        "to 0.1"});
 
   presets.push_back(
@@ -153,7 +153,7 @@ std::vector<MaterialPreset> make_presets() {
        "EN 13279-1 (gypsum plaster B1: flexural strength at least 1 MPa); about 1000 kg/m3 when dry"});
 
   presets.push_back({"terracotta",
-                     "Curved shards of a pot, with a rough red biscuit inside.",
+                     "Curved shards of pottery, with rough red clay inside.",
                      ceramic,
                      0,
                      1,
@@ -165,7 +165,7 @@ std::vector<MaterialPreset> make_presets() {
                      0.06});
 
   presets.push_back({"sandstone",
-                     "Slabs along its bedding, with grainy faces.",
+                     "Slabs along the bedding, with grainy faces.",
                      UniformPattern{},
                      1,
                      0.5,
@@ -176,7 +176,7 @@ std::vector<MaterialPreset> make_presets() {
                      Vec3d{0, 1, 0}});
 
   presets.push_back({"crystal",
-                     "Clear prisms with flat faces, longer than wide.",
+                     "Clear prisms with flat faces, longer than they are wide.",
                      UniformPattern{},
                      3,
                      2.5,

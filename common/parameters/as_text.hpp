@@ -1,4 +1,4 @@
-// The value of a parameter as a query or a flag contains it.
+// A parameter's value in the form used in a query or a flag.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,9 +7,9 @@
 
 namespace fracture {
 
-/// The text of a JSON value of a canonical form: lists as "a,b,c", lists of vectors as "x,y,z;x,y,z", numbers so that they read
-/// back exactly. Nothing for a list of names of which one contains a comma or begins or ends with a blank, because the text would
-/// mean other names.
+/// The text of a JSON value from a canonical form: lists as "a,b,c", lists of vectors as "x,y,z;x,y,z", and numbers so that they
+/// read back exactly. Empty for a list of names if a name contains a comma or has a blank at either end, because the text would
+/// then mean other names.
 std::optional<std::string> as_text(const nlohmann::json& value);
 
 }  // namespace fracture

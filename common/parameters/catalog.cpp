@@ -1,4 +1,4 @@
-// The table of parameters as JSON, for people and programs: GET /limits and GET /patterns.
+// The parameter table as JSON, for GET /limits and GET /patterns.
 #include <algorithm>
 
 #include "common/materials/notes.hpp"
@@ -71,7 +71,7 @@ nlohmann::json describe(const ParameterSpec& spec) {
   return entry;
 }
 
-/// The parameters of a request that gives none.
+/// The parameters of a request that specifies none.
 nlohmann::json default_parameters() {
   const RequestParameters nothing;
   return canonical_parameters(nothing);
@@ -116,7 +116,7 @@ nlohmann::json ParameterTable::patterns_to_json() const {
   const ParameterSpec& material = *find("material");
   const nlohmann::json defaults = default_parameters();
   for (std::size_t k = 0; k < material.choices.size(); ++k) {
-    // The values of its pattern, and all others that are not the default.
+    // The values of its pattern, and all other values that differ from the defaults.
     nlohmann::json sets = canonical_parameters(with_choice(material, k));
     for (const ParameterSpec& spec : specs_)
       if (spec.name == "material" || (defaults.contains(spec.name) && sets.contains(spec.name) &&

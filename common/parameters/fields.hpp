@@ -1,4 +1,4 @@
-// Binds a row of the table of parameters to a member of RequestParameters. One accessor makes both the setter and the canonical form.
+// Binds a row of the parameter table to a member of RequestParameters. A single accessor yields the setter and the canonical form.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace fracture::parameter_fields {
 
-inline constexpr double kFar = 1e6;           ///< metres: as far as places may lie
+inline constexpr double kFar = 1e6;           ///< metres: the largest coordinate
 inline constexpr double kLeastLength = 1e-6;  ///< metres
 
 template <class T>
@@ -70,7 +70,7 @@ std::string pattern_name() {
   return kPatternTraits[SitePattern(Pattern{}).index()].name;
 }
 
-/// A parameter of the patterns whose members are given. `get` is called only if the request has one of these patterns.
+/// A parameter of the patterns that own `members`. `get` is called only if the request uses one of these patterns.
 template <auto... members>
 ParameterSpec with_pattern_member(ParameterSpec spec) {
   spec.decides = Decides::kSites;

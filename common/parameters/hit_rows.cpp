@@ -1,4 +1,4 @@
-// Hits that break only what is near them, on an earlier answer or with it.
+// Hits that break only the area around them, on an earlier answer or together with it.
 #include <algorithm>
 #include <numeric>
 #include <string_view>
@@ -15,7 +15,7 @@ using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 
 constexpr std::size_t kMostHits = 64;
-constexpr std::uint64_t kMostHitSites = 10'000;  // of all hits of one answer
+constexpr std::uint64_t kMostHitSites = 10'000;  // total over all hits of an answer
 constexpr std::size_t kKeyDigits = 64;
 
 ParameterSpec of_row() {
@@ -24,16 +24,17 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer to the same mesh (its Content-Location). Its parameters are taken over, and the hits given "
-          "here follow its own. 404 if the server no longer knows it; the parameters that it contains give the same bytes."};
+          "Address of an earlier answer for the same mesh (its Content-Location). Its parameters are reused, and the hits given "
+          "here follow its own. If the server no longer has that answer (404), send the parameters that the answer contains; "
+          "they give the same bytes."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
-    return "be the address of an answer, /fractures/sha256: and 64 lower-case hex digits";
+    return "be the address of an answer, /fractures/sha256: followed by 64 lower-case hex digits";
   };
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.of = answer_key_in(std::get<std::string>(value));
   };
-  // The canonical form has the parameters of that answer instead.
+  // The canonical form contains that answer's parameters instead.
   spec.get = [](const RequestParameters&, const ParameterSpec&) { return nlohmann::json(); };
   return spec;
 }
@@ -42,14 +43,14 @@ std::string counted(std::size_t n, const char* what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
-/// Repeats a single value for each point. An error if the numbers of values and points differ.
+/// Repeats a single value for every point. Returns an error if the numbers of values and points differ.
 template <class T>
 std::optional<Error> spread(const char* name, std::vector<T>& values, std::size_t points) {
   if (values.size() == 1) values.resize(points, values.front());
   if (values.size() == points) return std::nullopt;
   return bad_parameter(name, std::string("'") + name + "' has " + counted(values.size(), "number") +
-                                 ", 'local_point' " + counted(points, "point") +
-                                 "; give one number for each point, or one for all.");
+                                 ", but 'local_point' has " + counted(points, "point") +
+                                 ". Give one number per point, or a single number for all points.");
 }
 
 }  // namespace
@@ -78,8 +79,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Places where hits break only what is near, one after the other, in the frame of the answer. Use them for a hole or a "
-           "chipped corner, `impacts` to break the whole mesh. Needs `local_radius`."},
+           "Points of hits that break only the area around them, applied in order, in the answer's coordinate frame. Use them for "
+           "a hole or a chipped corner; use `impacts` to break the whole mesh. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -88,23 +89,24 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Reach of each hit, or one for all. Needs `local_point`. If cells are stretched, this is the reach across the grain; "
-           "along the grain it is that many times as far."},
+           "Radius of each hit, or one value for all hits. Requires `local_point`. If cells are stretched, this is the reach "
+           "across the grain; the reach along the grain is this radius times the stretch."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
        .type = Type::kIntegers,
        .min = 1,
        .max = kMostHitSites,
-       .doc = "Number of sites that each hit adds to the pattern's, or one for all; at most 10000 together."},
+       .doc =
+           "Number of sites that each hit adds to the pattern's sites, or one value for all hits; at most 10,000 in total."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "State of the cells whose sites are farther away. `whole`: they stay together as one piece. `fractured`: they stay as "
-           "the pattern makes them; always with `of`, if that answer has no hits."},
+           "State of the cells whose sites are outside the radius of every hit. `whole`: they stay together as one piece. "
+           "`fractured`: they stay as the pattern makes them. With `of`, this always applies if that answer has no hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;
@@ -115,9 +117,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
        .doc =
-           "Report on the new hits. `none`: nothing. `stated`: the fragments that they made, changed and removed; the server keeps "
-           "the answer for further hits. Default with `of` and hits. `only`: the same, and the answer has only the new and the "
-           "changed fragments. Not with `levels`."},
+           "How the answer reports the new hits. `none`: not at all. `stated`: the report lists the fragments added, changed and "
+           "removed, and the server keeps the answer for further hits. This is the default with `of` and hits. `only`: like "
+           "`stated`, but the answer contains only the new and changed fragments. Not with `levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
@@ -125,7 +127,7 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHits,
        .doc =
-           "With `delta`: how many of the hits are new, counted from the last. With `of` the server counts them."},
+           "With `delta`: number of new hits, counted from the end of the list. With `of`, the server determines it."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {
@@ -139,16 +141,16 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (r.local_point.empty() != r.local_radius.empty())
     return bad_parameter(
         r.local_point.empty() ? "local_point" : "local_radius",
-        "'local_point' and 'local_radius' define a hit together, and one of them is missing. Give both.");
+        "'local_point' and 'local_radius' together define a hit, but one of them is missing. Give both.");
   const std::size_t points = r.local_point.size();
   if (points > 0) {
     if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;
     if (auto wrong = spread("local_sites", r.local_sites, points)) return wrong;
     const std::uint64_t sites = std::accumulate(r.local_sites.begin(), r.local_sites.end(), std::uint64_t{0});
     if (sites > kMostHitSites)
-      return bad_parameter("local_sites", "All hits together may add " + std::to_string(kMostHitSites) +
-                                              " sites; 'local_sites' adds up to " + std::to_string(sites) +
-                                              ". Lower it.");
+      return bad_parameter("local_sites",
+                           "All hits together can add at most " + std::to_string(kMostHitSites) +
+                               " sites, but 'local_sites' adds " + std::to_string(sites) + ". Lower it.");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)
@@ -160,13 +162,14 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (points == 0 && r.delta == DeltaAnswer::kOnly)
     return bad_parameter(
         "delta",
-        "delta=only leaves out the fragments that hits did not change, so it needs hits. Give 'local_point'.");
+        "delta=only leaves out the fragments that the hits did not change, so it requires hits. Give 'local_point'.");
   if (points > 0 && r.local_new > points)
     return bad_parameter("local_new", "'local_new' must be at most the number of hits, which is " +
                                           std::to_string(points) + ".");
   if (r.fragment)
     return bad_parameter(
-        "delta", "'delta' compares whole answers, not the parts of one 'fragment'. Leave one of them out.");
+        "delta",
+        "'delta' compares whole answers, not the parts of a single 'fragment'. Leave one of them out.");
   if (r.delta == DeltaAnswer::kOnly && !f.levels.empty())
     return bad_parameter(
         "delta", "delta=only leaves out fragments that the hierarchy of 'levels' needs. Use delta=stated.");

@@ -9,15 +9,15 @@
 namespace fracture {
 namespace {
 
-/// The number of letters to insert, leave out, change or swap with their neighbour (Damerau 1964; by the recurrence of Wagner
-/// and Fischer 1974, which edits no letter twice).
+/// The number of letters to insert, delete, change or swap with their neighbour (Damerau 1964). It is computed with the recurrence
+/// of Wagner and Fischer (1974), which edits no letter twice.
 class EditDistance {
  public:
   explicit EditDistance(std::string_view a) : a_(a) {
     for (const char c : a_) ++letters_[static_cast<unsigned char>(c)];
   }
 
-  /// A lower bound of the distance: the letters that only one of the two names has (Bartolini, Ciaccia and Patella, "String
+  /// A lower bound for the distance: the number of letters that occur in only one of the names (Bartolini, Ciaccia and Patella, "String
   /// matching with metric trees using an approximate distance", 2002). For most names this bound is enough.
   std::size_t at_least(std::string_view b) const {
     std::array<std::uint16_t, 256> left = letters_;
@@ -53,7 +53,7 @@ class EditDistance {
   std::vector<std::size_t> before_, last_, row_;
 };
 
-/// A longer name is not a misspelt one, in letters.
+/// Letters. A longer name is not a misspelling.
 constexpr std::size_t kLongest = 40;
 
 }  // namespace

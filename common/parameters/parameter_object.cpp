@@ -6,13 +6,13 @@
 namespace fracture {
 namespace {
 
-/// The table with the widest limits, because a server with lower limits reads what another server has kept.
+/// The table with the widest limits, because a server with lower limits may read parameters that another server stored.
 const ParameterTable& widest_table() {
   static const ParameterTable table(kMostSitesAnywhere, FormatSet::all());
   return table;
 }
 
-/// Nothing for parameters that no server accepts, and for `of`: kept parameters contain those of the earlier answer instead.
+/// Empty for parameters that no server accepts, and for `of`: stored parameters contain those of the earlier answer instead.
 std::optional<RequestParameters> parsed(const nlohmann::json& object) {
   auto parameters = widest_table().parse(raw_parameters(object));
   if (!parameters || !parameters->of.empty()) return std::nullopt;
@@ -24,8 +24,8 @@ std::optional<RequestParameters> parsed(const nlohmann::json& object) {
 Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::string_view what) {
   const std::string subject = "The " + std::string(what);
   if (text.size() > kOfRequest.text)
-    return fail(ErrorCode::kBadJson, subject + " is over " + std::to_string(kOfRequest.text) + " bytes.",
-                "params");
+    return fail(ErrorCode::kBadJson,
+                subject + " is larger than " + std::to_string(kOfRequest.text) + " bytes.", "params");
   auto read = read_json(text, {.depth = kParameterDepth, .bytes = kOfRequest.held});
   if (!read && read.error().kind == JsonFault::Kind::kRepeated)
     return fail(ErrorCode::kBadParameter, subject + " " + to_text(read.error()) + ".", read.error().name);
@@ -33,7 +33,7 @@ Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::
     return fail(ErrorCode::kBadJson, subject + " " + to_text(read.error()) + ".", "params");
   if (!read || !read->value.is_object())
     return fail(ErrorCode::kBadJson,
-                subject + " is not one JSON object such as {\"sites\": 50, \"seed\": 1}.", "params");
+                subject + " is not a single JSON object such as {\"sites\": 50, \"seed\": 1}.", "params");
   std::vector<RawParameter> given;
   given.reserve(read->members.size());
   for (const std::string& name : read->members) given.push_back({name, std::move(read->value[name]), false});

@@ -1,5 +1,5 @@
-// Parameters as the text of one JSON object, in a request, in a cached answer or in a job on the disk. Strangers may have written any
-// of these texts, so one reader with one set of limits reads all of them.
+// Parameters as the text of a JSON object in a request, a cached answer or a stored job. Strangers may have written any of these
+// texts, so a single reader with a single set of limits reads them all.
 #pragma once
 
 #include <cstddef>
@@ -13,31 +13,31 @@
 
 namespace fracture {
 
-/// Levels of arrays and objects; a list of vectors needs three.
+/// Nesting depth of arrays and objects; a list of vectors needs three levels.
 inline constexpr std::uint32_t kParameterDepth = 8;
 
 struct ParameterTextLimits {
   std::size_t text;  ///< bytes
-  std::size_t held;  ///< bytes of memory that the parsed object may hold
+  std::size_t held;  ///< bytes of memory that the parsed object may use
 };
-/// About 30,000 points. Parsed points use half of the memory.
+/// Enough for about 30,000 points, which use half of the memory when parsed.
 inline constexpr ParameterTextLimits kOfRequest{1u << 20, 8u << 20};
 /// The canonical form of such a request writes numbers in full: `9e5` becomes `900000.0`.
 inline constexpr ParameterTextLimits kOfKept{4u << 20, 16u << 20};
 
-/// The most sites that any server can be told to allow (--max-sites).
+/// The maximum number of sites that any server can be configured to allow (--max-sites).
 inline constexpr std::uint32_t kMostSitesAnywhere = 10'000'000;
 
-/// Names and values of a JSON object, in the order of the text. Errors, about `params`: kBadJson for text that is too long, is not
-/// one object, is nested too deeply or needs too much memory; kBadParameter for a repeated member, because a JSON parser would
-/// silently keep one of them. `what` names the text in errors: "part 'params'".
+/// Names and values of a JSON object, in the order of the text. Errors point to `params`: kBadJson if the text is too long, is not
+/// a single object, is nested too deeply or needs too much memory. A repeated member is kBadParameter, because a JSON parser would
+/// silently keep only one of its values. `what` is the text's name in error messages, such as "part 'params'".
 Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::string_view what);
 
-/// The parameters of an answer from a place where others may have written, in their canonical form, whose types are known.
-/// Nothing if the text is not a JSON object within kOfKept, or if no server accepts the parameters in a request.
+/// An answer's parameters in canonical form, read from a place to which others may have written. Empty if the text is not a JSON
+/// object within kOfKept, or if no server accepts the parameters in a request.
 std::optional<nlohmann::json> read_kept_parameters(std::string_view text);
 
-/// Whether some server accepts these parameters in a request, without an earlier answer. False for a value that is not an object.
+/// Whether any server accepts these parameters in a request that refers to no earlier answer. False if the value is not an object.
 bool are_parameters(const nlohmann::json& value);
 
 /// The members of an object as parameters.

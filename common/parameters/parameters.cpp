@@ -12,7 +12,7 @@
 namespace fracture {
 namespace {
 
-/// The rows as far as canonical forms need them, which depend on no server.
+/// The rows as used for canonical forms, which do not depend on a server's limits.
 const std::vector<ParameterSpec>& rows() {
   static const std::vector<ParameterSpec> all = parameter_rows(1, FormatSet());
   return all;
@@ -30,7 +30,7 @@ nlohmann::json canonical(const RequestParameters& parameters, const Wanted& want
   return json;
 }
 
-/// Limits of an answer, because a request may be wrong in thousands of places.
+/// Limits for the answer, because a request can contain thousands of errors.
 constexpr std::size_t kMostOffences = 16, kMostNames = 20;
 
 /// Collects the errors of a request.
@@ -44,7 +44,7 @@ class Offences {
     entries_.push_back(std::move(entry));
     if (!first_) first_ = Error{code, std::move(detail), name};
   }
-  /// An error about a parameter that was not given.
+  /// Adds an error about a parameter that is missing.
   void add_missing(const std::string& name, std::string detail) {
     if (!another()) return;
     entries_.push_back({{"detail", detail}, {"parameter", name}});
@@ -80,12 +80,12 @@ std::string unknown_parameter(const std::vector<std::string>& known, const std::
   const std::optional<std::string> nearest = nearest_name(name, known);
   return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
          (nearest ? "Did you mean '" + *nearest + "'?" : std::string()) + (nearest && first ? " " : "") +
-         (first ? "The nearest of the " + std::to_string(known.size()) + " parameters are " +
-                      join(nearest_names(name, known, kMostNames)) + "; GET /limits lists all."
+         (first ? "The closest of the " + std::to_string(known.size()) + " parameters are " +
+                      join(nearest_names(name, known, kMostNames)) + "; GET /limits lists all of them."
                 : std::string());
 }
 
-/// Refuses two parameters of which only one may be given.
+/// Refuses two parameters that exclude each other.
 void refuse_both(Offences& offences, const Given& given, const char* name, const char* other,
                  const char* why) {
   const auto it = given.find(name);
@@ -146,7 +146,7 @@ const ParameterSpec* ParameterTable::find(std::string_view name) const {
 Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter>& given) const {
   Offences offences;
   Given seen;
-  std::vector<std::string> names;  // of all parameters; filled when one is unknown
+  std::vector<std::string> names;  // of all parameters; filled when a name is unknown
   std::map<std::string, ParameterValue> values;
   for (const RawParameter& raw : given) {
     const ParameterSpec* spec = find(raw.name);
@@ -171,7 +171,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       offences.add(value.error().code, raw, std::move(value.error().detail), value.error().pointer);
   }
 
-  // In the order of the table: a material, then the pattern, then what belongs to it.
+  // In the order of the table: the material, then the pattern, then the pattern's parameters.
   RequestParameters result;
   result.fracture.most_sites = static_cast<std::uint32_t>(find("sites")->max);
   for (const ParameterSpec& spec : specs_) {
@@ -182,7 +182,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
     if (!belongs(spec, result.fracture.pattern)) {
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
                    "'" + spec.name + "' belongs to the pattern " + join(spec.patterns) +
-                       "; the pattern of this request is " +
+                       ", but the pattern of this request is " +
                        kPatternTraits[result.fracture.pattern.index()].name + ". Leave '" + spec.name +
                        "' out, or change 'pattern'.");
       continue;
@@ -198,7 +198,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       refuse_both(offences, seen, "fragments", "dual",
                   "barycentric cells cannot be merged. Leave one of them out.");
   }
-  refuse_both(offences, seen, "mass", "density", "each decides the other. Leave one of them out.");
+  refuse_both(offences, seen, "mass", "density", "each determines the other. Leave one of them out.");
   refuse_both(offences, seen, "stretch_matrix", "stretch", "the matrix contains it. Leave one of them out.");
   refuse_both(offences, seen, "stretch_matrix", "grain", "the matrix contains it. Leave one of them out.");
   refuse_both(offences, seen, "stretch_matrix", "grain_of", "the matrix contains it. Leave one of them out.");
@@ -214,7 +214,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
     offences.add_missing(
         "exterior",
         "'exterior' is 'material', but no 'material' is given. Give one, or leave 'exterior' out.");
-  // The parameters of an answer contain both, and may be sent again.
+  // An answer's parameters contain both, and a client may send them again.
   const auto levels = values.find("levels"), sites = values.find("sites");
   if (levels != values.end() && sites != values.end() &&
       std::get<std::vector<std::uint64_t>>(levels->second).back() != std::get<std::uint64_t>(sites->second))
@@ -230,7 +230,7 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
   nlohmann::json json =
       canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
-  // A material whose walls are turned off is the same as a material without walls.
+  // A material with its walls turned off is equivalent to a material without walls.
   if (!(parameters.hollow.fraction > 0)) json.erase("shell_fraction");
   return json;
 }

@@ -1,5 +1,5 @@
-// The table of all parameters. It validates the query of a URL, a JSON object and the flags of `bake`, and words the errors. It
-// makes the canonical form of a request and fills GET /limits and GET /patterns. A test compares proto/openapi.yaml with it. The
+// The table of all parameters. It validates a URL's query, a JSON object and the flags of `bake`, and writes the error messages.
+// It produces a request's canonical form and fills GET /limits and GET /patterns. A test compares proto/openapi.yaml with it. The
 // rows are in rows.cpp, site_rows.cpp, structure_rows.cpp, hit_rows.cpp and rough_rows.cpp.
 #pragma once
 
@@ -23,14 +23,14 @@
 
 namespace fracture {
 
-/// Whole numbers go up to 2^53 - 1, so that they are exact in the JSON of every language.
+/// Integers are at most 2^53 - 1, so that every language's JSON parser reads them exactly.
 inline constexpr std::uint64_t kMaxSeed = (1ull << 53) - 1;
 
-/// The report of an answer on its differences from the answer without the new hits.
+/// How an answer reports its differences from the answer without the new hits.
 enum class DeltaAnswer {
   kNone,
-  kStated,  ///< the ids of new, changed and gone fragments
-  kOnly,    ///< the same, and only the new and the changed fragments
+  kStated,  ///< the IDs of new, changed and removed fragments
+  kOnly,    ///< the same IDs, but only the new and changed fragments
 };
 
 struct RequestParameters {
@@ -48,7 +48,7 @@ struct RequestParameters {
   /// of that answer.
   std::string of{};
   std::vector<Vec3d> local_point{};            ///< with the next two: fracture.hits
-  std::vector<double> local_radius{};          ///< one for each point, or one for all
+  std::vector<double> local_radius{};          ///< one value per point, or one for all points
   std::vector<std::uint64_t> local_sites{30};  ///< the same
   std::uint32_t local_new = 1;                 ///< with delta: selection.new_hits
   DeltaAnswer delta = DeltaAnswer::kNone;
@@ -56,21 +56,21 @@ struct RequestParameters {
   std::uint32_t fragment_sites = Refracture{}.sites;
   std::uint64_t fragment_seed = Refracture{}.seed;
   Vec3d gravity{0, -9.81, 0};           ///< m/s², for the support analysis
-  std::vector<std::uint64_t> broken{};  ///< ids of fragments that are gone, for the support analysis
-  std::string material;  ///< name of the preset that the other members started from; empty: none
+  std::vector<std::uint64_t> broken{};  ///< IDs of fragments that are gone, for the support analysis
+  std::string material;                 ///< name of the preset that set the other members; empty: none
   PhysicalProperties physical;
   InteriorLook interior;
   ExteriorLook exterior;
   std::string interior_color;        ///< as given, when interior.color is set
   std::string mortar;                ///< as given, when interior.mortar is set
-  std::optional<double> mass;        ///< kg, of all fragments; if given, it decides the density
-  std::optional<MeshFormat> format;  ///< as given by `format=`; nothing when absent
+  std::optional<double> mass;        ///< kg, of all fragments; if given, it determines the density
+  std::optional<MeshFormat> format;  ///< as given by `format=`; empty if absent
 };
 
 /// Which mesh formats a server reads.
 class FormatSet {
  public:
-  FormatSet();  ///< those that are enabled by default
+  FormatSet();  ///< the formats that are enabled by default
   void enable(MeshFormat format);
   bool contains(MeshFormat format) const;
   const std::vector<MeshFormat>& formats() const { return formats_; }  ///< in the order of the enum
@@ -89,10 +89,10 @@ class ParameterTable {
   const ParameterSpec* find(std::string_view name) const;
   const FormatSet& formats() const { return formats_; }
 
-  /// Checks everything before it answers: the error carries each offender in extra.errors as {parameter |
-  /// pointer, detail}; `Error::pointer` names the first. kUnknownParameter, kBadParameter (also: given
-  /// twice, or of another pattern), kUnknownFormat. A material applies first, then the pattern, then the
-  /// rest, whatever the order they were given in.
+  /// Checks all parameters before it returns. The error lists each wrong parameter in extra.errors as {parameter | pointer,
+  /// detail}, and `Error::pointer` names the first. Errors: kUnknownParameter, kUnknownFormat, and kBadParameter, which includes
+  /// parameters that are given twice or belong to another pattern. The material applies first, then the pattern, then the rest,
+  /// regardless of their order in the request.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) const;
 
   /// For GET /limits.
@@ -105,15 +105,15 @@ class ParameterTable {
   std::vector<ParameterSpec> specs_;
 };
 
-/// The key at the end of an answer's address (`of`); empty when there is none.
+/// The key at the end of an answer's address (`of`); empty if there is none.
 std::string answer_key_in(std::string_view address);
 
-/// The only spelling of a request: sorted keys, with defaults. It is part of every cache key and of the GLB's extras, and is the same
-/// for a query, JSON and `bake`.
+/// The unique form of a request: sorted keys, including defaults. It is part of every cache key and of the GLB's extras, and is
+/// the same for a query, JSON and `bake`.
 nlohmann::json canonical_parameters(const RequestParameters& parameters);
-/// The canonical parameters that decide the solid.
+/// The canonical parameters that determine the solid.
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters);
-/// The canonical parameters that decide the sites. A material and the same values given one by one have the same ones.
+/// The canonical parameters that determine the sites. They are the same for a material and for its values given one by one.
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters);
 /// For a request with `delta`: the parameters of the answer that its new hits start from. With `hit`: the parameters of the answer
 /// that further hits start from.

@@ -1,4 +1,4 @@
-// How far cuts are from flat (common/rough).
+// How far cuts deviate from planes (common/rough).
 #include "common/materials/materials.hpp"
 #include "common/parameters/fields.hpp"
 #include "common/parameters/rows.hpp"
@@ -7,8 +7,7 @@ namespace fracture {
 
 using parameter_fields::with_member;
 
-// Lengths in terms of the solid's size: presets then suit meshes of any scale, and files whose unit is a
-// guess.
+// Lengths are relative to the solid's size, so presets suit meshes of any scale, including files whose unit is a guess.
 std::vector<ParameterSpec> rough_parameter_rows() {
   std::vector<ParameterSpec> rows;
   rows.push_back(with_member(
@@ -17,9 +16,9 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0,
        .high = 0.25,
        .doc =
-           "How far noise moves cut faces from their planes, as a fraction of the solid's size (the cube root of the volume of its "
-           "largest part). If `stretch` is above 6, they move four times as far along the grain. The server lowers it if "
-           "`rough_frequency` is too high for it. 0: flat cuts."},
+           "How far noise moves cut faces out of their planes, as a fraction of the solid's size (the cube root of its largest "
+           "part's volume). If `stretch` is above 6, faces move four times as far along the grain. The server reduces the "
+           "amplitude if `rough_frequency` is too high for it. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);  // whose roughness is overridden by 0
@@ -31,7 +30,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .type = Type::kNumber,
        .low = 0.1,
        .high = 100,
-       .doc = "Number of waves of the coarsest noise along the solid's size."},
+       .doc = "Number of waves of the coarsest noise across the solid's size."},
       [](auto& r) -> auto& { return r.fracture.roughness.frequency; }));
   rows.push_back(with_member(
       {.name = "rough_octaves",
@@ -39,8 +38,8 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .min = 1,
        .max = 6,
        .doc =
-           "Layers of noise. Each has twice the frequency and half the amplitude of the one before. The finest decides how many "
-           "triangles the cuts have."},
+           "Number of noise layers, each with twice the frequency and half the amplitude of the previous one. The finest layer "
+           "determines how many triangles the cuts have."},
       [](auto& r) -> auto& { return r.fracture.roughness.octaves; }));
   for (std::size_t k = first; k < rows.size(); ++k)
     rows[k].matters = [](const RequestParameters& r) { return r.fracture.roughness.amplitude > 0; };

@@ -21,8 +21,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"fill", "strict"},
        .doc =
-           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed, and inverted surfaces "
-           "are turned. `strict`: it is refused."},
+           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
+           "are flipped. `strict`: the mesh is refused."},
       [](auto& r) -> auto& { return r.solid.repair; }));
   add(with_member(
       {.name = "thickness",
@@ -32,7 +32,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 1000,
        .doc =
            "Open sheets (panes, leaves) become slabs of this thickness. A curved sheet becomes a solid body, with a warning, if "
-           "closing its holes encloses more volume than the slab has. 0: sheets are dropped."},
+           "closing its holes encloses more volume than the slab would have. 0: sheets are dropped."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -41,9 +41,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Thickness of walls. Closed parts without a cavity become hollow, with walls of at least this thickness, if they are "
-           "more than twice as thick. Use it for a vessel that is modelled as a solid. 0: the thickness comes from "
-           "`shell_fraction`; a given 0 also leaves out the material's own walls."},
+           "Wall thickness. Closed parts without a cavity become hollow, with walls of at least this thickness, if they are more "
+           "than twice as thick. Use it for a vessel that is modelled as a solid. 0: the thickness comes from `shell_fraction`; "
+           "an explicit 0 also turns off the material's own walls."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
@@ -56,14 +56,14 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.5,
        .doc =
-           "Thickness of walls as a fraction of the longest side of each part's box. 0 without `shell`: nothing becomes hollow. "
-           "Default of glass 0.02, of ceramic 0.04, of terracotta 0.06, of metal 0.015."},
+           "Wall thickness as a fraction of the longest side of each part's box. 0 without `shell`: nothing becomes hollow. "
+           "Defaults: glass 0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow.fraction = std::get<double>(value);
     r.hollow.least_ball = 0;
   };
-  // 0 is kept if the material has walls, because the parameters of an answer may be sent again.
+  // 0 is kept if the material has walls, because a client may send an answer's parameters again.
   fraction.matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);
     return r.hollow.fraction > 0 || (preset && preset->shell_fraction > 0);
@@ -75,9 +75,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that hold a ball of this diameter, as a fraction of the longest side of their box, become hollow; plates, "
-           "rods and parts that have walls stay as they are. 0: all that are thick enough, else at least 0.1. Default of glass, "
-           "ceramic, terracotta and metal: 0.2, and 0 if `shell` or `shell_fraction` is given."},
+           "Only parts that can contain a ball of this diameter (a fraction of their box's longest side) become hollow. Plates, rods "
+           "and parts that already have walls stay as they are. 0: all parts that are thick enough; other values must be at least "
+           "0.1. Default: 0.2 for glass, ceramic, terracotta and metal, but 0 with `shell` or `shell_fraction`."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -92,30 +92,30 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.01,
        .doc =
-           "Vertices closer than this fraction of the box's diagonal are merged if that closes open edges. 0: equal ones."},
+           "Vertices closer than this fraction of the box's diagonal are merged if that closes open edges. 0: only equal vertices."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
        .choices = {"file", "m", "cm", "mm", "inch"},
-       .doc = "Unit of the mesh's coordinates. `file`: as the file or its format says, else metres."},
+       .doc = "Unit of the mesh's coordinates. `file`: set by the file or its format, otherwise metres."},
       [](auto& r) -> auto& { return r.frame.unit; }));
   add(with_member(
       {.name = "up",
        .type = Type::kChoice,
        .choices = {"file", "y", "z"},
-       .doc = "Up axis of the mesh; the answer is y up. `file`: as the file or its format says, else y."},
+       .doc = "Up axis of the mesh; answers are y up. `file`: set by the file or its format, otherwise y."},
       [](auto& r) -> auto& { return r.frame.up; }));
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
-       .doc = "Break only these nodes (names or indices, with commas); the others pass through whole."},
+       .doc = "Break only these nodes (comma-separated names or indices); all others pass through unbroken."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
       {.name = "materials",
        .type = Type::kNames,
        .doc =
-           "Break only triangles with these materials (names or indices, with commas); the others pass through whole."},
+           "Break only triangles with these materials (comma-separated names or indices); all others pass through unbroken."},
       [](auto& r) -> auto& { return r.parts.materials; }));
 }
 
@@ -126,7 +126,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .choices = {"circumcenter", "barycenter"},
        .doc =
            "How cells are made. `circumcenter`: Voronoi cells, an exact partition. `barycenter`: hulls of the tetrahedra's "
-           "barycentres, a softer look without a partition; size limits merge nothing."},
+           "barycentres, which look softer but are not a partition; size limits merge nothing."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -134,7 +134,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m³",
        .low = 0,
        .high = 1e18,
-       .doc = "Larger fragments are left out, as in the paper. Only with `dual=barycenter`. 0: none."},
+       .doc = "Larger fragments are left out, as in the paper. Only with `dual=barycenter`. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.drop_above; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
@@ -142,22 +142,22 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"khr", "omi", "none"},
        .doc =
-           "Physics of the fragments. `khr`: KHR_physics_rigid_bodies. `omi`: OMI_physics_body and OMI_physics_shape, for Godot. "
-           "`none`: no physics and no collision hulls."},
+           "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies. `omi`: OMI_physics_body and "
+           "OMI_physics_shape, for Godot. `none`: no physics and no collision hulls."},
       [](auto& r) -> auto& { return r.physics; }));
   rows.push_back(with_member(
       {.name = "ue_collision",
        .type = Type::kChoice,
        .choices = {"none", "ucx"},
-       .doc = "`ucx`: the collision hulls are also nodes UCX_..., which Unreal takes as collision geometry."},
+       .doc = "`ucx`: the collision hulls are also nodes UCX_..., which Unreal uses as collision geometry."},
       [](auto& r) -> auto& { return r.ue_collision; }));
   rows.push_back(with_member(
       {.name = "pivot",
        .type = Type::kChoice,
        .choices = {"center_of_mass", "source"},
        .doc =
-           "Origin of each fragment's node. `center_of_mass`: its centre of mass. `source`: the origin of the mesh; positions are "
-           "those of the mesh."},
+           "Origin of each fragment's node. `center_of_mass`: the fragment's centre of mass. `source`: the mesh's origin, so "
+           "positions are the same as in the mesh."},
       [](auto& r) -> auto& { return r.fracture.pivot; }));
 }
 
@@ -167,9 +167,9 @@ void add_exterior_row(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "asset", "material"},
        .doc =
-           "Look of the outside. `auto`: surfaces without a material in the mesh get the colour, roughness, metalness and opacity "
-           "of `material`, the others stay as they are. `asset`: all stay as they are. `material`: all fragments get the roughness, "
-           "metalness and opacity of `material`, and keep their colours and textures."},
+           "Appearance of the outside. `auto`: surfaces without a material in the mesh get the colour, roughness, metalness and "
+           "opacity of `material`; the others stay as they are. `asset`: all surfaces stay as they are. `material`: all fragments "
+           "get the roughness, metalness and opacity of `material`, but keep their colours and textures."},
       [](auto& r) -> auto& { return r.exterior.choice; });
   exterior.matters = [](const RequestParameters& r) { return r.exterior.any(); };
   rows.push_back(std::move(exterior));
@@ -181,16 +181,16 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "plain", "texture"},
        .doc =
-           "Colour of the cut faces. `auto`: in each part the colour of most of its surface, as far as `interior_mix` says. "
-           "`plain`: the same in all parts, nothing of it from the surface. `texture`: as `auto`, but textures of "
-           "`interior_material` are shown even if they do not repeat on it."},
+           "Colour of the cut faces. `auto`: each part's cuts get the colour of most of its surface, in the proportion set by "
+           "`interior_mix`. `plain`: the same colour in all parts, with nothing from the surface. `texture`: like `auto`, but "
+           "textures of `interior_material` are shown even if they do not repeat on the mesh."},
       [](auto& r) -> auto& { return r.interior.choice; }));
   ParameterSpec reused = with_member(
       {.name = "interior_material",
        .type = Type::kText,
        .doc =
-           "Name or index of a material of the mesh whose look the cut faces get. Textures that repeat on the mesh repeat on the "
-           "cuts; an atlas or a palette gives its mean colour."},
+           "Name or index of a material of the mesh whose appearance the cut faces get. Textures that repeat on the mesh also "
+           "repeat on the cuts; an atlas or a palette contributes its mean colour."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
@@ -203,13 +203,13 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_name",
        .type = Type::kText,
        .doc =
-           "Name of the cut faces' material. Default: Interior, or Interior_ and the name of `interior_material`."},
+           "Name of the cut faces' material. Default: Interior, or Interior_ followed by the name of `interior_material`."},
       [](auto& r) -> auto& { return r.interior.name; }));
   ParameterSpec color = with_member(
       {.name = "interior_color",
        .type = Type::kColor,
        .doc =
-           "Base colour of the cut faces, sRGB as #rrggbb. Replaces the base colour texture of `interior_material`."},
+           "Base colour of the cut faces, sRGB as #rrggbb. It replaces the base colour texture of `interior_material`."},
       [](auto& r) -> auto& { return r.interior_color; });
   color.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior_color = std::get<std::string>(value);
@@ -223,15 +223,15 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the surface's colour in the colour of the cut faces; above 0 it replaces a texture. Default: as `material` has "
-           "it; 0 with `interior_color` or `interior_material`, else 1."},
+           "How much of the surface's colour is mixed into the cut faces; a value above 0 replaces a texture. Default: 0 with "
+           "`interior_color` or `interior_material`; otherwise the value set by `material`, or 1 without a `material`."},
       [](auto& r) -> auto& { return r.interior.mix; }));
   rows.push_back(with_member(
       {.name = "interior_shade",
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc = "Brightness of the surface's colour on the cut faces; above 1 brighter than the surface."},
+       .doc = "Brightness of the surface's colour on the cut faces; 1 keeps it, higher values brighten it."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",
@@ -239,8 +239,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Opacity of the cut faces. Below 1 the things behind them are visible. Default: 1; 0.5 in parts with a translucent "
-           "surface; 0.4 for glass, 0.5 for crystal, 0.7 for ice."},
+           "Opacity of the cut faces. Below 1, objects behind them are visible. Default: 0.4 for glass, 0.5 for crystal, 0.7 for "
+           "ice; for other materials, 0.5 in parts with a translucent surface and 1 in other parts."},
       [](auto& r) -> auto& { return r.interior.opacity; }));
   ParameterSpec crushed = with_member(
       {.name = "interior_crushed",
@@ -248,8 +248,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Fragments below this share of the mean volume that `fragments` or `sites` asks for have white, opaque cut faces, as "
-           "crushed ice has. 0: none. Default of ice 0.4."},
+           "Fragments below this share of the mean volume that follows from `fragments` or `sites` get white, opaque cut faces, "
+           "like crushed ice. 0: none. Default for ice: 0.4."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));
@@ -271,8 +271,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_detail",
        .type = Type::kChoice,
        .doc =
-           "Relief of the cut faces: a normal map and a roughness map, which repeat once a metre unless `interior_uv_scale` is "
-           "given. With `delta=only` the maps are left out, because the client has them."},
+           "Surface relief of the cut faces: a normal map and a roughness map, which repeat once per metre unless "
+           "`interior_uv_scale` is given. With `delta=only` the maps are left out, because the client already has them."},
       [](auto& r) -> auto& { return r.interior.detail; });
   for (const std::string_view name : kCutDetailNames) detail.choices.emplace_back(name);
   detail.matters = [](const RequestParameters& r) { return r.interior.detail != CutDetail::kNone; };
@@ -282,21 +282,21 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 1e-3,
        .high = 1e3,
-       .doc = "How often a texture repeats in a metre of the cut faces."},
+       .doc = "How many times a texture repeats per metre of cut face."},
       [](auto& r) -> auto& { return r.interior.uvs.scale; }));
   rows.push_back(with_member(
       {.name = "interior_uv_u",
        .type = Type::kNumber,
        .low = -1e3,
        .high = 1e3,
-       .doc = "Added to the first texture coordinate of cut faces."},
+       .doc = "Offset of the first texture coordinate on cut faces."},
       [](auto& r) -> auto& { return r.interior.uvs.u; }));
   rows.push_back(with_member(
       {.name = "interior_uv_v",
        .type = Type::kNumber,
        .low = -1e3,
        .high = 1e3,
-       .doc = "Added to the second texture coordinate of cut faces."},
+       .doc = "Offset of the second texture coordinate on cut faces."},
       [](auto& r) -> auto& { return r.interior.uvs.v; }));
   for (std::size_t k = rows.size() - 3; k < rows.size(); ++k)
     rows[k].matters = [](const RequestParameters& r) { return r.interior.uvs != CutUvs{}; };
@@ -321,7 +321,7 @@ void add_physical_rows(std::vector<ParameterSpec>& rows) {
        .unit = "kg",
        .low = 1e-9,
        .high = 1e15,
-       .doc = "Mass of all fragments together. Use it instead of `density`."},
+       .doc = "Total mass of all fragments. Use it instead of `density`."},
       [](auto& r) -> auto& { return r.mass; }));
   rows.push_back(with_member(
       {.name = "friction",
@@ -343,7 +343,7 @@ void add_physical_rows(std::vector<ParameterSpec>& rows) {
        .unit = "Pa",
        .low = 0,
        .high = 1e12,
-       .doc = "Stress that the shared area of two fragments withstands before they part."},
+       .doc = "Stress that the area shared by two fragments withstands before they separate."},
       [](auto& r) -> auto& { return r.physical.bond_strength; }));
 }
 
@@ -351,7 +351,7 @@ ParameterSpec format_row(const FormatSet& formats) {
   ParameterSpec spec{.name = "format",
                      .type = Type::kChoice,
                      .choices = formats.names(),
-                     .doc = "Format of the mesh, if the Content-Type does not say it."};
+                     .doc = "Format of the mesh, if the Content-Type does not specify it."};
   spec.set = [](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
     r.format = format_from_extension(s.choices.at(std::get<std::uint64_t>(value)));
   };

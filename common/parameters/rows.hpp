@@ -1,4 +1,4 @@
-// The rows of the table of parameters.
+// The rows of the parameter table.
 #pragma once
 
 #include <vector>
@@ -9,23 +9,22 @@ namespace fracture {
 
 using Type = ParameterSpec::Type;  // for the rows
 
-/// Every parameter, in the order in which parameters apply and are listed. `max_sites` and `formats` are the
-/// server's.
+/// Every parameter, in the order in which parameters apply and are listed. `max_sites` and `formats` are the server's.
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats);
 
-/// The rows that decide where the sites go; `material` and `pattern` come first.
+/// The rows that determine the positions of the sites; `material` and `pattern` are first.
 std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 
-/// The rows of sizes, levels, regions, anchors, support, hits, and fragments that break again.
+/// The rows for sizes, levels, regions, anchors, support, hits, and fragments that break again.
 std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites);
 
-/// The rows of local hits, which are part of structure_parameter_rows().
+/// The rows for local hits, which are part of structure_parameter_rows().
 std::vector<ParameterSpec> hit_parameter_rows();
 
-/// The rows of rough cuts.
+/// The rows for rough cuts.
 std::vector<ParameterSpec> rough_parameter_rows();
 
-/// kBadParameter with the parameter's name.
+/// An error kBadParameter with the parameter's name.
 Error bad_parameter(std::string name, std::string detail);
 
 /// Combines several parameters into one value, such as a region from centre and radius. kBadParameter if one is missing or they
@@ -34,13 +33,13 @@ std::optional<Error> complete_structure(RequestParameters& parameters);
 /// The same for hits.
 std::optional<Error> complete_hits(RequestParameters& parameters);
 
-/// Names of the patterns for which this is true.
+/// Names of the patterns for which the trait is true.
 std::vector<std::string> patterns_that(bool PatternTraits::*may);
 
-/// The pattern of this number, all its parameters at their defaults.
+/// The pattern with this index, with default parameters.
 SitePattern default_pattern(std::size_t index);
 
-/// Does the parameter mean anything for this pattern?
+/// Whether the parameter has a meaning for this pattern.
 bool belongs(const ParameterSpec& spec, const SitePattern& pattern);
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// The fragments of an answer that a request wants.
+// The fragments of an answer that a request asks for.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace fracture {
 struct Selection {
   bool kept = false;                  ///< the answer is kept, because hits may follow
   std::optional<NewHits> new_hits{};  ///< the answer is kept, and compared with the answer without these hits
-  std::optional<Refracture> refracture{};  ///< the parts of one fragment; excludes the two others
+  std::optional<Refracture> refracture{};  ///< the parts of a single fragment; excludes the other two members
 };
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// Rows of material and pattern, and of the parameters of each pattern.
+// Rows for the material, the pattern, and each pattern's parameters.
 #include "common/parameters/fields.hpp"
 #include "common/parameters/rows.hpp"
 
@@ -11,7 +11,7 @@ using parameter_fields::pattern_name;
 using parameter_fields::with_member;
 using parameter_fields::with_pattern_member;
 
-// Rows of a matrix or normals of slices that are more nearly dependent than this have no usable inverse.
+// Matrix rows or slice normals that are closer to linear dependence than this have no usable inverse.
 constexpr double kLeastConditioning = 1e-3;
 
 ParameterSpec material_row() {
@@ -19,8 +19,8 @@ ParameterSpec material_row() {
       .name = "material",
       .type = Type::kChoice,
       .doc =
-          "Preset of `pattern` and most other parameters: how it breaks, its density, friction, bounce and strength, and how cuts "
-          "look. Parameters that are given replace those of the preset. GET /patterns lists what each material sets."};
+          "Preset for `pattern` and most other parameters: how the mesh breaks, its density, friction, bounce and strength, and "
+          "how the cuts look. Parameters that you give override it. GET /patterns lists what each material sets."};
   for (const MaterialPreset& preset : material_presets()) spec.choices.emplace_back(preset.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const MaterialPreset& preset = material_presets()[std::get<std::uint64_t>(value)];
@@ -67,14 +67,14 @@ ParameterSpec pattern_row() {
       .name = "pattern",
       .type = Type::kChoice,
       .doc =
-          "Arrangement of the Voronoi sites, which decides where the cuts go. GET /patterns describes each pattern.",
+          "How the Voronoi sites are arranged, which determines where the mesh is cut. GET /patterns describes each pattern.",
       .decides = Decides::kSites};
   for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto index = static_cast<std::size_t>(std::get<std::uint64_t>(value));
     if (r.fracture.pattern.index() == index) return;  // keeps the values of a material
     r.fracture.pattern = default_pattern(index);
-    // Relaxation moves single sites, and slices have directions of their own.
+    // Relaxation moves individual sites, and slices have their own directions.
     if (!std::holds_alternative<ImpactPattern>(r.fracture.pattern) &&
         !std::holds_alternative<ClusteredPattern>(r.fracture.pattern))
       r.fracture.lloyd = 0;
@@ -102,9 +102,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 1,
            .max = max_sites,
            .doc =
-               "Number of cells that the pattern makes: the number of Voronoi sites with `uniform`, `impact` and `clustered`, "
-               "approximate with the others. `cells_per_fragment` multiplies it. A cell that meets several parts of the mesh becomes a "
-               "fragment in each; use `fragments` to set the number of fragments."},
+               "Number of cells that the pattern makes. It is the number of Voronoi sites with `uniform`, `impact` and `clustered`, "
+               "and approximate with the other patterns. `cells_per_fragment` multiplies it. A cell that extends into several parts "
+               "of the mesh becomes a fragment in each; to set the number of fragments, use `fragments`."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
   rows.push_back(for_patterns(
       {},
@@ -114,7 +114,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 0,
            .max = kMaxSeed,
            .doc =
-               "Seed of all random numbers. The same seed gives the same bytes, another gives other cuts."},
+               "Seed for all random numbers. The same seed gives the same bytes; a different seed gives different cuts."},
           [](auto& r) -> auto& { return r.fracture.seed; })));
   rows.push_back(for_patterns(
       patterns_that(&PatternTraits::relaxed),
@@ -124,8 +124,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 0,
            .max = 50,
            .doc =
-               "Passes of relaxation. Each pass moves every site to the centre of its piece, so pieces become more even in size. A "
-               "pass costs as much as cutting, mostly less than a tenth of the answer."},
+               "Number of relaxation passes. Each pass moves every site to the centre of its piece, so pieces become more equal in "
+               "size. A pass costs as much as the cutting itself, usually less than a tenth of the total."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   rows.push_back(for_patterns(
       {"uniform", "impact", "clustered"},
@@ -133,9 +133,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "Paint that marks where the mesh breaks most: vertex colours (COLOR_0 to COLOR_7) or a material (name or number). "
-               "White, or the surface of the material, gets the most sites; black, or other surfaces, a 32nd as many. It affects "
-               "evenly spread sites and the centres of clusters, not sites near an impact."},
+               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index) that mark where the mesh breaks into smaller "
+               "pieces. The density of sites is highest in white areas, or near the material's surface; in black areas, or near other "
+               "surfaces, it is a 32nd of that. This affects uniformly spread sites and cluster centres, not sites near an impact."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -145,21 +145,21 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = 0.01,
            .high = 100,
            .doc =
-               "How many times as long pieces are along the grain as across it. Use it for fibres (wood has 8) or, below 1, for "
-               "layers. Lengths of the pattern then count across the grain."},
+               "Length of the pieces along the grain, relative to their width across it. Use values above 1 for fibres (wood sets 8) "
+               "and below 1 for layers. The pattern's lengths are then measured across the grain."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
   stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
   };
   rows.push_back(std::move(stretch));
-  rows.push_back(for_patterns(
-      {}, with_member(
-              {.name = "grain",
-               .type = Type::kDirection,
-               .low = -kFar,
-               .high = kFar,
-               .doc = "Direction of the grain, the same for the whole mesh. Default: as `grain_of` says."},
-              [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
+  rows.push_back(
+      for_patterns({}, with_member(
+                           {.name = "grain",
+                            .type = Type::kDirection,
+                            .low = -kFar,
+                            .high = kFar,
+                            .doc = "Direction of the grain throughout the mesh. Default: set by `grain_of`."},
+                           [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
   ParameterSpec grain_of = for_patterns(
       {},
       with_member(
@@ -167,9 +167,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kChoice,
            .choices = {"solid", "part", "node", "material"},
            .doc =
-               "Bodies that have their own grain, along their longest axis, if `grain` is not given. All but `solid` need the pattern "
-               "`uniform`, `impact` or `clustered`. `solid`: the whole mesh. `part`: each connected part. `node`: the parts of a node "
-               "together. `material`: the parts with the same material on most of their surface together."},
+               "Bodies that get a grain of their own, along their longest axis, unless `grain` is given. All choices except `solid` "
+               "require the pattern `uniform`, `impact` or `clustered`. `solid`: the whole mesh. `part`: each connected part. `node`: "
+               "all parts of a node together. `material`: all parts with the same material on most of their surface, together."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;
@@ -189,13 +189,13 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = -1000,
            .high = 1000,
            .doc =
-               "Use it instead of `stretch` and `grain`: the matrix, row by row, that every piece goes through."},
+               "Matrix (row by row) that is applied to every piece. Use it instead of `stretch` and `grain`."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.matrix; }));
   matrix.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& m = std::get<Matrix3>(value);
     if (m.conditioning() >= kLeastConditioning && std::fabs(m.determinant()) >= 1e-6) return std::nullopt;
-    return "have a determinant of at least 1e-6, and of at least 0.001 of the product of its rows' lengths: this "
-           "matrix is singular or nearly so";
+    return "have a determinant of at least 1e-6, and of at least 0.001 times the product of its rows' lengths: this "
+           "matrix is singular or nearly singular";
   };
   matrix.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.fracture.anisotropy = {.matrix = std::get<Matrix3>(value)};  // replaces the stretch of a material
@@ -203,7 +203,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
   rows.push_back(std::move(matrix));
 }
 
-/// Fragments of several cells, for the patterns that support them.
+/// Fragments that consist of several cells, for the patterns that support them.
 void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
   const std::vector<std::string> patterns{pattern_name<UniformPattern>(), pattern_name<ImpactPattern>(),
                                           pattern_name<ClusteredPattern>()};
@@ -216,9 +216,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "Mean number of cells that grow together into a fragment. Use it for ragged chunks that are not convex; `size_spread` "
-               "sets their sizes. After an impact they are longer in the outward direction. 1: each cell is a fragment. The materials "
-               "stone, concrete and metal have 6, which costs twice as much as 1 with flat cuts."},
+               "Mean number of cells that are joined into a fragment. Use it for ragged, non-convex chunks; `size_spread` controls "
+               "their sizes. Around an impact, chunks are longer in the outward direction. 1: each cell is a fragment. Stone, "
+               "concrete and metal set 6, which costs twice as much as 1 with flat cuts."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
     const MaterialPreset* preset = find_material_preset(r.material);
@@ -232,9 +232,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .low = 0,
            .high = kMostSpread,
            .doc =
-               "How uneven the volumes of ragged chunks are: a share of exp(-(v/s)^(1/size_spread)) is larger than v, with a scale s "
-               "(Weibull 1951). 0: all alike. 1: the exponential of Grady and Kipp (1985), as published for blasted granitic gneiss "
-               "(Astrom et al. 2004). 2: Mott and Linfoot (1943)."},
+               "How uneven the volumes of ragged chunks are. The share of chunks larger than v is exp(-(v/s)^(1/size_spread)), where "
+               "s is a scale (Weibull 1951). 0: equal volumes. 1: the exponential distribution of Grady and Kipp (1985), as published "
+               "for blasted granitic gneiss (Astrom et al. 2004). 2: the distribution of Mott and Linfoot (1943)."},
           [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
   rows.push_back(for_patterns(
       patterns,
@@ -244,8 +244,8 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "Most convex collision hulls of a ragged chunk. Hulls leave their fragment only at its outer surface, so those of "
-               "neighbours do not overlap."},
+               "Maximum number of convex collision hulls per ragged chunk. A hull extends beyond its fragment only at the outer "
+               "surface, so the hulls of neighbours do not overlap."},
           [](auto& r) -> auto& { return r.fracture.most_hulls; })));
   rows.back().decides = Decides::kAnswer;
   for (std::size_t k = first + 1; k < rows.size(); ++k)
@@ -261,7 +261,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .max = max_sites,
        .low = -kFar,
        .high = kFar,
-       .doc = "The Voronoi sites, in the frame of the answer (y up). Required by this pattern."}));
+       .doc = "The Voronoi sites, in the answer's coordinate frame (y up). This pattern requires them."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -272,11 +272,11 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Places where the mesh is hit, in the frame of the answer (y up). Use them to break the whole mesh, with the smallest "
-           "pieces at the hit. Use `local_point` to break only what is near. `radial`: the first place is the centre. `brick`: "
-           "bricks at the hit are crushed, the next ones break in halves; without a hit none do. Default: the centre of the box; "
-           "for spokes in all directions the centre of its +z side. With a material of the pattern `uniform` or `clustered`, the "
-           "pattern becomes `impact`."}));
+           "Points where the mesh is hit, in the answer's coordinate frame (y up). Use them to break the whole mesh, with the "
+           "smallest pieces at the hit; use `local_point` to break only the area around a hit. `radial`: the first point is the "
+           "centre. `brick`: bricks at a hit are crushed, and the next ones break in half; without a hit, no bricks break. "
+           "Default: the centre of the box, or of its +z side if spokes go in all directions. If the material's pattern is "
+           "`uniform` or `clustered`, it becomes `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -284,73 +284,74 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Reach of an impact, or approximate reach of a cluster, within which its sites are. Default: a third of the box's "
-           "longest side for an impact, 0.12 of its mean side for a cluster."}));
+           "Reach of an impact, or approximate reach of a cluster; its sites are within this distance. Default: a third of the "
+           "box's longest side for an impact, 0.12 of its mean side length for a cluster."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
        .low = 0,
        .high = 2.9,
        .doc =
-           "How fast the density of sites falls with distance: as distance to the power of minus this. 0: even within the radius. "
-           "Default: 2 for `impact`, 1.5 for `clustered`."}));
+           "How fast the density of sites falls with distance: it is proportional to distance^-exponent. 0: even within the "
+           "radius. Default: 2 for `impact`, 1.5 for `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
       {.name = "share",
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the sites that are near an impact or in a cluster; the others are uniform. Default: 0.8 for `impact`, 0.88 "
-           "for `clustered`."}));
+           "Share of the sites that are near an impact or in a cluster; the rest are spread uniformly. Default: 0.8 for `impact`, "
+           "0.88 for `clustered`."}));
   rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
       {.name = "clusters",
        .type = Type::kInteger,
        .min = 1,
        .max = 10'000,
-       .doc = "Number of clusters. Default: one for forty sites."}));
+       .doc = "Number of clusters. Default: one per 40 sites."}));
   rows.push_back(with_pattern_member<&RadialPattern::around>(
       {.name = "around",
        .type = Type::kChoice,
        .choices = {"axis", "point", "shape"},
        .doc =
-           "Centre of rings and spokes. `axis`: a line, for a pane. `point`: a point with spokes in all directions, for a vessel "
-           "or a lump. `shape`: an axis if `axis` is given or the mesh is a plate in any position (at most a fifth as thick as it "
-           "is wide), else a point. Without `axis`, `spokes`, `rings` and a stretch, each of several parts breaks by its own "
-           "shape, and parts four times as long as wide break across. If there are more than eight parts, only the seven largest "
-           "do so. With `dual=barycenter` or a kept region, all parts break as one."}));
+           "Centre of the rings and spokes. `axis`: a line, for a pane. `point`: a point with spokes in all directions, for a "
+           "vessel or a lump. `shape`: an axis if `axis` is given or the mesh is a plate in any position (at most a fifth as "
+           "thick as it is wide), otherwise a point. If there are several parts, each breaks according to its own shape, unless "
+           "`axis`, `spokes`, `rings` or a stretch is given. Parts four times as long as they are wide then break across their "
+           "length. With more than eight parts, this applies only to the seven largest. With `dual=barycenter` or a kept region, "
+           "all parts break as one."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Axis that rings and spokes go around. Default: through a plate, else along the shortest side of the box. With "
-           "`crushed`, unless the mesh is a plate: from the hit to the centre of the box."}));
+           "Axis of the rings and spokes. Default: perpendicular to the mesh if it is a plate, otherwise along the shortest side "
+           "of the box. With `crushed`, unless the mesh is a plate: from the hit to the centre of the box."}));
   rows.push_back(with_pattern_member<&RadialPattern::spokes>(
       {.name = "spokes",
        .type = Type::kInteger,
        .min = 3,
        .max = 720,
        .doc =
-           "Number of spokes. Default: as many as `sites` needs, at least 14, in all directions at least 6."}));
+           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 if they go in all directions)."}));
   rows.push_back(with_pattern_member<&RadialPattern::rings>(
       {.name = "rings",
        .type = Type::kInteger,
        .min = 1,
        .max = 1000,
-       .doc = "Number of rings. Default: as many as `sites` needs."}));
+       .doc = "Number of rings. Default: enough for about `sites` pieces."}));
   rows.push_back(with_pattern_member<&RadialPattern::growth>(
       {.name = "growth",
        .type = Type::kNumber,
        .low = 1,
        .high = 10,
-       .doc = "How many times as wide each ring is as the ring inside it."}));
+       .doc = "Width of each ring, as a multiple of the width of the ring inside it."}));
   rows.push_back(with_pattern_member<&RadialPattern::merge>(
       {.name = "merge",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the ring cracks that are left out, which makes long shards."}));
+       .doc = "Share of the ring cracks that are omitted, which makes long shards."}));
   rows.push_back(with_pattern_member<&RadialPattern::crushed>(
       {.name = "crushed",
        .type = Type::kNumber,
@@ -364,8 +365,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = 0,
        .high = 1,
        .doc =
-           "Unevenness. With `grid`, `brick` and `slice` whole planes move by up to this share of half their spacing. Default: 0.5 "
-           "for `radial`, 0.2 for `slice`, else 0."}));
+           "Irregularity. With `grid`, `brick` and `slice`, whole planes move by up to this share of half their spacing. Default: "
+           "0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,
@@ -373,23 +374,23 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Size of a cell. `grid`: sides of a box along x, y and z. `brick`: length, height and depth of a brick with its joint, "
-           "with the length along the longer horizontal side of the wall. Each brick is then a piece, and everything counts as a "
-           "wall. Default: as `sites` needs. Bricks then have their real size (0.24 x 0.071 x 0.115 m), several in a piece, and "
-           "are scaled if a piece would have less than one or more than six."});
+           "Size of a cell. `grid`: side lengths of a box along x, y and z. `brick`: length, height and depth of a brick with its "
+           "joint; the length runs along the longer horizontal side of the wall. Each brick is then a piece, and the whole mesh "
+           "is treated as a wall. Default: sized for about `sites` pieces. Bricks then have their real size (0.24 x 0.071 x 0.115 "
+           "m), several per piece, and are scaled if a piece would contain less than one or more than six."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
        .type = Type::kChoice,
        .choices = {"stack", "half", "third"},
-       .doc = "Shift of each course of bricks against the one below, in bricks."}));
+       .doc = "Offset of each course of bricks from the course below, as a fraction of a brick."}));
   ParameterSpec mortar{
       .name = "mortar",
       .type = Type::kColor,
       .doc =
-          "Colour of the joints, sRGB as #rrggbb (lime and cement: #b9b4a8). Cuts along joints get a matt material of their own, "
-          "whose name ends with _Mortar; cuts through a brick or a stone of rubble show its inside. Joints have no width. With "
-          "`dual=barycenter` there are none. Default: all cuts look alike.",
+          "Colour of the joints, sRGB as #rrggbb (lime and cement: #b9b4a8). Cuts along joints get their own matt material, "
+          "whose name ends with _Mortar; cuts through a brick or a rubble stone show its inside. Joints have no width. With "
+          "`dual=barycenter` there are no joints. Default: all cuts look the same.",
       .decides = Decides::kSites,
       .patterns = {pattern_name<BrickPattern>()}};
   mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -416,11 +417,11 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     const auto& given = std::get<std::vector<Vec3d>>(value);
     Matrix3 rows_of;
     for (std::size_t k = 0; k < given.size(); ++k) rows_of.rows[k] = given[k];
-    if (given.size() == 1 && !(length(given[0]) > 1e-9)) return "be directions, none of them zero";
+    if (given.size() == 1 && !(length(given[0]) > 1e-9)) return "be directions that are not zero";
     if (given.size() == 1) return std::nullopt;
     if (given.size() == 2) rows_of.rows[2] = cross(given[0], given[1]);
     if (rows_of.conditioning() >= kLeastConditioning) return std::nullopt;
-    return "be linearly independent directions: these lie in one plane or line, or nearly so";
+    return "be linearly independent directions: these lie, at least nearly, in one plane or line";
   };
   rows.push_back(std::move(normals));
   rows.push_back(with_pattern_member<&SlicePattern::spacing>(
@@ -429,14 +430,14 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "Distance between the planes of a family. Default: as `sites` needs."}));
+       .doc = "Distance between the planes of a family. Default: chosen for about `sites` pieces."}));
   rows.push_back(with_pattern_member<&SlicePattern::tilt>(
       {.name = "tilt",
        .type = Type::kNumber,
        .unit = "degrees",
        .low = 0,
        .high = 45,
-       .doc = "How far planes lean at random, if there is a single family."}));
+       .doc = "Maximum angle by which planes tilt at random, if there is only one family."}));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Rows of sizes, levels, kept regions, anchors, and fragments that break further.
+// Rows for sizes, levels, kept regions, anchors, and fragments that break again.
 #include <algorithm>
 
 #include "common/parameters/fields.hpp"
@@ -32,12 +32,12 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "Number of fragments in the answer. If it is off by more than a tenth, a warning says why. Separate parts share the "
-           "fragments by volume; small parts stay whole. Pieces that hits (`local_point`) break off come in addition. Without "
-           "`sites`, or with the same number, the pattern makes as many cells as it takes. 0: as many as come from `sites`. Not "
-           "with `levels` or `dual=barycenter`."},
+           "Number of fragments in the answer. If the result differs by more than a tenth, a warning says why. Separate parts "
+           "share the fragments in proportion to their volume; small parts stay whole. Pieces broken off by hits (`local_point`) "
+           "are not included. If `sites` is omitted or equals this number, the pattern makes as many cells as are needed. 0: "
+           "`sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
-  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number needs
+  spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
   return spec;
 }
@@ -51,17 +51,17 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "min_volume", 1e18, "m³",
-      "Smaller fragments are merged with the neighbour that shares the largest area. The largest of `min_volume`, `min_fraction` "
-      "and `min_of_mean` counts. 0: no limit.",
+      "Smaller fragments are merged with the neighbour that shares the largest area. The largest of `min_volume`, "
+      "`min_fraction` and `min_of_mean` applies. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
       "min_fraction", 1, "", "`min_volume` as a fraction of the solid's volume. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "`min_volume` as a fraction of the fragments' mean volume. Use it against crumbs. Near a hit the limit is a hundredth of "
-      "this, and the mean is that of the pattern's sites. Before cuts become rough the limit is doubled, to at most 0.05. 0: no "
-      "limit. Default with a `material`: 0.002.",
+      "`min_volume` as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a "
+      "hundredth of this share of the mean volume without hits. Before cuts are roughened, the share is doubled, to at most "
+      "0.05. 0: no limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {
@@ -69,7 +69,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "max_volume", 1e18, "m³",
-      "Cells with a larger piece get more sites. 0: no limit. Not with `radial`, `grid`, `brick`, `slice`.",
+      "Cells that contain a larger piece get more sites. 0: no limit. Not with `radial`, `grid`, `brick` or `slice`.",
       [](auto& r) -> auto& { return r.fracture.max_volume; });
   rows.back().decides = Decides::kSites;
   rows.push_back(with_member(
@@ -77,7 +77,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000,
-       .doc = "The smallest fragments are merged until no more than this are left. 0: no limit."},
+       .doc = "The smallest fragments are merged until at most this many are left. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
@@ -86,8 +86,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .min = 0,
        .max = 1'000'000'000,
        .doc =
-           "The smallest fragments are merged until all together have no more triangles than this. A limit below the triangles of "
-           "the uncut mesh merges nothing. 0: no limit."},
+           "The smallest fragments are merged until all fragments together have at most this many triangles. A limit below the "
+           "uncut mesh's triangle count merges nothing. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
@@ -99,8 +99,8 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
       .min = 1,
       .max = max_sites,
       .doc =
-          "Use it instead of `sites` for a hierarchy: the number of pieces in each of at most eight levels, coarsest first. The "
-          "last number is the number of sites; the other levels are clusters of fragments."};
+          "Number of pieces in each of at most eight levels of a hierarchy, coarsest first. Use it instead of `sites`. The last "
+          "number is the number of sites; the other levels are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -136,7 +136,7 @@ ParameterSpec box_row(const char* name, const char* doc) {
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     for (int a = 0; a < 3; ++a)
-      if (corners[0][a] > corners[1][a]) return "be the lowest and the highest corner, in this order";
+      if (corners[0][a] > corners[1][a]) return "be the lowest and the highest corner, in that order";
     return std::nullopt;
   };
   return spec;
@@ -149,7 +149,7 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = -kFar,
        .high = kFar,
-       .doc = "Centre of a sphere in which nothing is cut. Needs `keep_radius`."},
+       .doc = "Centre of a sphere in which nothing is cut. Requires `keep_radius`."},
       [](auto& r) -> auto& { return r.keep_center; }));
   rows.push_back(with_member(
       {.name = "keep_radius",
@@ -157,11 +157,11 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "Radius of the sphere in which nothing is cut. Needs `keep_center`."},
+       .doc = "Radius of the sphere in which nothing is cut. Requires `keep_center`."},
       [](auto& r) -> auto& { return r.keep_radius; }));
   ParameterSpec box =
       box_row("keep_box",
-              "Lowest and highest corner of a box in which nothing is cut. Use it instead of the sphere.");
+              "Lowest and highest corners of a box in which nothing is cut. Use it instead of the sphere.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -182,8 +182,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
       .low = -kFar,
       .high = kFar,
       .doc =
-          "A point and the normal of a plane. Fragments that touch it or reach behind it are held. 0,0,0;0,1,0 is the ground at "
-          "height 0."};
+          "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored. "
+          "0,0,0;0,1,0 is the ground at height 0."};
   plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
     return "have a normal that is not zero";
@@ -197,8 +197,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
     return vectors({r.fracture.anchors.planes[0].point, r.fracture.anchors.planes[0].normal});
   };
   rows.push_back(std::move(plane));
-  ParameterSpec box =
-      box_row("anchor_box", "Lowest and highest corner of a box. Fragments that overlap it are held.");
+  ParameterSpec box = box_row(
+      "anchor_box", "Lowest and highest corners of a box. Fragments that overlap the box are anchored.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.anchors.boxes = {{corners[0], corners[1]}};
@@ -216,7 +216,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .max = 1000,
        .low = -kFar,
        .high = kFar,
-       .doc = "Fragments that contain one of these points, or touch it, are held."},
+       .doc = "Fragments that contain or touch one of these points are anchored."},
       [](auto& r) -> auto& { return r.fracture.anchors.points; }));
   const std::size_t support = rows.size();
   rows.push_back(with_member(
@@ -225,7 +225,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m/s²",
        .low = -1000,
        .high = 1000,
-       .doc = "Gravity in the support analysis, which every answer with anchors has."},
+       .doc = "Gravity for the support analysis, which is part of every answer with anchors."},
       [](auto& r) -> auto& { return r.gravity; }));
   rows.push_back(with_member(
       {.name = "broken",
@@ -233,7 +233,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "Ids of fragments that are gone. `report.support` says what falls without them. Needs anchors."},
+           "IDs of fragments that are gone. `report.support` shows what falls without them. Requires anchors."},
       [](auto& r) -> auto& { return r.broken; }));
   only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
@@ -246,21 +246,21 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "Id of a fragment of the answer to the other parameters. It is fractured again, and its parts are the answer."},
+           "ID of a fragment to break again, from the answer that the other parameters give. The new answer contains its parts."},
       [](auto& r) -> auto& { return r.fragment; }));
   rows.push_back(with_member(
       {.name = "fragment_sites",
        .type = Type::kInteger,
        .min = 1,
        .max = 10'000,
-       .doc = "Number of sites that break `fragment`."},
+       .doc = "Number of sites used to break `fragment`."},
       [](auto& r) -> auto& { return r.fragment_sites; }));
   rows.push_back(with_member(
       {.name = "fragment_seed",
        .type = Type::kInteger,
        .min = 0,
        .max = kMaxSeed,
-       .doc = "Seed of the sites that break `fragment`."},
+       .doc = "Seed for the sites used to break `fragment`."},
       [](auto& r) -> auto& { return r.fragment_seed; }));
   only_where(rows, first, [](const RequestParameters& r) { return r.fragment.has_value(); });
 }
@@ -284,25 +284,25 @@ std::optional<Error> complete_structure(RequestParameters& r) {
   if (r.keep_center.has_value() != r.keep_radius.has_value())
     return bad_parameter(
         r.keep_center ? "keep_radius" : "keep_center",
-        "'keep_center' and 'keep_radius' define a sphere together, and one of them is missing. Give both.");
+        "'keep_center' and 'keep_radius' together define a sphere, but one of them is missing. Give both.");
   if (r.keep_center && f.keep)
     return bad_parameter(
         "keep_box",
-        "'keep_box' and 'keep_center' were both given: only one region can be kept. Leave one out.");
+        "'keep_box' and 'keep_center' were both given, but only one region can be kept. Leave one of them out.");
   if (r.keep_center) f.keep = Region{.center = *r.keep_center, .radius = *r.keep_radius};
   r.selection.refracture.reset();
   if (r.fragment) r.selection.refracture = Refracture{*r.fragment, r.fragment_sites, r.fragment_seed};
   if (!r.broken.empty() && !f.anchors.any())
     return bad_parameter(
         "broken",
-        "'broken' needs anchors, because without them everything falls. Give 'anchor_plane', "
+        "'broken' requires anchors, because everything falls without them. Give 'anchor_plane', "
         "'anchor_box' or 'anchor_points'.");
   if (f.dual == Dual::kBarycenter)
     f.aggregation = {};  // barycentric cells do not fill space, and groups of them would not either
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
     return bad_parameter(
         "drop_above",
-        "'drop_above' needs dual=barycenter, because an exact partition leaves nothing out. Use "
+        "'drop_above' requires dual=barycenter, because an exact partition leaves nothing out. Use "
         "'max_volume' to break large fragments further.");
   if (f.max_volume > 0 && f.size.min_volume > f.max_volume)
     return bad_parameter("max_volume", "'max_volume' must be at least 'min_volume', which is " +

@@ -9,7 +9,7 @@
 namespace fracture {
 namespace {
 
-/// JSON text must be UTF-8, and the canonical parameters are JSON: strict and lenient spelling differ else.
+/// The canonical parameters are JSON, which must be UTF-8. For other text, the lenient encodings differ from each other.
 bool is_utf8(const std::string& text) {
   const nlohmann::json value(text);
   using Handler = nlohmann::json::error_handler_t;
@@ -23,7 +23,7 @@ bool is_color(const std::string& text) {
   return text.size() == 7 && text[0] == '#' && std::all_of(text.begin() + 1, text.end(), is_digit);
 }
 
-// Nothing when the value is not of the kind asked for.
+// The functions below return an empty value if the type is wrong.
 
 std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   if (!raw.is_text) {
@@ -38,7 +38,7 @@ std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   return number;
 }
 
-/// Sorted, each once; nothing when an entry is empty, no UTF-8, or no text.
+/// Sorted, without duplicates; empty if an entry is empty, not UTF-8 or not text.
 std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
   std::vector<std::string> names;
   if (raw.value.is_string()) {
@@ -77,7 +77,7 @@ std::optional<std::string> to_text(const ParameterSpec& spec, const RawParameter
 /// The index of the choice.
 std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParameter& raw) {
   std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
-  if (spec.name == "format")  // file endings come in both cases: part.STL
+  if (spec.name == "format")  // extensions can be upper case: part.STL
     for (char& c : choice)
       if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
   const auto at = std::find(spec.choices.begin(), spec.choices.end(), choice);
@@ -85,7 +85,7 @@ std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParam
   return static_cast<std::uint64_t>(at - spec.choices.begin());
 }
 
-/// The entries of text a,b,c or of a JSON array; nothing when there are none or too many.
+/// The entries of a text a,b,c or of a JSON array; empty if there are none or too many.
 std::optional<std::vector<RawParameter>> list_items(const RawParameter& raw) {
   std::vector<RawParameter> items;
   if (raw.is_text) {
@@ -130,7 +130,7 @@ std::optional<std::vector<double>> to_numbers(const ParameterSpec& spec, const R
   return numbers;
 }
 
-/// Nothing when it is not of the kind or out of range.
+/// Empty if the value has the wrong type or is out of range.
 std::optional<ParameterValue> to_scalar(const ParameterSpec& spec, const RawParameter& raw) {
   const auto value = [](auto&& found) {
     return found ? std::optional<ParameterValue>(std::move(*found)) : std::nullopt;
@@ -177,7 +177,8 @@ std::string join(const std::vector<std::string>& words) {
 
 std::string shown(const nlohmann::json& value) {
   if (value.is_structured())
-    return value.is_array() ? "an array" : "an object";  // dump() recurses: never on depth
+    return value.is_array() ? "an array"
+                            : "an object";  // dump() recurses, so it is not called on nested values
   std::string s = value.is_string() ? value.get<std::string>() : value.dump();
   if (s.size() > 40) s = s.substr(0, 40) + "...";
   for (char& c : s)
@@ -210,27 +211,27 @@ std::string expectation(const ParameterSpec& spec) {
       return "a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
     case ParameterSpec::Type::kIntegers:
       return "whole numbers from " + std::to_string(spec.min) + " to " + std::to_string(spec.max) +
-             ", as text a,b,c or in JSON [a, b, c]";
+             ", as text a,b,c or as JSON [a, b, c]";
     case ParameterSpec::Type::kNumber:
       return "a number " + range;
     case ParameterSpec::Type::kNumbers:
-      return "numbers " + range + ", as text a,b,c or in JSON [a, b, c]";
+      return "numbers " + range + ", as text a,b,c or as JSON [a, b, c]";
     case ParameterSpec::Type::kNames:
-      return "names or indices separated by commas, in UTF-8, none of them empty";
+      return "non-empty names or indices in UTF-8, separated by commas";
     case ParameterSpec::Type::kText:
       return "1 to " + std::to_string(spec.longest_text()) + " bytes of text";
     case ParameterSpec::Type::kColor:
       return "an sRGB colour as #rrggbb";
     case ParameterSpec::Type::kVector:
-      return "three numbers " + range + ", as text x,y,z or in JSON [x, y, z]";
+      return "three numbers " + range + ", as text x,y,z or as JSON [x, y, z]";
     case ParameterSpec::Type::kDirection:
-      return "three numbers " + range + ", not all zero, as text x,y,z or in JSON [x, y, z]";
+      return "three numbers " + range + ", not all zero, as text x,y,z or as JSON [x, y, z]";
     case ParameterSpec::Type::kVectors:
       return std::to_string(spec.min) + " to " + std::to_string(spec.max) + " vectors of three numbers " +
-             range + ", as text x,y,z;x,y,z or in JSON [[x, y, z], ...]";
+             range + ", as text x,y,z;x,y,z or as JSON [[x, y, z], ...]";
     case ParameterSpec::Type::kMatrix:
       return "three rows of three numbers " + range +
-             ", as text a,b,c;d,e,f;g,h,i or in JSON [[a, b, c], ...]";
+             ", as text a,b,c;d,e,f;g,h,i or as JSON [[a, b, c], ...]";
     case ParameterSpec::Type::kChoice:
       break;
   }
@@ -250,7 +251,7 @@ Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter&
   else
     return wrong("be " + expectation(spec));
   if (!value) return value;
-  // A direction needs a length that can be divided by.
+  // A direction must have a length by which it can be divided.
   if (spec.type == ParameterSpec::Type::kDirection && !(length(std::get<Vec3d>(*value)) > 1e-9))
     return wrong("be " + expectation(spec));
   if (spec.check)

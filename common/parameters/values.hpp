@@ -1,4 +1,4 @@
-// One given parameter value, text or JSON, converted, checked and shown.
+// Converts, checks and shows a single parameter value, given as text or JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,22 +13,22 @@ namespace fracture {
 
 /// "a, b or c".
 std::string join(const std::vector<std::string>& words);
-/// The value as a person typed it, short enough for an error message and free of control characters.
+/// The value as the user typed it, short enough for an error message and free of control characters.
 std::string shown(const nlohmann::json& value);
-/// In as few digits as say the same number.
+/// The number in the fewest digits that read back to the same value.
 std::string shortest(double number);
-/// Finite; text is converted, JSON must be a number.
+/// A finite number. Text is converted; JSON must be a number.
 std::optional<double> to_number(const nlohmann::json& value, bool is_text);
 
 /// The legal values of a parameter, as the end of the sentence "'name' must be …".
 std::string expectation(const ParameterSpec& spec);
 
-/// Converts and checks. Text is converted, JSON must have the right type. kBadParameter, or kUnknownFormat of
-/// `format`: `detail` is a sentence with the legal range and the offending value, `pointer` the JSON pointer to
-/// the offender inside the value, empty for the whole.
+/// Converts and checks a value. Text is converted; JSON must have the right type. Errors: kBadParameter, or kUnknownFormat for
+/// `format`. `detail` states the valid range and the wrong value. `pointer` is the JSON pointer to the wrong part of the value,
+/// or empty for the whole value.
 Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter& raw);
 
-/// The part of it for vectors, lists of them and matrices (vectors.cpp); spec.check is not asked.
+/// The same for vectors, lists of vectors and matrices (vectors.cpp), without spec.check.
 Expected<ParameterValue> to_vectors(const ParameterSpec& spec, const RawParameter& raw);
 
 }  // namespace fracture

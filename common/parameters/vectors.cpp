@@ -1,5 +1,4 @@
-// Vectors, lists of vectors and matrices: text "1,2,3;4,5,6" or nested JSON arrays. An error points at the
-// offending number.
+// Vectors, lists of vectors and matrices, as text "1,2,3;4,5,6" or as nested JSON arrays. An error points to the wrong number.
 #include <algorithm>
 #include <string_view>
 #include <utility>
@@ -60,11 +59,11 @@ class VectorReader {
  private:
   Expected<ParameterValue> too_many() const {
     return fail(ErrorCode::kBadParameter,
-                "'" + spec_.name + "' must be " + expectation(spec_) + "; there were more.");
+                "'" + spec_.name + "' must be " + expectation(spec_) + ", but there were more.");
   }
-  /// `pointer`: to the value, inside of the parameter's.
+  /// `pointer`: to the value, relative to the parameter's value.
   tl::unexpected<Error> wrong(const nlohmann::json& value, const std::string& pointer) const {
-    const std::string who = pointer.empty() ? "it" : "the one at " + pointer;
+    const std::string who = pointer.empty() ? "it" : "the value at " + pointer;
     return fail(
         ErrorCode::kBadParameter,
         "'" + spec_.name + "' must be " + expectation(spec_) + "; " + who + " was '" + shown(value) + "'.",

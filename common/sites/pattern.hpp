@@ -123,9 +123,9 @@ struct PatternTraits {
 };
 inline constexpr PatternTraits kPatternTraits[] = {
     {"uniform", "Sites spread uniformly in the solid.", true, true},
-    {"points", "Sites that the caller gives.", false, true},
+    {"points", "The sites given in the request.", false, true},
     {"impact", "Most sites near the impacts; their density falls with distance.", true, true},
-    {"radial", "Rings and spokes, as in a pane or a vessel that was hit.", true, false},
+    {"radial", "Rings and spokes, as in a pane or vessel that has been hit.", true, false},
     {"grid", "Boxes in rows.", true, false},
     {"brick",
      "Masonry: lumps of bricks in courses along the axes of a wall; parts that are not walls become rubble.",

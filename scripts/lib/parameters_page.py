@@ -27,29 +27,29 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
-    ("The mesh", "How the file is read, and what is done to the mesh before it breaks.",
+    ("The mesh", "How the file is read, and how the mesh is prepared before it breaks.",
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball"]),
-    ("Cuts", "[Patterns and materials](materials.md) has pictures.",
+    ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
-    ("Ragged chunks", "Fragments that are made of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
-    ("Single patterns", "",
+    ("Ragged chunks", "Fragments that consist of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
+    ("Parameters of individual patterns", "",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
       "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
-    ("Rough cuts", "Noise moves the cut faces; both sides of a cut still match.", ["rough_amplitude", "rough_frequency", "rough_octaves"]),
-    ("Number and size of fragments", "`report.size` of the answer shows the result and the distribution of volumes.",
+    ("Rough cuts", "Noise makes the cut faces uneven; the two sides of a cut still match.", ["rough_amplitude", "rough_frequency", "rough_octaves"]),
+    ("Number and size of fragments", "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
      ["fragments", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
     ("Regions without cuts", "", ["keep_center", "keep_radius", "keep_box"]),
-    ("Local hits", "Hits that break only what is near ([how a game uses them](interface.md#hit-the-fragments-again)).",
+    ("Local hits", "Hits that break only the area around them ([how a game uses them](interface.md#hit-the-fragments-again)).",
      ["local_point", "local_radius", "local_sites", "local_rest", "of", "delta", "local_new"]),
     ("Break one fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
-    ("Anchors and support", "`report.support` shows the load of each bond, the bonds that are too weak, and the fragments that fall.",
+    ("Anchors and support", "`report.support` shows the load on each bond, the bonds that are too weak, and the fragments that fall.",
      ["anchor_plane", "anchor_box", "anchor_points", "gravity", "broken"]),
-    ("Look of the outside", "", ["exterior"]),
-    ("Look of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
+    ("Appearance of the outside", "", ["exterior"]),
+    ("Appearance of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
                                 "interior_roughness", "interior_metallic", "interior_material", "interior_name",
                                 "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
     ("Physics and engines", "", ["physics", "ue_collision", "pivot", "density", "mass", "friction", "restitution", "bond_strength"]),
-    ("Barycentric cells", "The cells of the paper that this project began with.", ["dual", "drop_above"]),
+    ("Barycentric cells", "The cells described in the paper that this project started from.", ["dual", "drop_above"]),
 ]
 
 # Instructions of one `fracture-server bake` of the monkey with 50 sites on one thread, divided by those of `pattern=uniform`. An import
@@ -194,17 +194,17 @@ def costs(patterns):
     def of(*requests):
         return "; ".join(f"{COSTS[request]:g}" for request in requests)
     yield from wrapped(
-        "Instructions of one answer, as multiples of `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with `delta` costs "
-        "less than the whole answer, because only the cells near it are cut again.")
+        "Processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with `delta` costs "
+        "less than a whole answer, because only the cells near the hit are cut again.")
     yield ""
     yield "| request | cost |"
     yield "|---|---|"
     yield "| `pattern` | " + by_cost({name: COSTS[f"pattern={name}"] for name in (entry["name"] for entry in patterns["patterns"])}) + " |"
-    yield f"| `brick` on a wall, with six bricks in a piece | {COST_ON_A_WALL} |"
+    yield f"| `brick` on a wall, six bricks per piece | {COST_ON_A_WALL} |"
     yield "| `material` (no walls) | " + by_cost({entry["name"]: entry["cost"] for entry in patterns["materials"]}) + " |"
-    yield f"| walls (`shell`, `shell_fraction`), once when the mesh is prepared | {of('shell_fraction=0.05')} |"
+    yield f"| walls (`shell`, `shell_fraction`), once per mesh when it is prepared | {of('shell_fraction=0.05')} |"
     yield f"| 500 sites; 5,000 sites | {of('sites=500', 'sites=5000')} |"
-    yield f"| `rough_amplitude=0.05`, more with finer octaves | {of('rough_amplitude=0.05')} |"
+    yield f"| `rough_amplitude=0.05` (finer octaves cost more) | {of('rough_amplitude=0.05')} |"
     yield f"| `cells_per_fragment=6` with flat cuts | {of('cells_per_fragment=6')} |"
     yield f"| `dual=barycenter` | {of('dual=barycenter')} |"
     yield f"| `lloyd=1`; `levels=5,20,50`; `physics=none` | {of('lloyd=1', 'levels=5,20,50', 'physics=none')} |"
@@ -213,7 +213,7 @@ def costs(patterns):
 
 def pattern_rows(patterns):
     general = {p["name"] for entry in patterns if entry["name"] == "uniform" for p in entry["parameters"]}
-    yield "| | `pattern` | sites | own parameters |"
+    yield "| | `pattern` | sites | its own parameters |"
     yield "|---|---|---|---|"
     for entry in patterns:
         name = entry["name"]
@@ -224,7 +224,7 @@ def pattern_rows(patterns):
 
 
 def material_rows(materials):
-    yield "| | `material` | how it breaks | for |"
+    yield "| | `material` | how it breaks | typical uses |"
     yield "|---|---|---|---|"
     for entry in materials:
         name = entry["name"]
@@ -271,10 +271,10 @@ def parameters_page(limits, patterns):
     check_tables(specs, patterns)
     yield from head("Parameters")
     yield from wrapped(
-        "This page is for people who choose parameters. Give them in the query (`?fragments=80&seed=7`), in a form, in JSON "
-        "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are metres, y is up. A server "
-        "refuses unknown parameters, parameters that are given twice, and parameters of another pattern. `GET /limits` and `GET /patterns` "
-        "say the same for programs. [Requests and answers](interface.md).")
+        "This page is for people who choose parameters. Pass them in the query (`?fragments=80&seed=7`), in a form, in JSON "
+        "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are in metres, and y is up. A "
+        "server refuses unknown parameters, parameters that are given twice, and parameters that belong to another pattern. Programs get the "
+        "same information from `GET /limits` and `GET /patterns`. See also [Requests and answers](interface.md).")
     yield ""
     yield "| type | in a query or flag | in JSON |"
     yield "|---|---|---|"
@@ -286,13 +286,13 @@ def parameters_page(limits, patterns):
     yield ""
     yield "## Choose parameters"
     yield ""
-    yield from wrapped("Begin with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST) + ". A material sets the pattern, the cuts and the "
-                       "physics; everything else may stay at its default.")
+    yield from wrapped("Start with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST[:-1]) + f" and [`{FIRST[-1]}`](#{FIRST[-1]}). "
+                       "A material sets the pattern, the cuts and the physics; all other parameters can keep their defaults.")
     yield ""
-    yield from wrapped("- Hits: `impacts` breaks the whole mesh, `local_point` only what is near "
-                       "([both with commands](guides/more-pieces-where-it-is-hit.md)).", "  ")
-    yield from wrapped("- Bytes change only with the algorithm version. No parameter selects an older version "
-                       "([keep one](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).", "  ")
+    yield from wrapped("- Hits: `impacts` breaks the whole mesh, `local_point` only the area around the hit "
+                       "([both, with commands](guides/more-pieces-where-it-is-hit.md)).", "  ")
+    yield from wrapped("- The bytes of an answer change only with the algorithm version. No parameter selects an older version "
+                       "([keep an older version](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).", "  ")
     yield ""
     yield "## Cost"
     yield ""
@@ -309,8 +309,8 @@ def parameters_page(limits, patterns):
 
 def materials_page(patterns):
     yield from head("Patterns and materials")
-    yield from wrapped("This page is for people who choose a pattern or a material. In the pictures each fragment has a colour, and the fragments "
-                       "are drawn apart. [Parameters](parameters.md) explains each parameter and lists the [costs](parameters.md#cost).")
+    yield from wrapped("This page is for people who choose a pattern or a material. In the pictures, each fragment has its own colour, and the "
+                       "fragments are pulled apart. [Parameters](parameters.md) explains each parameter and lists the [costs](parameters.md#cost).")
     yield ""
     yield "## Patterns"
     yield ""
@@ -323,10 +323,10 @@ def materials_page(patterns):
     yield from material_values(patterns["materials"])
     yield "## Sources"
     yield ""
-    yield "The literature on how each material breaks, and the origin of its figures:"
+    yield "The literature on how each material breaks, and the sources of its physical values:"
     yield ""
     for entry in patterns["materials"]:
-        yield from wrapped(f"- `{entry['name']}`: {entry['mechanics']} Figures: {entry['source'].rstrip('.')}.", "  ")
+        yield from wrapped(f"- `{entry['name']}`: {entry['mechanics']} Values: {entry['source'].rstrip('.')}.", "  ")
 
 
 def pages(limits, patterns):

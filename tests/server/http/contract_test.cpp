@@ -158,7 +158,7 @@ TEST(Contract, TheDocumentNamesTheMaterialsThatHaveWallsAndHowThick) {
   for (const MaterialPreset& preset : material_presets()) {
     if (preset.shell_fraction == 0) continue;
     ++hollow;
-    const std::string sentence = std::string("f ") + preset.name + " " + json(preset.shell_fraction).dump();
+    const std::string sentence = std::string(preset.name) + " " + json(preset.shell_fraction).dump();
     EXPECT_NE(words.find(sentence), std::string::npos) << sentence << " is not in: " << words;
   }
   EXPECT_EQ(listed, hollow) << words;
