@@ -1,12 +1,12 @@
-# `cmake --install BUILD --component server` puts the programs, their systemd unit and the licence below a prefix; `cpack` in
-# the build folder makes a Debian package of the same, for machines without containers and for the image itself. What it
-# depends on is read from the programs (dpkg-shlibdeps), so that no list of libraries can become wrong.
+# `cmake --install BUILD --component server` installs the programs, their systemd unit and the licence under a prefix. `cpack` in
+# the build folder makes a Debian package of the same files, for machines without containers and for the image itself. Its
+# dependencies are read from the programs (dpkg-shlibdeps), so that the list cannot become outdated.
 include(GNUInstallDirs)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/systemd/fracture-server.service DESTINATION lib/systemd/system COMPONENT server)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/fracture-server RENAME copyright
         COMPONENT server)
 
-# Both take what was built (--target fracture-server) and build nothing themselves: the client is not in the package.
+# Both use the existing build (--target fracture-server) and build nothing themselves. The package does not contain the client.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 set(CPACK_INSTALL_CMAKE_PROJECTS "${CMAKE_BINARY_DIR};fracture;server;/")
 set(CPACK_GENERATOR DEB)

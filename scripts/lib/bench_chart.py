@@ -1,7 +1,7 @@
-"""The chart of tests/bench/README.md: how many times as fast as others, over the days of tests/bench/results, as SVG.
+"""The SVG chart in tests/bench/README.md: how many times as fast as other programs we are, for each day in tests/bench/results.
 
-A line is one benchmark against one other program: the geometric mean over the cases that all of its days have. Its labels are
-drawn at its last point, moved apart if they would overlap.
+Each line compares one benchmark with one other program: the geometric mean of the cases that all days of the line contain. The
+label is at the last point; labels are moved apart if they would overlap.
 """
 import html
 import math
@@ -9,11 +9,11 @@ import math
 PATH = "tests/bench/results/history.svg"
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 640, 300, 44, 190, 30, 30
 COLOURS = ("#1b6ca8", "#c8553d", "#3f7d20", "#7b4fa3", "#b8860b", "#4a4a4a", "#0f8b8d", "#a23b72")
-FIRST = "205c8dc"  # the only release that results of many days are compared with
+FIRST = "205c8dc"  # the only release that results of several days are compared with
 
 
 def series(files):
-    """{label: {file: mean ratio}} of what at least two days have."""
+    """{label: {file: mean ratio}} for comparisons with at least two days."""
     ratios = {}
     for name, results in files.items():
         for result in results:
@@ -31,7 +31,7 @@ def series(files):
 
 
 def spread(places, least):
-    """The places in their order, moved down so that neighbours are at least so far apart."""
+    """The positions in their order, moved down so that neighbours keep this distance."""
     moved = []
     for place in places:
         moved.append(max(place, moved[-1] + least) if moved else place)

@@ -1,8 +1,8 @@
-"""Results of scripts/bench: one CSV for each day in tests/bench/results, and the table that tests/bench/README.md makes of them.
+"""Results of scripts/bench: one CSV file per day in tests/bench/results, and the table in tests/bench/README.md.
 
-A line is one comparison: our value, and that of a peer, of an earlier release, or a target in the same unit. A case that is compared
-with two peers has two lines; one that is compared with nothing has an empty `kind`. `ratio` says how many times as fast (or as
-small) as the other we are, `goal` which ratio is to be reached. An empty cell is not known.
+Each line is one comparison: our value, and the value of a peer or an earlier release, or a target in the same unit. A case with
+two peers has two lines; a case without a comparison has an empty `kind`. `ratio` says how many times as fast (or as
+small) as the other program we are, and `goal` is the ratio to reach. An empty cell means unknown.
 """
 import csv
 import dataclasses
@@ -16,19 +16,19 @@ KINDS = ("peer", "release", "target", "")
 
 @dataclasses.dataclass
 class Result:
-    date: str  # of the measurement, as in 2026-11-29
-    algorithm: str  # version of ours
-    commit: str  # of ours
+    date: str  # day of the measurement, as in 2026-11-29
+    algorithm: str  # our algorithm version
+    commit: str  # our commit
     machine: str  # processor and number of cores
     benchmark: str
     case: str
     threads: str
     unit: str  # ms, MiB or /s
-    ours: str  # the best of all rounds
+    ours: str  # our best value of all rounds
     median: str
     kind: str
     against: str  # name of the peer, or commit of the release
-    value: str  # the best of theirs
+    value: str  # their best value
     ratio: str
     goal: str
 
@@ -45,17 +45,17 @@ COLUMNS = [field.name for field in dataclasses.fields(Result)]
 
 
 def number(value):
-    """Three digits, as people read them."""
+    """The value with three digits."""
     return f"{value:.3g}" if value < 100 else f"{value:.0f}"
 
 
 def read(text):
     rows = list(csv.reader(io.StringIO(text)))
     if not rows or rows[0] != COLUMNS:
-        raise ValueError(f"the first line must name the columns {','.join(COLUMNS)}")
+        raise ValueError(f"the first line must list the columns {','.join(COLUMNS)}")
     for number_of_line, row in enumerate(rows[1:], 2):
         if len(row) != len(COLUMNS):
-            raise ValueError(f"line {number_of_line}: {len(row)} cells, {len(COLUMNS)} are needed")
+            raise ValueError(f"line {number_of_line}: {len(row)} cells instead of {len(COLUMNS)}")
     return [Result(*row) for row in rows[1:]]
 
 
@@ -90,7 +90,7 @@ def latest(files):
 
 
 def is_shown(results):
-    """The table shows rows that are compared with a peer or have a goal; the others are in the files."""
+    """The table shows only rows that have a peer or a goal; the files contain all rows."""
     return any(result.kind == "peer" or result.goal for result in results)
 
 
@@ -98,7 +98,7 @@ HEAD = "|benchmark|threads|ours|release|peers|goal|version|date|\n|---|---|---|-
 
 
 def line(results):
-    """The row of a table: all results of one row."""
+    """A row of the table, from all results of one case."""
     first = results[0]
     of_kind = {kind: ", ".join(compared(result) for result in results if result.kind == kind) for kind in KINDS}
     goals = [result for result in results if result.goal]
@@ -119,9 +119,9 @@ def table(files):
 
 
 def with_table(page, files):
-    """The page with the table of these results in it."""
+    """The page with these results in its table."""
     before, begin, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise ValueError(f"{PAGE} has no lines '{BEGIN}' and '{END}'")
+        raise ValueError(f"{PAGE} lacks the lines '{BEGIN}' and '{END}'")
     return f"{before}{begin}\n\n{table(files)}\n\n{end}{after}"

@@ -1,7 +1,7 @@
 """The rows of scripts/bench: the cases, the programs that measure them, and the goals.
 
-A contender is `ours`, `last` (the release to compare with) or a peer. Asked once, it gives a Sample. The programs check their
-own answers and fail if one is wrong.
+A contender is `ours`, `last` (the release to compare with) or a peer. Each run gives a Sample. The programs check their
+own answers and fail if an answer is wrong.
 """
 import dataclasses
 import json
@@ -20,30 +20,30 @@ MOST_SITES, HIT_SITES = 100_000, 30  # of a request (common/pipeline); that a hi
 
 
 class Unknown(Exception):
-    """A program of an earlier release that does not know the row."""
+    """A program of an earlier release does not support the row."""
 
 
 @dataclasses.dataclass
 class Sample:
     value: float  # milliseconds, or what the row's unit says
-    answer: str = ""  # a hash; empty where none is given
-    peak: int = 0  # of the process, KiB
+    answer: str = ""  # a hash, or empty if the program gives none
+    peak: int = 0  # peak memory of the process, in KiB
 
 
 @dataclasses.dataclass
 class Row:
     benchmark: str
     case: str
-    ask: dict  # contender -> function of a Bench and a Build, which gives a Sample; "ours" also asks "last"
+    ask: dict  # contender -> function (Bench, Build) -> Sample; "ours" is also used for "last"
     threads: int = 1  # threads or cores in use; 0: the program decides
     unit: str = "ms"
     goal_peer: float = 0  # times as fast as the first peer (goals of 22 November 2026); 0: none
     goal_last: float = 0  # times as fast as 205c8dc, if that is the release to compare with; 0: none
-    target: float = 0  # value to be reached, in the row's unit; 0: none
+    target: float = 0  # target value in the row's unit; 0: none
     quick: bool = False
-    rounds: int = 0  # at most; 0: as many as asked for
+    rounds: int = 0  # maximum; 0: the requested number
     larger_is_better: bool = False
-    memory: bool = False  # compares peak memory, in MiB
+    memory: bool = False  # compare peak memory in MiB
 
     @property
     def name(self):
@@ -54,7 +54,7 @@ class Row:
 @dataclasses.dataclass
 class Build:
     folder: pathlib.Path  # of CMake
-    known: bool = True  # its programs are those of this checkout
+    known: bool = True  # True if its programs come from this checkout
 
     def program(self, name):
         path = self.folder / ("server" if name == "fracture-server" else "tests/bench") / name
@@ -66,13 +66,13 @@ class Build:
 @dataclasses.dataclass
 class Bench:
     ours: Build
-    work: pathlib.Path  # for what the peers get
+    work: pathlib.Path  # temporary folder for the peers' inputs
     manifold: pathlib.Path  # tests/bench/manifold of this checkout
-    checked: set = dataclasses.field(default_factory=set)  # what peers were compared in
+    checked: set = dataclasses.field(default_factory=set)  # cases already compared with peers
 
 
 def run(command, environment=None):
-    """Standard output and the peak memory; RuntimeError where the program says that something is wrong."""
+    """Standard output and peak memory. RuntimeError if the program reports a failure."""
     with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
         child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=errors,
                                  env={**os.environ, **(environment or {})})
@@ -125,7 +125,7 @@ def manifold(mesh, sites):
 # -- the tetrahedralization
 
 def delaunay(workload, peer=""):
-    """CGAL has to find the same tetrahedra, but in lattices, where each program has its own rule for ties."""
+    """CGAL must find the same tetrahedra, except in lattices, where each program has its own rule for ties."""
     compared = peer == "cgal" and not workload.startswith("lattice")
 
     def ask(bench, build):
@@ -199,7 +199,7 @@ def bake_one(bench, build):
 
 
 def bake_many(bench, build, files=200):
-    """Small files a second, one job each, two workers."""
+    """Small files per second, one job each, with two workers."""
     with tempfile.TemporaryDirectory(dir=bench.work) as folder:
         with open(f"{folder}/jobs.ndjson", "w") as jobs:
             for k in range(files):

@@ -1,12 +1,12 @@
 """count_tests.py [--may-skip FILE] RUN_FOLDER...: sums test cases and prints one line `N passed, N failed, N skipped`.
 
-Each folder holds what one ctest run left: junit.xml, and gtest/<program>.json for each GoogleTest program. A program
-with a JSON counts by its cases, every other ctest entry counts as one. A program that ctest calls failed although its
-cases did not (a crash, a time-out, a leak found at exit) counts as one failure more. The folder again/ in it holds the
-second try of programs that failed: if one passed, that counts, and a line says so. Exits 1 on any failure.
+Each folder contains the reports of one ctest run: junit.xml, and gtest/<program>.json for each GoogleTest program. For a
+program with a JSON report, each case counts; any other ctest entry counts as one. If ctest reports a program as failed although
+its cases passed (a crash, a timeout, a leak found at exit), that is one more failure. The subfolder again/ contains the
+second run of failed programs: if one passes, this result counts, and a line says so. Exits with 1 on any failure.
 
-The ten slowest tests of each run are printed. FILE has a line `program: reason` for each program that may be skipped as
-a whole in every run. With it, any other program that no run executed is a failure.
+The ten slowest tests of each run are printed. FILE has a line `program: reason` for each program that may be skipped
+entirely in every run. With FILE, any other program that no run executed is a failure.
 """
 import json
 import os
@@ -27,14 +27,14 @@ def main(arguments):
         name = os.path.basename(folder)
         programs = read(folder)
         if programs is None:
-            print(f"FAILED {name}: ctest left no report")
+            print(f"FAILED {name}: ctest wrote no report")
             total["failed"] += 1
             continue
         print_slowest(name, folder)
         for program, (counts, failures) in programs.items():
             second = (read(os.path.join(folder, "again")) or {}).get(program)
             if failures and second and not second[1]:
-                print(f"UNSTEADY {name}: passed only at the second try, alone: {', '.join(failures)}")
+                print(f"UNSTEADY {name}: passed only when run again alone: {', '.join(failures)}")
                 counts, failures = second
             for failure in failures:
                 print(f"FAILED {name}: {failure}")
@@ -42,7 +42,7 @@ def main(arguments):
             total["failed"] += len(failures)
             in_all_runs[program] += counts["passed"] + len(failures)
     for program in sorted(program for program, ran in in_all_runs.items() if may_skip is not None and not ran and program not in may_skip):
-        print(f"FAILED {program}: skipped as a whole in every run, and {os.path.basename(arguments[1])} gives no reason")
+        print(f"FAILED {program}: skipped entirely in every run, and {os.path.basename(arguments[1])} gives no reason")
         total["failed"] += 1
     print(f"{total['passed']} passed, {total['failed']} failed, {total['skipped']} skipped")
     return 1 if total["failed"] or total["passed"] == 0 else 0
@@ -69,7 +69,7 @@ def print_slowest(name, folder):
 
 
 def read(folder):
-    """Of each program: how many cases passed and were skipped, and the names of those that failed. None: no report."""
+    """For each program: how many cases passed and were skipped, and the names of failed cases. None: no report."""
     junit = os.path.join(folder, "junit.xml")
     if not os.path.exists(junit):
         return None

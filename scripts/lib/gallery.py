@@ -1,7 +1,7 @@
 """gallery.py ROOT [--only …] [--size …] [--keep]: see scripts/gallery, which calls it.
 
-Asks the server what materials and patterns there are (GET /patterns), has each break the meshes, and lets
-fracture-render draw the sheets.
+Gets the materials and patterns from the server (GET /patterns), breaks the meshes with each, and draws the sheets with
+fracture-render.
 """
 import argparse
 import contextlib
@@ -38,7 +38,7 @@ def free_port():
 
 
 class Server:
-    """A server on free ports, and the few requests that the gallery makes."""
+    """A server on free ports, and the few requests that the gallery sends."""
 
     def __init__(self, program, log):
         self.port, self.admin = free_port(), free_port()
@@ -47,14 +47,14 @@ class Server:
              "--drain-delay", "0", "--log-level", "warn"], stderr=log)
         while True:
             if self.process.poll() is not None:
-                sys.exit("gallery: the server did not start; its words are in build/gallery/server.log")
+                sys.exit("gallery: the server did not start; see build/gallery/server.log")
             with contextlib.suppress(OSError):
                 urllib.request.urlopen(f"http://127.0.0.1:{self.admin}/readyz").read()
                 return
             time.sleep(0.1)
 
     def ask(self, method, path, body=None, kind="application/json"):
-        """The answer's bytes; the server's own words where it refuses."""
+        """The bytes of the answer. If the server refuses, RuntimeError with the server's message."""
         request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", body, {"Content-Type": kind}, method=method)
         try:
             with urllib.request.urlopen(request) as answer:
@@ -69,7 +69,7 @@ class Server:
 
 
 class Mesh:
-    """A stored mesh: its address, its box, where it is hit, and the options of its pictures."""
+    """A stored mesh: its address, bounding box, point of impact, and picture options."""
 
     def __init__(self, server, name, data, query, kind, impact):
         self.server, self.name = server, name
@@ -79,14 +79,14 @@ class Mesh:
         self.intact = self.fracture({"sites": 1})
         low, high = bounds_of(self.intact)
         size = [h - l for l, h in zip(low, high)]
-        # Without a given one the middle of the front, which the camera sees.
+        # Default: the middle of the front, which faces the camera.
         self.impact = list(impact or [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]])
         axis = size.index(max(size))
         self.grain = [1 if k == axis else 0 for k in range(3)]
         self.radius = 0.55 * sum(s * s for s in size) ** 0.5 / 2
         self.options = {"impact": self.impact, "impact-radius": round(1.1 * self.radius, 6), "grain": self.grain,
                         "impact-direction": [-0.25, 0, -1],
-                        # The camera sees the whole sphere; a wide object leaves much of it empty.
+                        # The camera shows the whole bounding sphere; a wide object leaves much of it empty.
                         "margin": 1.1 if axis == 1 else 0.85}
 
     def fracture(self, parameters):
@@ -94,7 +94,7 @@ class Mesh:
 
 
 def sites_for(mesh, pattern, patterns):
-    """Number of pieces and place of the impact, where the pattern has these parameters."""
+    """Number of pieces and point of impact, if the pattern has these parameters."""
     known = {p["name"] for p in patterns.get(pattern, [])} or {"sites"}
     parameters = {"seed": 7}
     if "sites" in known:
@@ -121,7 +121,7 @@ class Gallery:
         return self.only is None or bool(self.only & set(names))
 
     def describe(self):
-        """Materials and patterns of this server; a server without GET /patterns has the uniform pattern alone."""
+        """This server's materials and patterns. A server without GET /patterns has only the uniform pattern."""
         try:
             table = json.loads(self.server.ask("GET", "/patterns"))
         except RuntimeError:
@@ -137,14 +137,14 @@ class Gallery:
             data = pathlib.Path(MONKEY).read_bytes()
             made.append(Mesh(self.server, "monkey", data, "?format=blend", "application/octet-stream", None))
         else:
-            print("gallery: no monkey (Debian package assimp-testmodels)", file=sys.stderr)
+            print("gallery: the monkey is missing (Debian package assimp-testmodels)", file=sys.stderr)
         for name, make in MESHES.items():
             text, impact = make()
             made.append(Mesh(self.server, name, text.encode(), "", "model/obj", impact))
         return made
 
     def model(self, mesh, label, parameters):
-        """The file of a request, relative to the sheets; None where the server refuses it."""
+        """The output file of a request, relative to the sheets. None if the server refuses the request."""
         path = self.models / f"{mesh.name}_{label}.glb"
         if not (self.keep and path.exists()):
             try:
@@ -155,7 +155,7 @@ class Gallery:
         return str(path.relative_to(self.folder))
 
     def sheet(self, name, title, columns, rows, options=None):
-        """rows: (label, options, [options of each cell, None for an empty one])."""
+        """rows: (label, options, [options for each cell, None for an empty cell])."""
         rows = [row for row in rows if all(cell is not None for cell in row[2])]
         if not rows:
             return
@@ -199,10 +199,10 @@ class Gallery:
                    {"view": "exploded", "explode": 0.25, "colors": "fragment"})
 
     def rough_sheet(self):
-        """The materials with rough cuts, and what the same cuts are when they are flat; without textures over them."""
+        """The materials with rough cuts, next to the same cuts when flat, without textures."""
         if not self.wants("rough"):
             return
-        text, impact = box((1, 1, 1), (0.5, 0.8, 0.5))  # thin objects have little room for relief
+        text, impact = box((1, 1, 1), (0.5, 0.8, 0.5))  # thin objects leave little room for relief
         mesh = Mesh(self.server, "block", text.encode(), "", "model/obj", impact)
         rows = []
         for material, sets in self.materials.items():
@@ -217,7 +217,7 @@ class Gallery:
                    rows, {"view": "exploded", "explode": 0.9, "colors": "interior"})
 
     def paper_sheet(self, meshes):
-        """The paper's own cells beside ours, on the paper's own mesh where it is here."""
+        """The paper's cells next to ours, on the paper's mesh if it is available."""
         if not self.wants("paper"):
             return
         mesh = meshes[0]
@@ -230,7 +230,7 @@ class Gallery:
                     ("cut faces", {"view": "exploded", "colors": "interior"})], rows)
 
     def overview_sheet(self, meshes):
-        """What the README shows: one object for each of six materials."""
+        """The README's picture: one object for each of six materials."""
         if not self.wants("overview"):
             return
         by_name = {mesh.name: mesh for mesh in meshes}
@@ -247,7 +247,7 @@ class Gallery:
                    [("exploded", {"view": "exploded", "explode": 0.4}, cells), ("hit", {"view": "impact"}, cells)])
 
     def page_pictures(self, meshes):
-        """One small picture of each material and pattern, straight into proto/pictures (only where asked for by name)."""
+        """One small picture of each material and pattern, written directly to proto/pictures (only on request by name)."""
         if self.only is None or "page" not in self.only:
             return
         by_name = {mesh.name: mesh for mesh in meshes}
@@ -271,7 +271,7 @@ class Gallery:
         print(f"   {len(wanted)} pictures in proto/pictures")
 
     def level_sheet(self, meshes):
-        """One hierarchy: its levels apart, a colour for each cluster, then the fragments."""
+        """One hierarchy: each level separately, with a colour per cluster, then the fragments."""
         if not self.wants("levels"):
             return
         levels = [6, 30, 150]
@@ -285,7 +285,7 @@ class Gallery:
         self.sheet("levels", f"levels={levels}", columns, rows, {"view": "exploded", "explode": 0.5})
 
     def local_sheet(self, meshes):
-        """A hit that breaks only what is near it; the rest one piece, or what the pattern makes of it."""
+        """A hit that breaks only the area around it. The rest stays in one piece, or the pattern breaks it."""
         if not self.wants("local"):
             return
         rows = []
@@ -300,7 +300,7 @@ class Gallery:
                    rows, {"explode": 0.3, "colors": "fragment"})
 
     def asset_sheet(self):
-        """Textured meshes of others, with the materials that they bring."""
+        """Textured third-party meshes with their own materials."""
         folder = os.environ.get("FRACTURE_TEST_MESHES", "").split(":")[0]
         if not folder or not self.wants("assets"):
             return

@@ -1,4 +1,4 @@
-"""Sheets of real assets of every material, with the materials that the assets bring (scripts/gallery --only real)."""
+"""Sheets of real assets broken with every material, with the assets' own materials (scripts/gallery --only real)."""
 import json
 import os
 import pathlib
@@ -9,24 +9,24 @@ import subprocess
 from gallery_meshes import MESHES
 
 MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
-# Looked for in the folders of FRACTURE_TEST_MESHES; what is not there is left out.
+# Searched for in the folders of FRACTURE_TEST_MESHES; missing assets are left out.
 ASSETS = {
     "chest": "kk_chest.glb", "barrel": "kk_barrel_large.glb", "bottle": "kk_bottle_A_brown.glb", "wall": "kk_wall.glb",
     "column": "kk_column.glb", "helmet": "FlightHelmet/FlightHelmet.gltf", "fox": "Fox.glb", "spot": "spot.obj",
     "penguin": "penguin.obj", "hammer": "hammer.obj", "building": "citybits/building_A.gltf", "plate": "kk_plate_small.glb",
     "stairs": "kk_stairs_walled.glb", "long table": "kk_table_long_decorated_C.glb", "shelf": "kk_shelf_large.glb",
     "keg": "kk_keg_decorated.glb", "banner": "kk_banner_red.glb"}
-FRAGMENTS = 40  # of what is one part
-MORE_FOR_EACH_PART = 2  # so that what is many parts breaks, too, and does not only fall apart
-# What somebody who sees no colours has to tell apart: the names of the choice, and the materials behind them. What is too thin to
-# show its insides is not asked.
+FRAGMENTS = 40  # for a mesh with one part
+MORE_FOR_EACH_PART = 2  # so that the parts of a mesh with several parts break, instead of only falling apart
+# The choices that a judge must distinguish without colours: the name of each choice, and its materials. Objects that are too
+# thin to show their insides are left out.
 BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "stone or concrete": ["stone", "concrete"],
                    "ice": ["ice"], "ceramic": ["ceramic"], "metal": ["metal"]}
 BLIND_NOT = {"banner", "building", "plate"}
-# Bricks are what walls are made of; of all else the preset makes rubble, which is stone, and says so.
+# Bricks suit walls. From any other mesh, the preset makes rubble, which is stone, and a warning says so.
 BLIND_ONLY = {"brick": {"wall", "stairs"}}
-BLIND_COLUMNS = 5  # of a sheet: more, and who looks at it sees small pictures
-DETAILS = {"stone", "concrete", "wood", "brick"}  # materials whose cuts have a grain to be seen close by
+BLIND_COLUMNS = 5  # of a sheet; with more columns the pictures would be too small
+DETAILS = {"stone", "concrete", "wood", "brick"}  # materials whose cuts have a grain that is visible only close up
 REPEATS = 2  # of it, along the longest side
 EXPLODED = {"view": "exploded", "explode": 0.5, "margin": 0.8}
 HIT = {"view": "impact", "margin": 0.85}
@@ -38,7 +38,7 @@ def document_of(glb):
 
 
 def bounds_of(glb):
-    """Corners of the box around the positions of a GLB of the service, in the world (its nodes only move)."""
+    """Corners of the world-space bounding box of one of the server's GLB files (its nodes only translate)."""
     document = document_of(glb)
     low, high = [float("inf")] * 3, [float("-inf")] * 3
     for node in document["nodes"]:
@@ -59,7 +59,7 @@ class AssetSheets:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def files(self):
-        """Label and path of what is here."""
+        """(label, path) for each available asset."""
         folders = [pathlib.Path(f) for f in os.environ.get("FRACTURE_TEST_MESHES", "").split(":") if f]
         found = {}
         for label, name in ASSETS.items():
@@ -72,7 +72,7 @@ class AssetSheets:
         return found
 
     def bake(self, jobs):
-        """jobs: (input, output, parameters). What is refused is said by bake, and has no output."""
+        """jobs: (input, output, parameters). bake reports refused jobs, which get no output."""
         if self.gallery.keep:
             jobs = [job for job in jobs if not job[1].exists()]
         if not jobs:
@@ -84,7 +84,7 @@ class AssetSheets:
                        check=False)
 
     def broken(self, pairs, more=None):
-        """The files of (material, label) pairs that were made, and where each asset is hit: point and radius."""
+        """The files made for (material, label) pairs, and each asset's hit: point and radius."""
         files = self.files()
         intact = {label: self.folder / f"{label}.glb" for label in files}
         self.bake([(files[label], intact[label], {"sites": 1}) for label in files])
@@ -112,13 +112,13 @@ class AssetSheets:
         return {pair: output for pair, output in made.items() if output.exists()}, hits
 
     def cell(self, output, hit):
-        """The options of a picture of this file."""
+        """Options for a picture of this file."""
         return {"file": str(output.relative_to(self.gallery.folder)), "impact": hit[0], "impact-radius": hit[1],
                 "impact-direction": [-0.25, 0, -1]}
 
     @staticmethod
     def close(cell):
-        """What was hit is in the middle."""
+        """Centres the picture on the hit."""
         return {**cell, "target": cell["impact"]}
 
     def draw(self):
@@ -132,8 +132,8 @@ class AssetSheets:
                                 ("close by", CLOSE)], rows)
 
     def draw_blind(self, seed):
-        """Ten cells without colours or names, of seven materials, for somebody who has to say which is which; the answers
-        are in blind.key. All is made of its material, and as rough, as metallic, as clear and as grained as that says."""
+        """Ten cells of seven materials without colours or names, for a judge who must identify them. blind.key contains the
+        answers. Each object has the roughness, metalness, opacity and grain of its material."""
         draw = random.Random(seed)
         materials = list(BLIND_MATERIALS) + draw.sample(sorted(BLIND_MATERIALS), 3)
         draw.shuffle(materials)

@@ -1,6 +1,6 @@
-"""Meshes of the gallery that need no file: closed, in metres, y up, as OBJ text.
+"""Meshes for the gallery that need no file: closed, in metres, y up, as OBJ text.
 
-Each function returns (text, impact): the impact is where the gallery hits it, a point on its surface.
+Each function returns (text, impact), where impact is the point on the surface that the gallery hits.
 """
 import math
 

@@ -1,7 +1,7 @@
-"""progress.py LOG: copies the output of a ninja build from standard input into LOG, and says how far the build is.
+"""progress.py LOG: copies a ninja build's output from standard input to LOG, and reports the progress of the build.
 
-On a terminal one line is rewritten; elsewhere a new line comes every 20 seconds. The time left assumes that the remaining steps take
-as long as the steps so far. Expects ninja's usual status, `[120/310] Building ...`.
+On a terminal, one line is updated in place; otherwise a new line is printed every 20 seconds. The time left assumes that the remaining
+steps take as long as the steps so far. The input must have ninja's usual status, `[120/310] Building ...`.
 """
 import re
 import sys
@@ -20,7 +20,7 @@ def in_words(seconds):
 
 
 def line_of(done, steps, elapsed):
-    """One line of progress. The first steps say too little about the rest."""
+    """One line of progress. It gives no time left during the first steps, which say too little about the rest."""
     text = f"   building {done} of {steps}"
     if elapsed >= 10 and 0 < done < steps:
         text += f", about {in_words(elapsed * (steps - done) / done)} left"

@@ -1,40 +1,40 @@
-"""What a soak asks: a mixture in which the same things are asked often enough to be found in caches, and what is wrong is
-wrong in every way that a client has. Each request says which answers it may get."""
+"""The requests of scripts/soak. Some repeat often enough to be found in caches, and some contain every mistake that a client can
+make. Each request states which answers it may get."""
 import gzip
 import json
 import random
 
 NAMES = ("ana", "bob", "cyd")
-TOO_MUCH = {503, 504}  # with Retry-After, or in time: a busy server may always say so
+TOO_MUCH = {503, 504}  # a busy server may always answer 503 with Retry-After, or 504 at the deadline
 CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 QUADS = ((1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8))
 MATERIALS = ("glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "cast_iron", "ice", "plaster", "terracotta", "sandstone", "crystal")
 
 
 def box(number):
-    """Box `number`, as an OBJ of twelve triangles."""
+    """Box `number`, as an OBJ file with twelve triangles."""
     size = (1 + number % 7 / 4, 1 + number % 5 / 3, 1 + number % 11 / 8)
     lines = ["v " + " ".join(f"{c * s:g}" for c, s in zip(corner, size)) for corner in CORNERS]
     return ("\n".join(lines + ["f " + " ".join(map(str, quad)) for quad in QUADS]) + "\n").encode()
 
 
 class Ask:
-    """One request. `key`: answers of 200 to equal keys have equal bytes."""
+    """One request. `key`: answers with status 200 to equal keys have equal bytes."""
 
     def __init__(self, method, path, expected, body=None, kind=None, key=None, **headers):
         self.method, self.path, self.expected, self.body, self.key = method, path, expected, body, key
         self.headers = {name.replace("_", "-"): value for name, value in headers.items()}
         if kind:
             self.headers["Content-Type"] = kind
-        self.leave = None  # "unread": goes when it has asked; "half": with half of the body
+        self.leave = None  # "unread": disconnects after sending the request; "half": after half of the body
 
 
 class Mixture:
-    """Request k of a seed is always the same one, but for the ids that earlier answers gave."""
+    """For a given seed, request k is always the same, except for ids from earlier answers."""
 
     def __init__(self, seed, assets):
         self.seed, self.assets = seed, assets
-        self.answers, self.meshes, self.jobs = [], [], []  # (name, path): made by whom; the last ones alone
+        self.answers, self.meshes, self.jobs = [], [], []  # (name of the client that made it, path); only the latest
 
     def remember(self, kept, name, path):
         kept.append((name, path))
@@ -54,7 +54,7 @@ class Mixture:
     def mesh(self, rng):
         if self.assets and rng.random() < 0.02:
             return rng.choice(self.assets)
-        number = int(rng.paretovariate(0.7)) % 3000  # some are asked for all the time, most hardly ever
+        number = int(rng.paretovariate(0.7)) % 3000  # a few are requested all the time, most hardly ever
         return f"box{number}", box(number), "model/obj"
 
     def query(self, rng):
@@ -69,7 +69,7 @@ class Mixture:
         accept = rng.choice(("model/gltf-binary", "model/gltf-binary", "application/json"))
         ask = Ask("POST", "/fracture?" + query, {200} | TOO_MUCH, body, kind, Accept=accept)
         if not mesh.startswith("box"):
-            ask.expected |= {422}  # assets may be refused: not all are solids
+            ask.expected |= {422}  # assets may be refused, because not all are solids
         if accept == "model/gltf-binary":
             ask.key = mesh + "?" + query
         if rng.random() < 0.2:

@@ -1,4 +1,4 @@
-"""summary.py FIGURES.json HEADERS FILE.glb: a few lines for people about one answer of the server."""
+"""summary.py FIGURES.json HEADERS FILE.glb: prints a short summary of one answer from the server."""
 import json
 import os
 import sys

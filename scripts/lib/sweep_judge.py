@@ -1,6 +1,6 @@
-"""Is an answer what README.md promises? By the certificate, and for a GLB independently of it: edges, seams, volumes.
+"""Checks an answer against README.md's guarantees: by its certificate, and for a GLB independently by edges, seams and volumes.
 
-Returns lists of sentences, each a broken promise; an empty list is a sound answer.
+Returns a list of sentences, one per broken guarantee. An empty list means that the answer is sound.
 """
 import array
 import json
@@ -18,7 +18,7 @@ def judge_figures(figures):
         broken.append(f"{certificate['open_edges']} open edges")
     if certificate["fragments"] < 1:
         broken.append("no fragments")
-    if "barycenter" in report:  # which promises closed fragments and no partition
+    if "barycenter" in report:  # which guarantees closed fragments but no partition
         return broken
     if not certificate["relative_error"] <= MAX_RELATIVE_ERROR:
         broken.append(f"relative error {certificate['relative_error']:.3g}: volume {certificate['volume_in']:.9g} in, "
@@ -30,12 +30,12 @@ def judge_figures(figures):
         bound = 2 * (h + h) * (solid["area"] + certificate["pocket_area"]) + 1e-9 * abs(certificate["volume_in"])
         off = abs(certificate["volume_file"] + certificate["pocket_volume"] - certificate["volume_in"])
         if not off <= bound:
-            broken.append(f"the volume in the file is off by {off:.3g} m3, {off / bound:.3g} times what rounding explains")
+            broken.append(f"the volume in the file is off by {off:.3g} m3, {off / bound:.3g} times the rounding error")
     return broken
 
 
 class Glb:
-    """What the judge needs of a binary glTF: nodes, and accessors of triangles."""
+    """The parts of a binary glTF that the judge needs: nodes and triangle accessors."""
 
     def __init__(self, data):
         magic, version, length = struct.unpack_from("<4sII", data)
@@ -46,7 +46,7 @@ class Glb:
         self.bytes = memoryview(data)[28 + json_length:]
 
     def accessor(self, index):
-        """A flat array of numbers."""
+        """The accessor's numbers as a flat array."""
         a = self.json["accessors"][index]
         if "sparse" in a:
             raise ValueError("a sparse accessor, which is not expected")
@@ -85,7 +85,7 @@ class Glb:
         return found
 
     def box(self):
-        """Of all fragments, from the bounds that accessors state."""
+        """The bounding box of all fragments, from the bounds that accessors state."""
         low, high = [float("inf")] * 3, [-float("inf")] * 3
         for mesh, at in self.fragments():
             for primitive in mesh["primitives"]:
@@ -96,7 +96,7 @@ class Glb:
 
 
 def judge_glb(data):
-    """Edges after welding equal positions, positive volumes, mirror images of cuts bit for bit in the world, the sum."""
+    """Checks edges after welding equal positions, positive volumes, bit-identical mirror images of cuts, and the total volume."""
     try:
         glb = Glb(data)
         figures = glb.root_figures()
@@ -139,7 +139,7 @@ def judge_glb(data):
     if unclosed:
         broken.append(f"{unclosed} fragments have open edges after welding")
     if inverted:
-        broken.append(f"{inverted} fragments have no positive volume")
+        broken.append(f"{inverted} fragments do not have a positive volume")
     if inexact:
         broken.append(f"{inexact} translations are not exact as floats")
     if "barycenter" in report or "delta" in figures or "fragment" in figures["parameters"]:
@@ -150,5 +150,5 @@ def judge_glb(data):
     if unpaired and not solid.get("holes_filled") and not solid.get("sheets_thickened"):
         broken.append(f"{unpaired} interior triangles have no mirror image")
     if abs(volume - certificate["volume_file"]) > 1e-6 * abs(certificate["volume_file"]):
-        broken.append(f"the file holds {volume:.9g} m3, its certificate says {certificate['volume_file']:.9g}")
+        broken.append(f"the file contains {volume:.9g} m3, its certificate says {certificate['volume_file']:.9g}")
     return broken

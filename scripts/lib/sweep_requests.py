@@ -1,4 +1,4 @@
-"""Random requests for scripts/sweep: what GET /limits and /patterns allow, drawn from a seed, with places and lengths that suit a mesh."""
+"""Random requests for scripts/sweep within GET /limits and /patterns, from a seed, with positions and lengths that suit a mesh."""
 import hashlib
 import json
 import math
@@ -8,38 +8,38 @@ import re
 import shlex
 import urllib.parse
 
-# Parameters that only name things of one answer, or that the file name says already.
+# Parameters that refer to a particular answer, or that follow from the file name.
 NOT_DRAWN = {"format", "of", "broken", "fragment", "fragment_sites", "fragment_seed", "delta", "local_new"}
-# What is given together or not at all.
+# Parameters that are given together or not at all.
 TOGETHER = {"local_point": "local_radius", "local_radius": "local_point",
             "keep_center": "keep_radius", "keep_radius": "keep_center"}
 CONTENT_TYPES = {"glb": "model/gltf-binary", "gltf": "model/gltf+json", "obj": "model/obj", "stl": "model/stl"}
 
 
 class MeshFile:
-    """A file with the files that it names beside itself, and what a probe has found out about it."""
+    """A file, the files that it refers to, and the results of a probe."""
 
     def __init__(self, folder, path):
         self.path = path
         self.name = os.path.relpath(path, folder)
         self.siblings = _siblings(path)
-        self.low, self.high = [-0.5] * 3, [0.5] * 3  # box of the fragments, metres
+        self.low, self.high = [-0.5] * 3, [0.5] * 3  # bounding box of the fragments, in metres
         self.volume = 1.0  # m³
         self.nodes, self.materials = [], []
-        self.usable = False  # can be fractured without further parameters
+        self.usable = False  # True if it can be fractured without further parameters
 
     def size(self):
         return max(h - l for l, h in zip(self.low, self.high)) or 1.0
 
     def parts(self):
-        """(field, file name, path) of each part of a form."""
+        """(field, file name, path) for each part of a form."""
         yield "mesh", os.path.basename(self.path), self.path
         for name, path in self.siblings:
             yield "file", name, path
 
 
 def _siblings(path):
-    """Names, as the file spells them, and paths of what a glTF or OBJ names in its folder or below."""
+    """(name as written in the file, path) for each file that a glTF or OBJ refers to in its folder or subfolders."""
     folder, found = os.path.dirname(path), []
     if path.endswith(".gltf"):
         with open(path, encoding="utf-8") as f:
@@ -57,7 +57,7 @@ def _siblings(path):
 
 
 def mesh_files(folders, extensions):
-    """All files with these extensions in folders separated by ':', in a fixed order."""
+    """All files with these extensions, in a fixed order. Folders are separated by ':'."""
     files = []
     for folder in folders.split(":"):
         for root, _, names in sorted(os.walk(folder)):
@@ -67,7 +67,7 @@ def mesh_files(folders, extensions):
 
 
 class Request:
-    """A mesh and parameters. It is the same bytes whoever sends it: by send-form or by the curl command."""
+    """A mesh and parameters. form() and the curl command send the same request."""
 
     def __init__(self, mesh, parameters):
         self.mesh, self.parameters = mesh, parameters
@@ -95,7 +95,7 @@ class Request:
 
 
 class Generator:
-    """Draws requests; the k-th is a function of seed and k (and of the server's parameters and the meshes) alone."""
+    """Draws requests. Request k depends only on seed, k, the server's parameters and the meshes."""
 
     def __init__(self, patterns, limits, seed, max_sites):
         self.seed, self.max_sites = seed, max_sites
@@ -119,7 +119,7 @@ class Generator:
             given["sites"] = min(int(math.exp(rng.uniform(0, math.log(self.max_sites + 1)))), self.max_sites)
         if pattern == "points":
             given["points"] = self._value(rng, own["points"], mesh)
-        # Some requests have one or two further parameters, some have many.
+        # Some requests get one or two further parameters, others many.
         share = rng.choice([0.0, 0.03, 0.08, 0.2])
         for name, spec in sorted({**self.everywhere, **own}.items()):
             if name in given or name in ("material", "pattern") or rng.random() >= share:
@@ -169,7 +169,7 @@ class Generator:
             return [_number(rng, {**items, "unit": spec.get("unit")}, mesh)]
         if items["type"] != "array":
             return None
-        if least == most == 3:  # a matrix: not far from the identity, so that it can be inverted
+        if least == most == 3:  # a matrix near the identity, so that it is invertible
             return [[(1.0 if r == c else 0.0) + rng.uniform(-0.3, 0.3) for c in range(3)] for r in range(3)]
         count = least if least == most else rng.randint(least, min(most, max(least, 60 if most > 1000 else 4)))
         places = spec.get("unit") == "m" or "point" in spec["name"]

@@ -103,7 +103,7 @@ class Checks(PlantedCheckout):
         self.plant("common/solid/words.hpp", header % "#include <string>\n")
         self.expect_clean("includes")
         self.plant("common/solid/lost.hpp", "#pragma once\n")
-        self.expect_found("includes", "common/solid/lost.hpp:1: no source that is compiled includes it")
+        self.expect_found("includes", "common/solid/lost.hpp:1: no compiled source includes it")
 
     def test_includes_finds_a_source_that_lost_an_include_because_a_header_changed(self):
         between = '#pragma once\n%sint four();\n'
@@ -120,7 +120,7 @@ class Checks(PlantedCheckout):
         self.assertIsNone(alone.compile_alone(checkout, "common/base/vec.cpp", words))
         with unittest.mock.patch.object(alone, "MOST_TO_READ", 0):
             self.assertRegex(alone.compile_alone(checkout, "common/base/vec.cpp", words),
-                             "^common/base/vec.cpp:1: the compiler needs 0 s to read it, at most 0 may be: include less, or divide it$")
+                             "^common/base/vec.cpp:1: the compiler needs 0 s to read it; at most 0 are allowed: include less, or split the file$")
 
     def test_includes_compiles_what_changed_and_all_of_it_on_demand(self):
         self.plant("common/base/CMakeLists.txt", "fracture_library(base SOURCES vec.cpp words.cpp)\n")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/lib/count_tests.py: what it counts of a ctest run, and of a second try."""
+"""scripts/lib/count_tests.py: what it counts in a ctest run, and in a second run."""
 import json
 import pathlib
 import subprocess
@@ -45,7 +45,7 @@ class Counting(unittest.TestCase):
     def test_what_passes_at_the_second_try_counts_and_is_named(self):
         self.write({"script": "fail", "steady": "run"})
         self.write({"script": "run"}, "again")
-        self.counted("UNSTEADY release: passed only at the second try, alone: script", "2 passed, 0 failed, 0 skipped", code=0)
+        self.counted("UNSTEADY release: passed only when run again alone: script", "2 passed, 0 failed, 0 skipped", code=0)
 
     def test_what_fails_twice_has_failed(self):
         self.write({"cases": "fail"}, reports={"cases": {"A": "fail", "B": "good"}})
@@ -62,7 +62,7 @@ class Counting(unittest.TestCase):
                    reports={"partly": {"A": "good", "B": "skipped"}, "wholly": {"A": "skipped"}})
         may_skip = self.run_folder / "may_skip.txt"
         may_skip.write_text("# a comment\nabsent: no such machine here\n")
-        self.counted("FAILED wholly: skipped as a whole in every run, and may_skip.txt gives no reason",
+        self.counted("FAILED wholly: skipped entirely in every run, and may_skip.txt gives no reason",
                      "2 passed, 1 failed, 3 skipped", code=1, options=("--may-skip", may_skip))
         may_skip.write_text("absent: no such machine here\nwholly: nor here\n")
         self.counted("2 passed, 0 failed, 3 skipped", code=0, options=("--may-skip", may_skip))
@@ -76,7 +76,7 @@ class Counting(unittest.TestCase):
         self.counted("1 passed, 0 failed, 1 skipped", code=0, options=("--may-skip", may_skip), folders=[self.run_folder.parent / "asan"])
 
     def test_no_report_and_no_test_are_failures(self):
-        self.counted("FAILED release: ctest left no report", "0 passed, 1 failed, 0 skipped", code=1)
+        self.counted("FAILED release: ctest wrote no report", "0 passed, 1 failed, 0 skipped", code=1)
         self.write({})
         self.counted("0 passed, 0 failed, 0 skipped", code=1)
 

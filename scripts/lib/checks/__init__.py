@@ -1,1 +1,1 @@
-"""The checks of scripts/check. Each takes a Checkout and returns its offences, one line each: `file:line: what`."""
+"""The checks of scripts/check. Each takes a Checkout and returns offences, one line each, as `file:line: message`."""

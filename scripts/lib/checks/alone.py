@@ -1,11 +1,11 @@
-"""Each header and each source file compiles alone, because it includes what it uses.
+"""Each header and each source file must compile on its own, so it must include what it uses.
 
-Builds can hide that an include is missing: a unity build compiles several sources as one, and a header is usually read after
-others. Here each source is one run of the compiler, without precompiled headers. A header that is the first include of a source
-has been read before anything else there. Every other header gets a run of its own.
+Builds can hide missing includes: a unity build compiles several sources as one, and a header is usually read after
+others. This check compiles each source separately, without precompiled headers. If a header is the first include of a source,
+this also checks the header. Every other header is compiled separately.
 
-Without --all these are the files that changed on the branch and the files that include them, the nearest first. What was
-compiled once is not compiled again until its text, the text of a file that it includes, or its command changes.
+Without --all, the check compiles files that changed on the branch and files that include them, nearest first. A file is not
+compiled again until its text, an included file's text or its command changes.
 """
 import concurrent.futures
 import functools
@@ -24,16 +24,16 @@ CPP = (".cpp", ".hpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+(?:"([^"]+)"|<[^>]+>)', re.MULTILINE)
 ERROR = re.compile(r"^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.*)$", re.MULTILINE)
 
-# Files that a branch reaches and that are compiled without --all: about four seconds each on a core.
+# Maximum number of affected files compiled without --all, at about four seconds each on one core.
 MOST_COMPILED = 40
-# Seconds for one file, whatever else the machine does.
+# Time limit in seconds for one file, even on a busy machine.
 LIMIT = 600
-# Processor seconds that the compiler may take to read one file. The slowest takes six on an idle machine, ten on a busy one.
+# Processor seconds that the compiler may take to read one file. The slowest file takes six on an idle machine and ten on a busy one.
 MOST_TO_READ = 20
 
 
 class IncludeGraph:
-    """Which files of the checkout include which."""
+    """The include graph of the checkout's files."""
 
     def __init__(self, checkout):
         self.checkout, self.names = checkout, checkout.named(*CPP)
@@ -45,7 +45,7 @@ class IncludeGraph:
 
     @functools.lru_cache(maxsize=None)
     def resolved(self, name):
-        """Each include in the order of the text: a file of the checkout, or None for a file from elsewhere."""
+        """The includes in textual order: a file of the checkout, or None for any other file."""
         found = []
         for match in INCLUDE.finditer(self.checkout.read(name)):
             near = posixpath.normpath(posixpath.join(posixpath.dirname(name), match[1] or ""))
@@ -56,7 +56,7 @@ class IncludeGraph:
         return [path for path in self.resolved(name) if path]
 
     def reached(self, names, following):
-        """The names and all that `following` leads to from them, the nearest first."""
+        """The names and everything reachable from them through `following`, nearest first."""
         found, level = dict.fromkeys(names), list(names)
         while level:
             level = list(dict.fromkeys(path for name in level for path in following(name) if path not in found))
@@ -92,7 +92,7 @@ def compiler_runs(graph, commands, wanted):
 
 
 def words_of(command):
-    """The words of a compile command that decide how a text is read: not its input, output or precompiled header."""
+    """The arguments of a compile command without input, output and precompiled header."""
     words, kept = shlex.split(command), []
     if posixpath.basename(words[0]) == "ccache":
         words = words[1:]
@@ -108,7 +108,7 @@ def words_of(command):
 
 
 def run_timed(words, folder, text):
-    """(exit code, output, processor seconds) of a program that reads this text. Raises subprocess.TimeoutExpired."""
+    """Runs a program with this text as input: (exit code, output, processor seconds). Raises subprocess.TimeoutExpired."""
     with tempfile.TemporaryFile("w+") as given, tempfile.TemporaryFile("w+") as said:
         given.write(text)
         given.seek(0)
@@ -125,7 +125,7 @@ def run_timed(words, folder, text):
 
 
 def compile_alone(checkout, name, words):
-    """None, or the first error of the compiler, or that it took too long."""
+    """The compiler's first error, or a message that it took too long, or None."""
     try:
         code, output, seconds = run_timed(words, checkout.root, f'#include "{checkout.root / name}"\n')
     except subprocess.TimeoutExpired:
@@ -133,7 +133,7 @@ def compile_alone(checkout, name, words):
     if code == 0:
         if seconds <= MOST_TO_READ:
             return None
-        return f"{name}:1: the compiler needs {seconds:.0f} s to read it, at most {MOST_TO_READ} may be: include less, or divide it"
+        return f"{name}:1: the compiler needs {seconds:.0f} s to read it; at most {MOST_TO_READ} are allowed: include less, or split the file"
     error = ERROR.search(output)
     if not error:
         return f"{name}:1: does not compile alone: {output[-300:]}"
@@ -143,7 +143,7 @@ def compile_alone(checkout, name, words):
 def check(checkout, every):
     graph = IncludeGraph(checkout)
     if not every and not checkout.has_history:
-        print("check includes: without a history no file is known to have changed; --all compiles all alone", flush=True)
+        print("check includes: skipped, because without a history no file is known to have changed; --all compiles all files", flush=True)
         return []
     wanted = graph.names if every else graph.affected_by([name for name in checkout.changed if name in graph.known])
     wanted = [name for name in wanted if name.endswith(CPP) and not name.startswith("common/cmake/")]  # a project of its own
@@ -154,7 +154,7 @@ def check(checkout, every):
     except NotConfigured as failed:
         return [str(failed)]
     runs, unused = compiler_runs(graph, commands, wanted)
-    offences = [f"{name}:1: no source that is compiled includes it" for name in unused]
+    offences = [f"{name}:1: no compiled source includes it" for name in unused]
 
     @functools.lru_cache(maxsize=None)
     def version_of(compiler):
@@ -174,7 +174,7 @@ def check(checkout, every):
         if (key := key_of(name, words)) not in known:
             left.append((name, words, key))
     if not every and len(left) > MOST_COMPILED:
-        print(f"check includes: the nearest {MOST_COMPILED} of {len(left)} files that the changes reach; --all compiles all alone", flush=True)
+        print(f"check includes: compiling the nearest {MOST_COMPILED} of {len(left)} affected files; --all compiles all files", flush=True)
         left = left[:MOST_COMPILED]
 
     def run(unit):

@@ -1,4 +1,4 @@
-"""The files of a checkout: what git knows or would add, read once. An archive of them, without their history, will do."""
+"""The files of a checkout that git tracks or would add, each read once. An archive without history is enough."""
 import functools
 import json
 import os
@@ -11,21 +11,21 @@ import threading
 
 
 class MissingTool(Exception):
-    """A program that a check needs and that is not installed; the text is its name."""
+    """A check needs a program that is not installed. The text is the program's name."""
 
 
 class NotConfigured(Exception):
-    """CMake cannot say how sources are compiled; the text is an offence."""
+    """CMake cannot list the compile commands. The text is an offence."""
 
 
 class Checkout:
     def __init__(self, root: pathlib.Path):
         self.root = root
-        self.configuring = threading.Lock()  # two checks configure the same folder
+        self.configuring = threading.Lock()  # because two checks configure the same folder
 
     @functools.cached_property
     def files(self):
-        """Paths relative to the root, sorted. What git ignores is not among them, nor what was deleted."""
+        """Sorted paths relative to the root, without ignored and deleted files."""
         if self.has_history:
             listed = self.git("ls-files", "--cached", "--others", "--exclude-standard")
         else:
@@ -44,7 +44,7 @@ class Checkout:
 
     @functools.cached_property
     def texts(self):
-        """Files that people write: no pictures, corpora or lock files."""
+        """Files written by people, without pictures, corpora and lock files."""
         return [name for name in self.files
                 if not name.startswith(("tests/fuzz/corpus/", "common/cmake/example/assets/"))
                 and not name.endswith(("package-lock.json", ".png", ".glb", ".blend", ".zip", ".svg", "LICENSE"))]
@@ -58,7 +58,7 @@ class Checkout:
         return self.read(name).splitlines()
 
     def scripts(self, *interpreters):
-        """Files without an ending whose first line names one of the interpreters."""
+        """Files without an extension whose first line names one of the interpreters."""
         found = []
         for name in self.files:
             if "." in name.rsplit("/", 1)[-1]:
@@ -71,7 +71,7 @@ class Checkout:
 
     @functools.cached_property
     def base(self):
-        """The commit where the branch left main, or FRACTURE_CHECK_BASE; on main itself the one before the last; "" without any."""
+        """FRACTURE_CHECK_BASE, or the commit where the branch left main; on main, the last commit but one; "" if there is none."""
         base = os.environ.get("FRACTURE_CHECK_BASE", "")
         if base:
             return base
@@ -95,7 +95,7 @@ class Checkout:
 
     @functools.cached_property
     def changed(self):
-        """Files that differ from the base, the one that changed last first."""
+        """Files that differ from the base, most recently changed first."""
         changed = self.git("ls-files", "--others", "--exclude-standard").splitlines()
         changed += self.git("diff", "--name-only", "HEAD").splitlines()
         changed += filter(None, self.git("log", "--name-only", "--format=", f"{self.base}..HEAD").splitlines())
@@ -103,7 +103,7 @@ class Checkout:
 
     @functools.cached_property
     def changed_lines(self):
-        """{file: numbers of the lines that differ from prose_base}. Every line of a file that git does not know yet."""
+        """{file: numbers of the lines that differ from prose_base}. For untracked files, all lines."""
         lines, name = {}, ""
         for line in self.git("diff", "--unified=0", "--find-renames", "--no-color", "--no-ext-diff", self.prose_base, check=False).splitlines():
             if line.startswith("+++ "):
@@ -118,19 +118,19 @@ class Checkout:
 
     @property
     def compile_commands(self):
-        """{source file: its compile command}, each by itself whatever the builds are configured to. Raises NotConfigured."""
+        """{source file: its compile command}, without unity builds, whatever the build settings. Raises NotConfigured."""
         with self.configuring:
             return self._compile_commands
 
     @functools.cached_property
     def _compile_commands(self):
-        # The benchmarks, too: no test builds them.
+        # Include the benchmarks, because no test builds them.
         code, output = self.run("cmake", "--preset", "release", "-B", "build/tidy", "-DFRACTURE_UNITY=OFF", "-DFRACTURE_BUILD_BENCH=ON")
         if code != 0:
             raise NotConfigured(f"build/tidy:1: cannot be configured: {output[-300:]}")
         entries = json.loads((self.root / "build/tidy/compile_commands.json").read_text(encoding="utf-8"))
         commands = {}
-        for entry in entries:  # a source of several targets compiles alike in each
+        for entry in entries:  # a source in several targets compiles the same way in each
             commands.setdefault(entry["file"].removeprefix(f"{self.root}/"), entry["command"])
         return commands
 
@@ -141,7 +141,7 @@ class Checkout:
         return done.stdout
 
     def run(self, *command):
-        """The exit code and all output of a program, in the root."""
+        """Runs a program in the root. Returns its exit code and all output."""
         if not shutil.which(command[0]):
             raise MissingTool(command[0])
         done = subprocess.run(command, cwd=self.root, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

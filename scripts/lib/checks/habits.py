@@ -1,6 +1,6 @@
-"""Habits of writing that make a reader stop, as far as a pattern can tell them from ordinary English; long sentences and table rows.
+"""Finds writing habits that make a reader stop, if a pattern can distinguish them from ordinary English; and long sentences and rows.
 
-CONTRIBUTING.md says how texts are written instead. A pattern here misses many offences and should hardly ever be wrong.
+CONTRIBUTING.md says how to write instead. The patterns miss many offences, but should rarely be wrong.
 """
 import dataclasses
 import re

@@ -1,11 +1,11 @@
-"""A file includes what it uses (alone.py), and a target only what it declares: `#include` edges held to the dependencies that
-CMake knows.
+"""A file includes what it uses (alone.py), and a target includes only what it declares: each `#include` must match a dependency
+in CMake.
 
-In common/, server/ and client/ a header of another room (folder) may be included only where its target stands in the DEPS (or
-in target_link_libraries) of who includes it, not merely of something that it links. Headers of libraries from elsewhere, and
-what tests include, have to be reachable. Every .cpp there belongs to a target: one that nobody compiles is an offence too.
+In common/, server/ and client/, a file may include a header of another folder only if its own target lists that header's target
+in DEPS (or in target_link_libraries). An indirect dependency is not enough. For third-party headers, and for
+includes of tests, an indirect dependency is enough. Every .cpp file in these folders must belong to a target.
 
-The lists of CMakeLists.txt are read as they are written: fracture_library, fracture_test, fracture_fuzz, add_library,
+The check reads these commands from the text of CMakeLists.txt: fracture_library, fracture_test, fracture_fuzz, add_library,
 add_executable, target_link_libraries.
 """
 import posixpath
@@ -38,7 +38,7 @@ class Target:
 
 
 def commands(text):
-    """(name, arguments) of each command; comments and quotes are taken away."""
+    """(name, arguments) of each command, without comments and quotes."""
     text = re.sub(r"#[^\n]*", "", text)
     for match in re.finditer(r"(\w+)\s*\(((?:[^()]|\([^()]*\))*)\)", text):
         yield match.group(1).lower(), [word.strip('"') for word in match.group(2).split()]
@@ -49,7 +49,7 @@ def real(name):
 
 
 def keyed(arguments, keys):
-    """Arguments behind each key, as cmake_parse_arguments gives them."""
+    """Arguments after each key, as cmake_parse_arguments returns them."""
     found, key = {key: [] for key in keys}, None
     for word in arguments:
         if word in keys:
@@ -91,7 +91,7 @@ def read_targets(checkout):
 
 
 def reachable(targets, target):
-    """All that a target sees: itself, what it links, and what that makes public."""
+    """All targets visible to a target: itself, the targets that it links, and their public dependencies."""
     seen, todo = {target.name}, target.public + target.private
     while todo:
         name = todo.pop()

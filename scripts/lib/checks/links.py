@@ -1,7 +1,7 @@
-"""What documents and comments refer to exists: files and anchors of markdown links, paths in text, named documents.
+"""Everything that documents and comments refer to must exist: files and anchors in Markdown links, paths in text, document names.
 
-Nothing outside of the repository may be referred to by a file name: whoever reads the code cannot open it. Addresses on the
-network are not asked.
+No reference may lead to a file outside the repository, because readers of the code cannot open it. Network addresses
+are not checked.
 """
 import posixpath
 import re
@@ -14,7 +14,7 @@ NAME = re.compile(r"(?<![\w./<>*-])((?:[\w-]+/)*[\w-]+\.(?:md|hpp|def))\b")
 
 
 def slug(heading):
-    """The anchor that GitHub makes of a heading."""
+    """The anchor that GitHub generates for a heading."""
     heading = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
     return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
 

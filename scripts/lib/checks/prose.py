@@ -1,7 +1,7 @@
 """The prose of a file: paragraphs of its documents, comments, and the texts that a program shows.
 
-A passage is one paragraph, list item, table cell, comment or string. `comment` tells what only people who read the source see
-from what users read. The syntax of a language is read as far as comments and strings need it, no further.
+A passage is one paragraph, list item, table cell, comment or string. `comment` marks passages that only readers of the source
+see. The parsers understand just enough of each language to find comments and strings.
 """
 import dataclasses
 import html.parser
@@ -32,7 +32,7 @@ class Passage:
 
 
 def passages(name, text, script=""):
-    """All passages of a file. `script`: the interpreter of a file without an ending."""
+    """All passages of a file. `script`: the interpreter of a file without an extension."""
     if name.endswith(".md"):
         return list(of_markdown(text))
     if name.endswith(CLIKE):
@@ -53,7 +53,7 @@ def passages(name, text, script=""):
 # -- documents
 
 def plain(line):
-    """Markdown without its marks: code is one word, a link is its text."""
+    """Markdown without markup: code becomes one word, and a link becomes its text."""
     line = re.sub(r"`+[^`]*`+", "CODE", line)
     line = re.sub(r"!?\[((?:[^\]\[]|\[[^\]]*\])*)\]\([^)\s]*(?: \"[^\"]*\")?\)", r"\1", line)
     return re.sub(r"<[^>]*>|\*\*|(?<!\w)[_*](?=\w)|(?<=\w)[_*](?!\w)", "", line)
@@ -102,8 +102,8 @@ def of_markdown(text):
 # -- comments
 
 def blocks(lines):
-    """Joins adjacent lines of comments to blocks. Paragraphs, items and drawings begin new blocks, and so does each second cell of a
-    table with two columns."""
+    """Joins adjacent comment lines into blocks. Paragraphs, items and drawings start new blocks, and so does the second cell of each
+    row in a two-column table."""
     block, last = [], 0
     for number, text, whole in lines:
         bare = text.strip()
@@ -167,7 +167,7 @@ def unescaped(string):
 
 
 def shown_text(lines):
-    """The passages of a string that people read: words, most of them in lower case. Columns are separate passages."""
+    """The passages of a string that people read: words, mostly in lower case. Each column is a separate passage."""
     parts = [[]]
     for number, text in lines:
         for k, part in enumerate(re.split(r"\s{3,}", re.sub(r"`[^`]+`|'[^' ]+'|<[^>]*>", "CODE", text))):
@@ -222,7 +222,7 @@ def of_python(name, text):
 
 
 def of_shell(name, text):
-    """Comments; the first block of a script is its help, and what it prints are messages."""
+    """Comments. The first comment block of a script is its help, and printed strings are messages."""
     helps = name.startswith("scripts/") and not name.endswith((".sh", ".txt"))
     comments = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -272,7 +272,7 @@ def of_json(text):
 
 
 def of_yaml(name, text):
-    """Comments, and in interfaces and alerts what is said under a key: one passage for each key, item or paragraph."""
+    """Comments and, in interfaces and alerts, the texts of keys: one passage for each key, item or paragraph."""
     comments, lines = [], []
     shown = name.startswith("proto/") or name.endswith("alerts.yaml")
     for number, line in enumerate(text.splitlines(), 1):

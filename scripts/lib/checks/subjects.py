@@ -1,12 +1,12 @@
-"""The subject of a commit says where and what: `area: verb object`, at most 72 characters.
+"""A commit subject says where and what, in the form `area: verb object`, with at most 72 characters.
 
-"delaunay: reuse the last located tetrahedron". The check reads the commits since the branch left main, without merges.
+"delaunay: reuse the last located tetrahedron". The check reads the branch's commits, without merges.
 """
 import re
 
 LONGEST = 72
 AREA = r"[a-z][\w./+-]*"
-# Words that cannot be a verb. A subject with one of them after the colon is a title, not an action.
+# Words that cannot be verbs. A subject with one of these words after the colon is a title, not an action.
 NO_VERB = ("a an the this that these those its their his her our my your one each every all any some no none nothing nobody not only also "
            "what who whose which where when while why how if of for from to in on at by with without as than and or but so it they there "
            "is are was were be has have had").split()

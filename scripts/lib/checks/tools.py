@@ -1,4 +1,4 @@
-"""The checks that are programs of others: clang-format, clang-tidy, shellcheck, flake8, codespell."""
+"""Checks that run other programs: clang-format, clang-tidy, shellcheck, flake8, codespell."""
 import concurrent.futures
 import os
 import pathlib
@@ -16,7 +16,7 @@ def check_format(checkout, _all):
         return []
     _, output = checkout.run("clang-format", "--dry-run", *files)
     wrong = dict.fromkeys(line.split(":")[0] for line in output.splitlines() if "[-Wclang-format-violations]" in line)
-    return [f"{name}:1: is not as .clang-format lays it out" for name in wrong]
+    return [f"{name}:1: is not formatted as .clang-format requires" for name in wrong]
 
 
 def fix_format(checkout):
@@ -40,12 +40,12 @@ def check_python(checkout, _all):
     _, output = checkout.run("flake8", *files)
     return [line.removeprefix("./") for line in output.splitlines()]
 
-# Files of a branch that clang-tidy looks at without --all: about five seconds each on a core.
+# Maximum number of files that clang-tidy checks without --all, at about five seconds each on one core.
 MOST_TIDIED = 40
 
 
 def codespell(checkout, *options):
-    # Identifiers are no English words: names in camel case and k-constants are left out.
+    # Identifiers are not English words, so names in camel case and k-constants are left out.
     return checkout.run("codespell", "--ignore-words", str(SPELLING), "--ignore-regex", r"\bk[A-Z]\w*", *options,
                         *(name for name in checkout.texts if not name.startswith("tests/checks/")))[1].splitlines()
 
@@ -59,14 +59,14 @@ def fix_spelling(checkout):
 
 
 def tidied_files(checkout, every):
-    """Source files to look at: a header is seen through its own source file, or through the first that includes it. Of a
-    branch that changed many, those that it changed last: some minutes, not an hour."""
+    """Source files to check. A header is checked through its own source file, or through the first file that includes it. If a
+    branch changed many files, only the latest are checked, so that the check takes minutes, not an hour."""
     sources = [name for name in checkout.named(".cpp") if name.startswith(("common/", "server/", "client/", "tests/"))]
     if every:
         return sources
     known, headers = set(sources), set(checkout.named(".hpp"))
     if not checkout.has_history:
-        print("check tidy: without a history no file is known to have changed; --all looks at all", flush=True)
+        print("check tidy: skipped, because without a history no file is known to have changed; --all checks all files", flush=True)
         return []
     wanted = {}
     for name in checkout.changed:

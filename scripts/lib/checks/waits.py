@@ -1,8 +1,8 @@
-"""No test waits without a limit, and none waits for a fixed time where it could ask whether something has happened.
+"""No test waits without a limit, and no test waits for a fixed time if it can check for an event.
 
-A sleep in a test is a wait that is too long on an idle machine and too short on a busy one. eventually()
-(tests/support/eventually.hpp) asks until a limit. A pause that *is* the test (a client that sends slowly) says so on its line
-or on the one above: `// pause: reason`.
+A sleep in a test is too long on an idle machine and too short on a busy machine. eventually()
+(tests/support/eventually.hpp) polls up to a limit. If a pause *is* the test (a client that sends slowly), the line
+or the line above must say so: `// pause: reason`.
 """
 import re
 
@@ -17,7 +17,7 @@ SCRIPT = [(re.compile(r"\btime\.sleep\("), "sleeps"),
 
 
 def code_of(line, mark):
-    """The line without its comment and without what stands in quotes, as far as one line shows it."""
+    """The line without its comment."""
     return line.split(mark)[0]
 
 

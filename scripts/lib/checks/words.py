@@ -1,8 +1,8 @@
 """Words and sentences: one thing has one name (words.txt), and sentences avoid the habits that make a reader stop (habits.py).
 
-words.txt: `pattern -> what to write  # why`, patterns are Python's regular expressions. Habits are looked for in everything
-that users read: documents, messages, help and pages. In comments only lines that the branch changes count; --all: every line.
-not_yet.txt names the files whose texts are not held to this yet; a file that has become clean must be taken off it.
+words.txt: `pattern -> what to write  # why`, where patterns are Python regular expressions. Habits are checked in everything
+that users read: documents, messages, help and pages. In comments, only lines changed on the branch are checked; with --all, every line.
+not_yet.txt lists the files whose texts are not checked yet; a file that is clean must be removed from it.
 """
 import pathlib
 import re
@@ -33,7 +33,7 @@ def check_names(checkout, names):
 
 
 def not_yet(checkout):
-    """{file: the line of the list that names it}"""
+    """{file: its line in the list}"""
     if not (checkout.root / NOT_YET).is_file():
         return {}
     lines = enumerate(checkout.lines(NOT_YET), 1)
@@ -59,7 +59,7 @@ def in_texts(checkout, name, passages):
 
 
 def in_comments(passages, name, lines):
-    """Offences in comments; `lines`: those that count, None: all."""
+    """Offences in comments. `lines`: the lines to check; None: all."""
     for passage in passages:
         if passage.comment:
             for offence in habits.find(passage):
@@ -68,7 +68,7 @@ def in_comments(passages, name, lines):
 
 
 def fix(checkout):
-    """Takes the files that have become clean, or are gone, off the list."""
+    """Removes files that are clean or deleted from the list."""
     listed = not_yet(checkout)
     unclean = {name for name, passages in read_passages(checkout, [name for name in listed if name in checkout.texts])
                if any(in_texts(checkout, name, passages))}
@@ -88,12 +88,12 @@ def check_habits(checkout, names, every):
         if name not in listed:
             yield from offences
         elif not offences:
-            yield f"{NOT_YET}:{listed[name]}: {name} -> its texts are clean: take it off the list (scripts/check --fix words)"
+            yield f"{NOT_YET}:{listed[name]}: {name} -> its texts are clean: remove it from the list (scripts/check --fix words)"
         yield from in_comments(passages, name, None if every else changed.get(name, set()))
     for name in sorted(set(listed) - set(names)):
         yield f"{NOT_YET}:{listed[name]}: {name} -> the file does not exist: remove it from the list"
     if listed:
-        print(f"check words: {len(listed)} files are not held to the habits of writing yet ({NOT_YET})", flush=True)
+        print(f"check words: {len(listed)} files are not checked for writing habits yet ({NOT_YET})", flush=True)
 
 
 def check(checkout, every):
