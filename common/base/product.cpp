@@ -17,15 +17,16 @@ struct Refusal {
 Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
   switch (answer) {
     case Allowance::Answer::kNever:
-      return {ErrorCode::kTooComplex, "; a computation may hold " + limit +
-                                          ". Ask for fewer sites or send a mesh of fewer triangles."};
+      return {ErrorCode::kTooComplex, "; a computation may use " + limit +
+                                          ". Ask for fewer sites, or send a mesh with fewer triangles."};
     case Allowance::Answer::kOverShare:
-      return {ErrorCode::kOverShare,
-              ". A computation may hold " + limit +
-                  ", less what other computations of the same client hold, which is too much now. Wait until "
-                  "one of them has ended, then ask again."};
+      return {
+          ErrorCode::kOverShare,
+          ". A computation may use " + limit +
+              ", minus the bytes that the same client's other computations are using, which are too many now. "
+              "Wait until one of them has finished, then ask again."};
     default:
-      return {ErrorCode::kOutOfMemory, ", of which other computations hold too many now."};
+      return {ErrorCode::kOutOfMemory, ", but other computations are using too many of them now."};
   }
 }
 
@@ -104,8 +105,8 @@ void Allowance::grow(Product product, std::uint64_t bytes) {
   const std::uint64_t made = made_[static_cast<std::size_t>(product)].load();
   std::string what = name_of(product);
   std::replace(what.begin(), what.end(), '_', ' ');
-  Error error{refusal.code, "So far this makes " + std::to_string(made) + " " + what +
-                                ", and the whole needs more than " + std::to_string(bytes) + " bytes" +
+  Error error{refusal.code, "The computation has made " + std::to_string(made) + " " + what +
+                                " so far, and needs more than " + std::to_string(bytes) + " bytes in all" +
                                 refusal.why};
   if (refusal.code == ErrorCode::kOverShare) error.retry_after = std::chrono::seconds(10);
   error.extra = Figures(

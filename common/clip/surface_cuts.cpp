@@ -85,8 +85,8 @@ void join(const Execution& execution, const std::vector<TriangleDivision>& found
   const Begin& all = begin.back();
   if (all.vertices > kMostCorners || out.first_c() + all.cuts > kMostCorners)
     throw Interrupted(Error{ErrorCode::kTooComplex,
-                            "The surface is cut into more polygons than 2^31 corners "
-                            "have room for. Ask for fewer sites."});
+                            "The surface is cut into polygons with more than 2^31 corners "
+                            "in all. Ask for fewer sites."});
   resize_with_polls(execution, out.triangle_cuts, all.cuts);
   resize_with_polls(execution, out.polygons, all.polygons);
   resize_with_polls(execution, out.vertices, all.vertices);

@@ -67,7 +67,7 @@ Expected<Tetrahedralization> insert_all(IncrementalDelaunay& delaunay, const Kep
       return fail(ErrorCode::kTooComplex,
                   "the Delaunay tetrahedralization of these sites has more than " +
                       std::to_string(sites.max_tets) +
-                      " tetrahedra (points on two skew lines make n^2/4 of them)",
+                      " tetrahedra (n points on two skew lines produce n^2/4 of them)",
                   "/points", {{"limit", sites.max_tets}});
     if (status == Status::kOutsideDomain) throw InternalError("a site outside its own domain");
     vertex_of[order[i]] = vertex;

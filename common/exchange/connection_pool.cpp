@@ -153,11 +153,10 @@ asio::awaitable<bool> ConnectionPool::shake_hands(Connection& connection, Exchan
   const long verified = SSL_get_verify_result(tls->native_handle());
   exchange.outcome =
       error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
-  exchange.detail =
-      verified != X509_V_OK
-          ? "The certificate of " + settings_.authority() +
-                " is not accepted: " + X509_verify_cert_error_string(verified) + "."
-          : settings_.authority() + " does not speak TLS as it should: " + error.message() + ".";
+  exchange.detail = verified != X509_V_OK
+                        ? "The certificate of " + settings_.authority() +
+                              " is not accepted: " + X509_verify_cert_error_string(verified) + "."
+                        : settings_.authority() + " failed the TLS handshake: " + error.message() + ".";
   co_return false;
 }
 
@@ -207,10 +206,10 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
     exchange.detail =
         exchange.outcome == Exchange::Outcome::kTooLarge
             ? "The answer is larger than " + std::to_string(settings_.max_answer_bytes) + " bytes."
-            : "The connection broke within " + std::string(request.method) + " " +
+            : "The connection broke during " + std::string(request.method) + " " +
                   request.target.substr(0, 40) + ": " + error.message() + ".";
     if (exchange.outcome == Exchange::Outcome::kTimedOut)
-      exchange.detail = "No whole answer within " + std::to_string(time.count()) + " ms.";
+      exchange.detail = "No complete answer within " + std::to_string(time.count()) + " ms.";
     connection.reset();  // so that the server stops computing
     co_return exchange;
   }

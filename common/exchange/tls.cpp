@@ -15,7 +15,7 @@ Expected<std::shared_ptr<TlsTrust>> trust_in(const std::string& ca_file) {
     trust->context.load_verify_file(ca_file, error);
   if (error)
     return fail(ErrorCode::kBadParameter,
-                "The file " + ca_file + " holds no certificates that can be read: " + error.message() + ".");
+                "The file " + ca_file + " contains no readable certificates: " + error.message() + ".");
   return trust;
 }
 

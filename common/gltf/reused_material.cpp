@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/surface_color/base_color.hpp"
 
@@ -136,7 +137,7 @@ Expected<ReusedMaterial> reused_material(const std::string& wanted, bool keep_te
     const std::size_t count = known.size();
     return fail(ErrorCode::kBadParameter,
                 "'interior_material': the mesh has no material '" + wanted + "'; it has " +
-                    std::to_string(count) + ".",
+                    counted(count, "material", "materials") + ".",
                 "interior_material", {{"known", std::move(known)}});
   }
   const BaseColor own = base_color(*mesh.library, slot);

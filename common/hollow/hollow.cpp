@@ -24,14 +24,14 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
   const std::uint64_t hollow = report.parts_hollowed, solid = asked - hollow;
   const bool by_material = options.least_ball > 0;
   if (by_material && hollow > 0)
-    report.remarks.note(counted(hollow, "closed part that holds", "closed parts that hold") +
-                        " a ball of the size 'shell_ball' became hollow. shell=0 keeps " +
+    report.remarks.note(counted(hollow, "closed part large enough for", "closed parts large enough for") +
+                        " a ball of size 'shell_ball' became hollow. shell=0 keeps " +
                         (hollow == 1 ? "it" : "them") + " solid.");
   if (solid > 0) {
     const std::string what =
-        grouped(solid) + " of " + counted(asked, "closed part", "closed parts") +
-        " stayed solid, because no place of theirs is thick enough for walls, or because the inner sides of "
-        "all parts together may have at most " +
+        grouped(solid) + " of " + counted(asked, "closed part", "closed parts") + " stayed solid, because " +
+        (solid == 1 ? "it is" : "they are") +
+        " nowhere thick enough for walls, or because the inner sides of all parts together may have at most " +
         counted(options.max_all, "triangle", "triangles") + ".";
     if (by_material)
       report.remarks.note(what);
@@ -40,10 +40,11 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
   }
   if (area > 0) report.mean_thickness /= area;
   if (options.thickness > 0 && report.mean_thickness > 2 * options.thickness)
-    report.remarks.warn("Walls are " + short_number(report.mean_thickness) +
-                        " m thick on average instead of " + short_number(options.thickness) +
-                        " m as 'shell' asks, because thinner ones need more triangles than a part may have. "
-                        "Ask for thicker walls, or model the inner side in a modelling tool.");
+    report.remarks.warn(
+        "Walls are " + short_number(report.mean_thickness) + " m thick on average instead of the " +
+        short_number(options.thickness) +
+        " m that 'shell' asks for, because thinner walls need more triangles than a part may have. "
+        "Ask for thicker walls, or model the inner side in a modelling tool.");
 }
 
 /// Triangles of the lattice for each that a part may have: more are work for nothing where many parts share them.

@@ -65,7 +65,7 @@ void check_indices(const aiScene& scene) {
     for (unsigned f = 0; f < mesh.mNumFaces; ++f)
       for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k)
         if (mesh.mFaces[f].mIndices[k] >= mesh.mNumVertices)
-          refuse(ErrorCode::kMalformedMesh, "Face " + std::to_string(f) + " names vertex " +
+          refuse(ErrorCode::kMalformedMesh, "Face " + std::to_string(f) + " refers to vertex " +
                                                 std::to_string(mesh.mFaces[f].mIndices[k]) + "; there are " +
                                                 std::to_string(mesh.mNumVertices) + ".");
   }
@@ -134,7 +134,7 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
     if (node->mNumMeshes > 0) builder.begin_node(node_name(*node));
     for (unsigned k = 0; k < node->mNumMeshes; ++k) {
       if (node->mMeshes[k] >= scene.mNumMeshes)
-        refuse(ErrorCode::kMalformedMesh, "A node names a mesh that does not exist.");
+        refuse(ErrorCode::kMalformedMesh, "A node refers to a mesh that does not exist.");
       const aiMesh& mesh = *scene.mMeshes[node->mMeshes[k]];
       if (mesh.HasBones()) builder.remarks().note("Skins were baked in the bind pose.");
       if (mesh.mNumAnimMeshes > 0)
@@ -166,9 +166,9 @@ SourceFrame fbx_frame(const aiScene& scene, MeshBuilder& builder) {
     frame.up_stated = (up == 1 || up == 2) && sign == 1;
     if (!frame.up_stated)
       builder.remarks().warn(
-          "The file's up axis is not y or z, so " + std::string(frame.z_up ? "z" : "y") +
-          " was taken. The fragments may lie on a side. If so, export the mesh with y or z up, "
-          "or give 'up'.");
+          "The file's up axis is neither y nor z, so " + std::string(frame.z_up ? "z" : "y") +
+          " was assumed. The fragments may lie on their side. If so, export the mesh with y or z up, "
+          "or set 'up'.");
   }
   return frame;
 }

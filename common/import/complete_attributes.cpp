@@ -44,7 +44,7 @@ void clamp_colors(Mesh& mesh) {
   };
   for (auto& set : mesh.attributes.colors)
     for (Vec4f& c : set) clamp(c.x), clamp(c.y), clamp(c.z), clamp(c.w);
-  if (changed) mesh.remarks.note("Colours outside of [0, 1] were clamped to it.");
+  if (changed) mesh.remarks.note("Colours outside [0, 1] were clamped.");
 }
 
 /// Smooth normals by area, for a mesh that has none but whose normal maps need a frame.
@@ -118,8 +118,8 @@ void complete_attributes(Mesh& mesh) {
   }
   if (sets > mesh.attributes.uvs.size()) {
     mesh.remarks.warn(
-        "A material has a texture, but the mesh has no UVs for it, so they are 0. The surface shows one colour "
-        "of the texture. Give the mesh UVs in a modelling tool.");
+        "A material has a texture, but the mesh has no UVs for it, so all UVs are 0. The surface shows one "
+        "colour of the texture. Give the mesh UVs in a modelling tool.");
     while (mesh.attributes.uvs.size() < sets) mesh.attributes.uvs.emplace_back(mesh.positions.size());
   }
   if (!any_normal_map || !mesh.attributes.tangents.empty()) return;

@@ -87,8 +87,8 @@ class Buffers {
       if (!is_data_uri(text) && !find_file(files, text))
         refuse(ErrorCode::kExternalResource,
                "The buffer is in another file, \"" + text.substr(0, 80) +
-                   "\". Only what is uploaded is read: send a .glb, embed the buffer, or upload the file as "
-                   "a further part.",
+                   "\". Only uploaded files are read: send a .glb, embed the buffer, or upload the file as "
+                   "another part.",
                pointer, {{"uri", text.substr(0, 200)}});
     }
     owned_.reserve(buffers.size());

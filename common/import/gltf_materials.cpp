@@ -72,13 +72,13 @@ void bound(MaterialLibrary& library, Remarks& remarks) {
   for (json* list : lists) drop_extras(*list);
   if (const std::size_t bytes = held(); bytes > kMaxLibraryBytes)
     refuse(ErrorCode::kTooLarge,
-           "The materials take " + std::to_string(bytes) + " bytes when they are read; the limit is " +
+           "The materials take " + std::to_string(bytes) + " bytes in memory; the limit is " +
                std::to_string(kMaxLibraryBytes) + ".",
            "/materials", {{"bytes", bytes}, {"limit", kMaxLibraryBytes}});
   remarks.warn(
-      "The extras of the materials were left out, because with them the materials take more than " +
+      "The materials' extras were left out, because with them the materials would take more than " +
       grouped(kMaxLibraryBytes >> 20) +
-      " MiB in memory. The materials of the fragments have none. If you need them, make them smaller.");
+      " MiB of memory. The fragments' materials have no extras. If you need them, make them smaller.");
 }
 
 using Remap = std::vector<std::uint32_t>;  ///< old index -> new index, or kNoIndex where dropped
@@ -178,9 +178,10 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
   // What the bytes are decides; a wrong declaration would be an error in the output file.
   if (const std::string sniffed = sniff_image(image.bytes); !sniffed.empty()) image.mime_type = sniffed;
   if (image.bytes.empty() || image.mime_type.empty()) {
-    remarks.warn("The image at " + pointer +
-                 " is of no known kind and was left out. Surfaces that use it have no texture in the answer. "
-                 "Convert it to PNG or JPEG.");
+    remarks.warn(
+        "The image at " + pointer +
+        " is in an unknown format and was left out. Surfaces that use it have no texture in the answer. "
+        "Convert it to PNG or JPEG.");
     return std::nullopt;
   }
   return image;
@@ -199,7 +200,7 @@ bool is_material_extension(const std::string& name) {
 std::string in_another_file(std::string_view image) {
   return "The image \"" + shortened(image) +
          "\" is in another file and was left out. Surfaces that use it have no texture in the answer. Embed the "
-         "image, send it as a further part of the form, or put it where the mesh names it if bake reads the mesh.";
+         "image, send it as another part of the form, or, for bake, put it at the path that the mesh gives.";
 }
 
 std::string sniff_image(std::span<const std::uint8_t> bytes) {

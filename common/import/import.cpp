@@ -101,8 +101,8 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
                            std::span<const ImportFile> files) {
   if (bytes.empty()) return fail(ErrorCode::kEmptyBody, "The mesh has no bytes.");
   if (const FormatInfo& info = format_info(format); *info.without_surface != 0)
-    return fail(ErrorCode::kEmptyMesh, "A ." + std::string(info.name) + " file holds " +
-                                           info.without_surface + ", no surface that could be fractured.");
+    return fail(ErrorCode::kEmptyMesh, "A ." + std::string(info.name) + " file contains " +
+                                           info.without_surface + ", not a surface that could be fractured.");
   const Expected<PlainFile> plain = make_plain(bytes, format, limits);
   if (!plain) return tl::unexpected<Error>(plain.error());
   if (auto checked = preflight_of(plain->bytes, plain->format, limits); !checked)

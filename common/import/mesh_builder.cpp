@@ -55,7 +55,7 @@ Expected<void> MeshBuilder::add(Surface surface) {
     for (const std::uint32_t wedge : triangle)
       if (wedge >= count)
         return fail(ErrorCode::kMalformedMesh, "A triangle of \"" + mesh_.node_names.back() +
-                                                   "\" names vertex " + std::to_string(wedge) +
+                                                   "\" refers to vertex " + std::to_string(wedge) +
                                                    "; there are " + std::to_string(count) + ".");
   const std::uint64_t triangles = mesh_.triangles.size() + surface.triangles.size();
   if (triangles > limits_.max_triangles)
@@ -130,7 +130,7 @@ Expected<Mesh> MeshBuilder::finish() {
     mesh_.remarks.warn(
         counted(changed, "normal, UV or colour is not a finite number and was",
                 "normals, UVs and colours are not finite numbers and were") +
-        " replaced by a neutral value. The shading may be wrong there. Repair them in a modelling tool.");
+        " replaced by neutral values. The shading may be wrong there. Repair them in a modelling tool.");
   return std::move(mesh_);
 }
 

@@ -254,7 +254,7 @@ Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& l
     }
   }
   if (!faces)
-    return fail(ErrorCode::kEmptyMesh, "The PLY declares no faces: a point cloud bounds no volume.");
+    return fail(ErrorCode::kEmptyMesh, "The PLY declares no faces: a point cloud encloses no volume.");
   return {};
 }
 
@@ -273,7 +273,8 @@ Expected<void> check_off(std::span<const std::byte> bytes, const ImportLimits& l
   std::uint64_t vertices = 0, faces = 0, edges = 0;
   if (!parse_count(words.next(), vertices) || !parse_count(words.next(), faces) ||
       !parse_count(words.next(), edges))
-    return fail(ErrorCode::kMalformedMesh, "The OFF header has no three counts (vertices, faces, edges).");
+    return fail(ErrorCode::kMalformedMesh,
+                "The OFF header does not contain three counts (vertices, faces, edges).");
   constexpr std::uint64_t kVertexBytes = 6,
                           kFaceBytes = 2;  // "0 0 0\n" and, for a face without corners, "0\n"
   const std::uint64_t remaining = words.remaining() + 1;

@@ -95,7 +95,7 @@ Expected<MeshFormat> kind_of_xml(std::span<const std::byte> bytes) {
   if (root == "WORLD" || root == "World" || root == "world") return MeshFormat::kXgl;
   if (root == "mesh")  // Ogre's has its vertices in these two, Irrlicht's in buffers
     return second == "submeshes" || second == "sharedgeometry" ? MeshFormat::kXml : MeshFormat::kIrrmesh;
-  if (root.empty()) return fail(ErrorCode::kMalformedMesh, "The file is no XML: it has no element.");
+  if (root.empty()) return fail(ErrorCode::kMalformedMesh, "The file is not XML: it has no element.");
   for (char& c : root) c = c >= 0x20 && c < 0x7f ? c : '.';
   return fail(ErrorCode::kUnsupportedFeature,
               "The root element of the XML is <" + root.substr(0, 40) +
@@ -109,14 +109,15 @@ Expected<void> check_zip(std::span<const std::byte> bytes, const ImportLimits& l
   const std::size_t tail = text.size() - std::min<std::size_t>(text.size(), kEnd + 65'535);
   const std::size_t end = text.rfind("PK\x05\x06");
   if (text.substr(0, 2) != "PK" || end == std::string_view::npos || end < tail || end + kEnd > text.size())
-    return fail(ErrorCode::kMalformedMesh,
-                "This is not a whole ZIP archive, which the format is: it has to begin with \"PK\" and to "
-                "end with its directory.");
+    return fail(
+        ErrorCode::kMalformedMesh,
+        "This is not a complete ZIP archive, which this format requires: it has to begin with \"PK\" and "
+        "end with its directory.");
   const std::uint64_t entries = read_little(bytes, end + 10, 2);
   std::uint64_t at = read_little(bytes, end + 16, 4), decoded = 0;
   for (std::uint64_t k = 0; k < entries; ++k) {
     if (at + kEntry > end || text.substr(at, 4) != "PK\x01\x02")
-      return fail(ErrorCode::kMalformedMesh, "The ZIP directory has no whole entry " + std::to_string(k) +
+      return fail(ErrorCode::kMalformedMesh, "The ZIP directory has no complete entry " + std::to_string(k) +
                                                  " of " + std::to_string(entries) + " at byte " +
                                                  std::to_string(at) + ".");
     decoded += read_little(bytes, at + 24, 4);

@@ -58,7 +58,7 @@ class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> glb) {
     if (u32_at(glb, 0) != 0x46546c67 || u32_at(glb, 4) != 2 || u32_at(glb, 8) != glb.size())
-      throw Broken{"it is not a GLB of its length"};
+      throw Broken{"it is not a GLB of the stated length"};
     const std::size_t length = u32_at(glb, 12);
     if (glb.size() < kGlbText || length > glb.size() - kGlbText) throw Broken{"its text is cut off"};
     const std::uint8_t* const text = glb.data() + kGlbText;
@@ -93,7 +93,7 @@ class Reader {
       const json& view = element(document_, "bufferViews", number_at(image, "bufferView", kHasToBeThere));
       const std::uint64_t at = number_at(view, "byteOffset", 0),
                           length = number_at(view, "byteLength", kHasToBeThere);
-      if (at + length > buffer_.size()) throw Broken{"an image is not in its buffer"};
+      if (at + length > buffer_.size()) throw Broken{"an image extends beyond its buffer"};
       const std::string name = type.starts_with("image/") ? ascii_name(type.substr(6)) : "bin";
       answer_.images.push_back({"." + (name == "jpeg" ? "jpg" : name), buffer_.subspan(at, length)});
     }
@@ -135,11 +135,11 @@ class Reader {
       Primitive read{.indices = indices(number_at(primitive, "indices", kHasToBeThere))};
       if (primitive.contains("material")) read.material = number_at(primitive, "material", 0);
       if (read.material != kNoMaterial && read.material >= answer_.materials.size())
-        throw Broken{"a mesh names material " + std::to_string(read.material)};
-      if (read.indices.size() % 3 != 0) throw Broken{"a mesh is not of triangles"};
+        throw Broken{"a mesh refers to material " + std::to_string(read.material)};
+      if (read.indices.size() % 3 != 0) throw Broken{"a mesh does not consist of triangles"};
       for (std::size_t k = 0; k < read.indices.size(); ++k)
         if (read.indices[k] >= object.positions.size())
-          throw Broken{"a triangle of " + object.name + " names a vertex that is not there"};
+          throw Broken{"a triangle of " + object.name + " refers to a vertex that does not exist"};
       object.primitives.push_back(read);
     }
     if (mesh.contains("extensions") && mesh.at("extensions").contains("EXT_mesh_manifold"))
@@ -150,7 +150,8 @@ class Reader {
   void read_attributes(const json& attributes, bool first, Object& object) {
     const Floats positions = floats(number_at(attributes, "POSITION", kHasToBeThere), 3);
     if (!first) {
-      if (positions != object.positions) throw Broken{"primitives of " + object.name + " share no vertices"};
+      if (positions != object.positions)
+        throw Broken{"primitives of " + object.name + " do not share vertices"};
       return;
     }
     object.positions = positions;
@@ -158,7 +159,7 @@ class Reader {
       if (!attributes.contains(name)) return Floats();
       const Floats values = floats(number_at(attributes, name.c_str(), 0), width);
       if (values.size() != positions.size())
-        throw Broken{name + " of " + object.name + " has another length"};
+        throw Broken{name + " of " + object.name + " has a different length"};
       return values;
     };
     object.normals = add("NORMAL", 3);
@@ -176,7 +177,8 @@ class Reader {
     for (std::size_t k = 0; good && k < object.merge_corners.size(); ++k)
       good = object.merge_corners[k] < 3 * object.triangles() &&
              object.merge_vertices[k] < object.positions.size();
-    if (!good) throw Broken{"EXT_mesh_manifold of " + object.name + " names what is not there"};
+    if (!good)
+      throw Broken{"EXT_mesh_manifold of " + object.name + " refers to something that does not exist"};
   }
 
   /// Where the elements of an accessor begin, each of `size` bytes.
@@ -186,7 +188,7 @@ class Reader {
     stride = number_at(view, "byteStride", size);
     const std::uint64_t at = number_at(view, "byteOffset", 0) + number_at(accessor, "byteOffset", 0);
     if (stride < size || stride > 252 || count == 0 || at + (count - 1) * stride + size > buffer_.size())
-      throw Broken{"an accessor is not in its buffer"};
+      throw Broken{"an accessor extends beyond its buffer"};
     return buffer_.data() + at;
   }
 
@@ -204,11 +206,11 @@ class Reader {
     const json& accessor = element(document_, "accessors", index);
     const bool wide = accessor.at("componentType") == component_type::kUnsignedInt;
     if (!wide && accessor.at("componentType") != component_type::kUnsignedShort)
-      throw Broken{"accessor " + std::to_string(index) + " has no indices"};
+      throw Broken{"accessor " + std::to_string(index) + " does not contain indices"};
     std::size_t stride = 0;
     const std::size_t size = wide ? 4 : 2;
     const std::uint8_t* const first = place_of(accessor, size, stride);
-    if (stride != size) throw Broken{"indices are apart"};
+    if (stride != size) throw Broken{"indices are not contiguous"};
     return {first, number_at(accessor, "count", 0), wide};
   }
 

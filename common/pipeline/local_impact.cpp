@@ -56,12 +56,12 @@ void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t ce
 void add_remark(std::size_t hit, std::size_t missing, std::size_t asked, double radius, Remarks& remarks) {
   const std::string where = " in the solid within " + short_number(radius) + " m of it";
   if (missing == asked)
-    remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because its sites have no place" + where +
-                 ". Move 'local_point' onto the mesh, or give a larger 'local_radius'.");
+    remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because there is no room for its sites" +
+                 where + ". Move 'local_point' onto the mesh, or give a larger 'local_radius'.");
   else
-    remarks.note(grouped(missing) + " of " + counted(asked, "site", "sites") + " of hit " + grouped(hit) +
-                 (missing == 1 ? " has" : " have") + " no place" + where + ", and " +
-                 (missing == 1 ? "was" : "were") + " left out.");
+    remarks.note("Hit " + grouped(hit) + ": " + grouped(missing) + " of " + counted(asked, "site", "sites") +
+                 (missing == 1 ? " was" : " were") + " left out, because there is no more room" + where +
+                 ".");
 }
 
 }  // namespace

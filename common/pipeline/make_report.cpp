@@ -18,7 +18,7 @@ void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet&
   report.remarks.add(sites.remarks);
   if (set.lattice_ratio > 1e-5)
     report.remarks.warn(
-        "The mesh lies far from the origin for its size, so that coordinates in the answer are rounded by up to "
+        "The mesh is far from the origin relative to its size, so coordinates in the answer are rounded by up to "
         "1/100,000 of the size. Small details may be ragged. Move the mesh nearer to the origin.");
 }
 
@@ -74,11 +74,11 @@ std::string fewer_fragments(const SizeLimits& size, const FragmentSet& set) {
   if (const std::uint64_t united = set.certificate.united, crossing = united - set.size.united;
       united > set.size.united)
     return counted(crossing, "piece has no volume of its own", "pieces have no volume of their own") +
-           ", as the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
+           ", because the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
   SizeLimits others = size;
   others.fragments = 0;
   const std::string names = names_of(others);
-  return "the pattern has no more cells, or limits of size or a kept region leave no more pieces. Ask for more "
+  return "the pattern has no more cells, or size limits or a kept region allow no more pieces. Ask for more "
          "'sites'" +
          (names.empty() ? "." : ", or lower the limits (" + names + ").");
 }
@@ -89,8 +89,8 @@ std::string more_fragments(std::uint32_t asked, const FragmentSet& set) {
   if (parts > asked)
     return "the mesh has " + grouped(parts) + " separate parts, and each is at least one fragment." +
            at_least + ", or join parts in a modelling tool.";
-  return "the others touch nothing they could be merged with." + at_least + ", or repair the mesh so that " +
-         (parts > 1 ? "its parts are joined." : "they touch.");
+  return "the remaining ones touch nothing that they could be merged with." + at_least +
+         ", or repair the mesh so that " + (parts > 1 ? "its parts are joined." : "they touch.");
 }
 
 /// Where the number of fragments is off by more than a tenth: why.
@@ -122,18 +122,19 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
         ", although 'max_fragments' is " + grouped(p.size.max_fragments) +
-        ": those that are left touch nothing they could be merged with. Allow more, or join the parts of "
+        ": the remaining ones touch nothing that they could be merged with. Allow more, or join the parts of "
         "the mesh in a modelling tool.");
   if (p.size.max_triangles > 0 && triangles > p.size.max_triangles)
-    remarks.warn("The fragments have " + counted(triangles, "triangle", "triangles") +
-                 ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
-                 ". Nothing was merged for it, because " + grouped(set.size.fewest_triangles) +
-                 " would be left if everything were merged. Allow at least as many, or simplify the mesh.");
+    remarks.warn(
+        "The fragments have " + counted(triangles, "triangle", "triangles") +
+        ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
+        ". Nothing was merged to meet this limit, because " + grouped(set.size.fewest_triangles) +
+        " would be left even if everything were merged. Allow at least as many, or simplify the mesh.");
   if (p.max_volume > 0 && largest > p.max_volume)
     remarks.warn(
-        "The largest fragment has " + short_number(largest) + " m³, although 'max_volume' is " +
+        "The largest fragment has a volume of " + short_number(largest) + " m³, although 'max_volume' is " +
         short_number(p.max_volume) +
-        " m³: it was merged or kept whole, or its division would take too many passes or sites. Ask for "
+        " m³: it was merged or kept whole, or dividing it would take too many passes or sites. Ask for "
         "more 'sites', or lower the limits that merge pieces.");
 }
 
@@ -143,8 +144,8 @@ void report_structure(const FractureParameters& p, std::size_t kept_cells,
     report.kept_cells = kept_cells;
     if (kept_cells == 0)
       report.remarks.warn(
-          "The region to keep lies outside of the mesh's box, so nothing is kept whole. Move it onto the mesh; "
-          "its places are in metres, with y up.");
+          "The region to keep is outside the mesh's box, so nothing is kept whole. Move it onto the mesh; "
+          "its coordinates are in metres, with y up.");
   }
   report.anchored = anchored;
   if (anchored == 0u) report.remarks.warn(kNothingAnchored);
@@ -170,7 +171,7 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
   if (cut.all_flat) {
     cuts.amplitude_asked = p.roughness.amplitude;
     remarks.warn(
-        "The cuts are flat, because fragments with rough ones do not pass the check of the answer. Try a smaller "
+        "The cuts are flat, because fragments with rough cuts did not pass the answer's check. Try a smaller "
         "'rough_amplitude' or fewer sites.");
     return;
   }
@@ -178,13 +179,13 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
     cuts.restrained_cells = cut.restrained_cells;
     remarks.note(
         "The cuts of " + counted(cut.restrained_cells, "cell", "cells") +
-        " are less rough than asked, or flat, because fragments with rougher ones do not pass the check "
-        "of the answer.");
+        " are less rough than requested, or flat, because fragments with rougher cuts did not pass the "
+        "answer's check.");
   }
   if (rough.given_up) {
     cuts.amplitude = 0;
     remarks.warn(
-        "The cuts are flat, because too many triangles of rough ones would cross each other: pieces are much "
+        "The cuts are flat, because too many triangles of rough cuts would cross each other: pieces are much "
         "longer than wide, or smaller than the amplitude. Ask for fewer sites, or for a smaller "
         "'rough_amplitude' or 'rough_frequency'.");
     return;
@@ -194,8 +195,8 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
                  short_number(rough.asked) +
                  " m, so that they do not cross each other. A lower 'rough_frequency' allows more.");
   if (rough.crossing > 0)
-    remarks.note(counted(rough.crossing, "pair", "pairs") + " of triangles of the rough cuts " +
-                 (rough.crossing == 1 ? "crosses" : "cross") + ", as the surface itself does there.");
+    remarks.note(counted(rough.crossing, "pair", "pairs") + " of triangles in the rough cuts " +
+                 (rough.crossing == 1 ? "crosses" : "cross") + ", because the surface crosses itself there.");
 }
 
 void report_barycenter(const FractureParameters& p, const CutCells& cut, Report& report) {
@@ -203,15 +204,14 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
   report.barycenter = {.skipped_hulls = result.skipped_hulls};
   if (p.drop_above > 0) report.barycenter->dropped = {result.dropped, result.dropped_volume};
   report.remarks.note(
-      "dual=barycenter: the fragments overlap and leave gaps, their volumes do not add up to that of the solid, "
+      "dual=barycenter: the fragments overlap and leave gaps, their volumes do not add up to the solid's, "
       "and there are no bonds.");
   if (p.size.any())
-    report.remarks.warn(
-        "dual=barycenter: fragments are not merged for their size, because they share no cuts, so " +
-        names_of(p.size) + " changed nothing. Leave it out, or 'dual'.");
+    report.remarks.warn("dual=barycenter: fragments are not merged by size, because they share no cuts, so " +
+                        names_of(p.size) + " had no effect. Leave out either this or 'dual'.");
   if (cut.grouped)
     report.remarks.note(
-        "dual=barycenter: each cell is a fragment, also cells that the pattern keeps together.");
+        "dual=barycenter: each cell is a separate fragment, even if the pattern keeps it together with other cells.");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
 
 /// The warning where anchors hold none of all fragments.
 inline constexpr const char* kNothingAnchored =
-    "No fragment touches an anchor, so nothing is held. Move the anchors to the mesh; their places are in metres, "
-    "with y up.";
+    "No fragment touches an anchor, so nothing is held. Move the anchors onto the mesh; their coordinates are in "
+    "metres, with y up.";
 
 }  // namespace fracture

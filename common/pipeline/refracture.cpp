@@ -26,11 +26,12 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   const auto at = std::find_if(whole.fragments.begin(), whole.fragments.end(),
                                [&](const Fragment& f) { return f.id == wanted.fragment; });
   if (at == whole.fragments.end())
-    return fail(ErrorCode::kNoSuchFragment,
-                "The answer to these parameters has " + std::to_string(whole.fragments.size()) +
-                    " fragments, and none has the id " + std::to_string(wanted.fragment) +
-                    ". Ids depend on the sites: give the parameters of the answer that has the fragment.",
-                "fragment");
+    return fail(
+        ErrorCode::kNoSuchFragment,
+        "The answer to these parameters has " + std::to_string(whole.fragments.size()) +
+            " fragments, and none has the id " + std::to_string(wanted.fragment) +
+            ". Ids depend on the sites: give the parameters of the answer that contains the fragment.",
+        "fragment");
   auto mesh = std::make_shared<Mesh>(
       fragment_mesh(whole, static_cast<std::size_t>(at - whole.fragments.begin()), execution));
   Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);

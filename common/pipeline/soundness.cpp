@@ -90,13 +90,13 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
 }
 
 Error unsound(const Verdict& verdict, const Certificate& certificate) {
-  std::string detail = "The answer failed its check and is not given: ";
+  std::string detail = "The answer failed its check and is not returned: ";
   constexpr std::size_t kMost = 5;
   for (std::size_t k = 0; k < std::min(verdict.violations.size(), kMost); ++k)
     detail += (k > 0 ? "; " : "") + verdict.violations[k];
   if (verdict.violations.size() > kMost)
     detail += "; and " + std::to_string(verdict.violations.size() - kMost) + " more";
-  detail += ". This is a bug of the program. Please report the mesh and the parameters.";
+  detail += ". This is a bug in the program. Please report the mesh and the parameters.";
   return {ErrorCode::kUnsound,
           std::move(detail),
           {},

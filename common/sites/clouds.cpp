@@ -130,16 +130,16 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
 void add_remark(std::size_t missing, std::size_t near, const ImpactPattern& pattern, double radius,
                 Remarks& remarks) {
   const std::string within = " within " + short_number(radius) + " m of ",
-                    no_place = "The solid has no place for " + grouped(missing) + " of " +
+                    no_place = "The solid has no room for " + grouped(missing) + " of " +
                                counted(near, "site", "sites") + within,
-                    evenly = missing == 1 ? "; it is placed anywhere instead."
+                    evenly = missing == 1 ? "; it is placed elsewhere instead."
                                           : "; they are spread evenly instead.";
   if (pattern.impacts.empty())
     remarks.note("No impact point is set ('impacts'), so the mesh breaks around the centre of its box. " +
                  no_place + "it" + evenly);
   else if (missing == near)
     remarks.warn(
-        "The solid has no place for sites" + within +
+        "The solid has no room for sites" + within +
         "the impacts, so pieces are not smaller there than elsewhere. Move 'impacts' onto the mesh, or "
         "give a larger 'radius'.");
   else

@@ -57,7 +57,7 @@ std::uint32_t material_of(const Mesh& mesh, const std::string& wanted) {
 }  // namespace
 
 Expected<Density> Density::make(const Solid& solid, const std::string& from, const Execution& execution) {
-  if (!solid.source) return unknown(from, "what has no source is not painted");
+  if (!solid.source) return unknown(from, "the solid has no source mesh");
   const Mesh& mesh = *solid.source;
   Pacer pacer(execution);
   std::vector<Weighted> triangles;
@@ -80,7 +80,7 @@ Expected<Density> Density::make(const Solid& solid, const std::string& from, con
     }
     triangles.push_back(weighted);
   }
-  if (!(most > 0)) return unknown(from, "nothing of the solid has that colour or material");
+  if (!(most > 0)) return unknown(from, "no part of the solid has that colour or material");
   for (Weighted& weighted : triangles) {
     pacer.step();
     for (double& weight : weighted.weight) weight = kLeast + (1 - kLeast) * (weight / most);

@@ -225,14 +225,14 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
   const std::uint32_t cells = cells_per_fragment(p), count = std::max(1u, p.sites) * cells;
   if (cells == 1 && is_scattered(p.pattern) && count > p.most_sites)
     return fail(ErrorCode::kTooComplex,
-                std::to_string(count) + " sites are asked for; at most " + std::to_string(p.most_sites) +
-                    " may be made.",
+                std::to_string(count) + " sites are requested; at most " + std::to_string(p.most_sites) +
+                    " are allowed.",
                 "sites");
   if (cells > 1 && count > p.most_sites)
     return fail(ErrorCode::kTooComplex,
                 std::to_string(p.sites) + " fragments of " + std::to_string(cells) + " cells each need " +
                     std::to_string(count) + " sites; at most " + std::to_string(p.most_sites) +
-                    " may be made. Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
+                    " are allowed. Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
                 "cells_per_fragment");
   Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, p.anisotropy, cells};
   std::optional<sites_detail::Density> density;

@@ -59,8 +59,8 @@ tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const
 void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
                    const FlatPieces& flat, double thickness, Remarks& remarks) {
   if (report.degenerate_dropped > 0)
-    remarks.note(counted(report.degenerate_dropped, "triangle with two corners at one place was",
-                         "triangles with two corners at one place were") +
+    remarks.note(counted(report.degenerate_dropped, "triangle with two corners at the same position was",
+                         "triangles with two corners at the same position were") +
                  " left out.");
   if (report.duplicates_dropped > 0)
     remarks.note(counted(report.duplicates_dropped, "duplicate triangle was", "duplicate triangles were") +
@@ -79,12 +79,12 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
                  " of the given 'thickness', " + short_number(thickness) + " m.");
   if (report.holes_filled > 0)
     remarks.note(counted(report.holes_filled, "hole was", "holes were") + " filled with " +
-                 counted(report.fill_triangles, "triangle", "triangles") + " of the material of cut faces" +
+                 counted(report.fill_triangles, "triangle", "triangles") + " in the material of cut faces" +
                  (faults.first_open ? "; the first open edge was at " + place((*faults.first_open)[0]) : "") +
                  ".");
   if (layers > 1)
     remarks.note("The boxes of the " + grouped(report.parts) +
-                 " parts overlap; each part is fractured by itself.");
+                 " parts overlap; each part is fractured separately.");
   const std::string them = report.shells_dropped == 1 ? "it" : "them";
   if (flat.triangles > 0)
     remarks.warn(
@@ -93,9 +93,9 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
         place(flat.first) + (flat.node.empty() ? "" : " in the node \"" + shortened(flat.node) + "\"") +
         ") " + (report.shells_dropped == 1 ? "has no volume and is" : "have no volume and are") +
         " not in the answer. " +
-        (thickness > 0 ? "No slab could be made of "
+        (thickness > 0 ? "No slab could be made from "
                        : std::string("Use 'thickness' to make ") +
-                             (report.shells_dropped == 1 ? "a slab of " : "slabs of ")) +
+                             (report.shells_dropped == 1 ? "a slab from " : "slabs from ")) +
         them + (thickness > 0 ? ": give " : ", or give ") + them + " a volume in a modelling tool.");
 }
 

@@ -126,7 +126,7 @@ Expected<void> accept_reach(const Box& box) {
     const std::string name(1, "xyz"[axis]);
     return fail(ErrorCode::kNotFinite,
                 "The solid is too small: on the " + name + " axis its farthest coordinate is " +
-                    number(reach) + " m from 0, and the least is " + number(kLeastReach) +
+                    number(reach) + " m from 0, and the minimum is " + number(kLeastReach) +
                     " m. Give the unit of the file with 'unit', or scale the mesh up.",
                 {}, {{"axis", name}, {"reach", reach}});
   }
@@ -151,7 +151,7 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
     inside_out += shells.list[s].triangles;
   });
   if (solid.parts.empty())
-    return refuse("The mesh has no volume: with closed holes " +
+    return refuse("The mesh has no volume: after closing its holes, " +
                       counted(report.shells_dropped, "piece is flat", "pieces are flat") + " (" +
                       edges_in_words(report) + "). Use 'thickness' to give sheets a volume.",
                   faults, report);
@@ -253,7 +253,7 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
                            const Execution& execution) {
   if (mesh->triangles.size() > kMostTriangles)
     return fail(ErrorCode::kTooLarge, "The mesh has " + std::to_string(mesh->triangles.size()) +
-                                          " triangles; the limit of a solid is " +
+                                          " triangles; the limit for a solid is " +
                                           std::to_string(kMostTriangles) + ". Simplify the mesh.");
   Solid solid;
   SolidReport& report = solid.report;

@@ -123,10 +123,10 @@ class Thickener {
   std::string warning() const {
     if (thin_ == 0) return {};
     return "'thickness' is not reached at folds: " +
-           counted(thin_, "triangle of an open sheet has", "triangles of open sheets have") +
-           " less than 0.9 of " + short_number(thickness_) + " m, the thinnest at " + place(thinnest_at_) +
-           " has " + short_number(std::fmax(thinnest_, 0) * thickness_) +
-           " m, because the corners of a fold move along its mean normal. Round the fold off, or give the sheet "
+           counted(thin_, "triangle of an open sheet is", "triangles of open sheets are") +
+           " thinner than 0.9 times " + short_number(thickness_) + " m, and the thinnest, at " +
+           place(thinnest_at_) + ", is only " + short_number(std::fmax(thinnest_, 0) * thickness_) +
+           " m thick, because the corners of a fold move along its mean normal. Round the fold off, or give the sheet "
            "its thickness in a modelling tool.";
   }
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }

@@ -26,7 +26,7 @@ tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p) {
                 {{"vertex", vertex}});
   return fail(ErrorCode::kNotFinite,
               name + " is at " + place(p) +
-                  ", in metres; coordinates may be at most 1e12 m from 0. Say with 'unit' what a unit of the "
+                  ", in metres; coordinates may be at most 1e12 m from 0. Set 'unit' to what one unit of the "
                   "file is, or move the mesh to the origin.",
               {}, {{"vertex", vertex}});
 }
@@ -118,8 +118,8 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
 
   if (mesh.positions.size() > kNumber)
     return fail(ErrorCode::kTooLarge, "The mesh has " + std::to_string(mesh.positions.size()) +
-                                          " vertices; no solid is made of more than " +
-                                          std::to_string(kNumber) + ".");
+                                          " vertices; the limit for a solid is " + std::to_string(kNumber) +
+                                          ".");
   const std::unique_ptr<std::uint32_t[]> of_wedge = first_of_same(mesh.positions, execution);
   Surface surface;
   Expected<void> numbered;

@@ -116,12 +116,13 @@ std::optional<Pixels> pixels_of(const Image& image, PixelBudget& budget, Remarks
   if (small) pixels = decode_image(image.bytes);
   const std::string name = "\"" + shortened(image.name) + "\"";
   if (!pixels && small)
-    remarks.warn("The image " + name +
-                 " is damaged. It is in the answer as it is, and cut faces take no colour from it. Export it "
-                 "again.");
+    remarks.warn(
+        "The image " + name +
+        " is damaged. The answer contains it unchanged, and cut faces take no colour from it. Export "
+        "it again.");
   else if (!pixels)
     remarks.note("Cut faces take no colour from the image " + name + ", because it " +
-                 (count ? "has too many pixels, " + grouped(*count) : "is neither PNG nor JPEG") +
+                 (count ? "has too many pixels (" + grouped(*count) + ")" : "is neither PNG nor JPEG") +
                  ". 'interior_color' gives them one.");
   return pixels;
 }

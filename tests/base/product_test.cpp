@@ -72,7 +72,7 @@ TEST(Allowance, TellsMemoryThatTheSameClientHoldsFromMemoryOfOthers) {
     ASSERT_TRUE(interrupted.error);
     EXPECT_EQ(interrupted.code, ErrorCode::kOverShare);
     EXPECT_GT(interrupted.error->retry_after.count(), 0);
-    EXPECT_EQ(interrupted.error->detail.find("other computations hold too many"), std::string::npos);
+    EXPECT_EQ(interrupted.error->detail.find("other computations are using too many"), std::string::npos);
     EXPECT_NE(interrupted.error->detail.find(std::to_string(1u << 20)), std::string::npos) << "the limit";
   }
 }

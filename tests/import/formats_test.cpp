@@ -76,7 +76,7 @@ TEST(Formats, MotionWithoutASurfaceIsSaidToBeThat) {
     const Expected<Mesh> mesh = import_text("HIERARCHY\n", *format_from_extension(extension));
     ASSERT_FALSE(mesh) << extension;
     EXPECT_EQ(mesh.error().code, ErrorCode::kEmptyMesh);
-    EXPECT_THAT(mesh.error().detail, HasSubstr(extension + std::string(" file holds the motion of ")));
+    EXPECT_THAT(mesh.error().detail, HasSubstr(extension + std::string(" file contains the motion of ")));
   }
 }
 

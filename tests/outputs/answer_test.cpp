@@ -125,27 +125,27 @@ TEST(Answer, WhatContradictsItselfIsRefusedAndSaysWhy) {
       {"'mesh'", [](json& d) { d["nodes"][1]["mesh"] = -1; }},
       {"material 50", [](json& d) { d["meshes"][0]["primitives"][0]["material"] = 50; }},
       {"'POSITION'", [](json& d) { d["meshes"][0]["primitives"][0]["attributes"].erase("POSITION"); }},
-      {"share no vertices",
+      {"do not share vertices",
        [](json& d) {
          d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =
              d["meshes"][1]["primitives"][0]["attributes"]["POSITION"];
        }},
-      {"not in its buffer", [](json& d) { d["accessors"][0]["count"] = 1 << 30; }},
-      {"not in its buffer", [](json& d) { d["bufferViews"][0]["byteOffset"] = 4294967295u; }},
+      {"beyond its buffer", [](json& d) { d["accessors"][0]["count"] = 1 << 30; }},
+      {"beyond its buffer", [](json& d) { d["bufferViews"][0]["byteOffset"] = 4294967295u; }},
       {"2^32", [](json& d) { d["bufferViews"][0]["byteOffset"] = 1e18; }},
       {"2^32", [](json& d) { d["accessors"][0]["byteOffset"] = 18446744073709551615u; }},
       {"not a VEC3", [](json& d) { d["accessors"][0]["type"] = "VEC2"; }},
-      {"another length",
+      {"a different length",
        [](json& d) {
          d["accessors"][d["meshes"][0]["primitives"][0]["attributes"]["NORMAL"].get<std::size_t>()]["count"] =
              3;
        }},
-      {"names a vertex that is not there",  // positions of one vertex alone
+      {"refers to a vertex that does not exist",  // positions of one vertex alone
        [](json& d) {
          for (auto& [name, accessor] : d["meshes"][0]["primitives"][0]["attributes"].items())
            d["accessors"][accessor.get<std::size_t>()]["count"] = 1;
        }},
-      {"not of triangles",
+      {"does not consist of triangles",
        [](json& d) {
          d["accessors"][d["meshes"][0]["primitives"][0]["indices"].get<std::size_t>()]["count"] = 4;
        }},

@@ -74,12 +74,12 @@ TEST(Barycentric, SaysByNameWhichLimitsOfSizeItDoesNotKnow) {
   EXPECT_TRUE(has_note(plain, "the fragments overlap and leave gaps"));
   p.size.min_volume = 1e-3;
   p.size.min_of_mean = 0.002;
-  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_volume', 'min_of_mean' changed nothing"));
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_volume', 'min_of_mean' had no effect"));
   p.size = {.min_fraction = 0.01};
-  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_fraction' changed nothing"));
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_fraction' had no effect"));
   p.size = {.fragments = 5, .max_fragments = 7, .max_triangles = 1000};
   EXPECT_TRUE(warns(fracture_mesh(cube(), p).report,
-                    "so 'fragments', 'max_fragments', 'max_triangles' changed nothing"));
+                    "so 'fragments', 'max_fragments', 'max_triangles' had no effect"));
 }
 
 TEST(Barycentric, APatchOfTheSolidGivesTheFragmentsOfTheWhole) {

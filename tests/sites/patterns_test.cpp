@@ -126,7 +126,7 @@ TEST(ImpactPattern, AnImpactFarOutsideLeavesUniformSitesAndSaysSo) {
   const auto& [warnings, notes] = plan.remarks;
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_TRUE(notes.empty());
-  EXPECT_NE(warnings[0].find("no place for sites within 0.1 m of the impacts"), std::string::npos)
+  EXPECT_NE(warnings[0].find("no room for sites within 0.1 m of the impacts"), std::string::npos)
       << warnings[0];
   EXPECT_NE(warnings[0].find("Move 'impacts' onto the mesh"), std::string::npos) << warnings[0];
 }
