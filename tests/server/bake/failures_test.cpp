@@ -52,12 +52,12 @@ struct BakeFailures : testing::Test {
 
   void SetUp() override { test::write_meshes(folder, 2); }
 
-  RunFigures bake(const BakeSource& source, FailureKeeper* failures = nullptr) {
+  RunFigures bake(const BakeSource& source, FailureKeeper* failures = nullptr, bool quiet = true) {
     const Expected<BakePlan> plan = plan_bake(source);
     if (!plan) throw std::runtime_error(plan.error().detail);
     RunOptions options;
     options.report = plan->report;
-    options.quiet = true;
+    options.quiet = quiet;
     options.failures = failures;
     testing::internal::CaptureStderr();
     RunFigures figures = run_bake(*plan, *baker, options, {});
@@ -126,7 +126,7 @@ TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
       "in/box1.obj",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\n"
       "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 9 10 11 12\n");
-  ASSERT_EQ(bake(one(10)).made, 1u);
+  ASSERT_EQ(bake(one(10), nullptr, false).made, 1u);
   const json line = report("report").at(0);
   ASSERT_EQ(line.at("warnings").size(), 1u) << line;
   ASSERT_EQ(line.at("notes").size(), 1u) << line;
@@ -139,12 +139,16 @@ TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
   fs::create_directory(folder / "out");
   ASSERT_EQ(bake({.inputs = {folder / "in/box1.obj"},
                   .output = folder / "out",
-                  .parameters = {{"sites", "10", true}}})
+                  .parameters = {{"sites", "10", true}}},
+                 nullptr, false)
                 .made,
             1u);
   EXPECT_NE(said.find(first), std::string::npos) << said;
   EXPECT_NE(said.find(second), std::string::npos) << said;
   EXPECT_EQ(read_file(folder / "out/box1.obj.glb"), read_file(folder / "one.glb"));
+  ASSERT_EQ(bake(one(10)).made, 1u);
+  EXPECT_NE(said.find(first), std::string::npos) << said;
+  EXPECT_EQ(said.find(second), std::string::npos) << "it is quiet about notes: " << said;
 }
 
 TEST_F(BakeFailures, AFileThatTheMeshNamesIsNotWrittenOver) {

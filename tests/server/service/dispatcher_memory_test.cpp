@@ -174,10 +174,12 @@ struct HeldInBackground : DispatcherTest {
     Terms terms;
     terms.priority = priority;
     terms.payer.flow = {client, 1};
-    EXPECT_FALSE(small.fracture(std::move(request), terms, [this, client](Expected<FractureAnswer> answer) {
-      const std::lock_guard lock(mutex);
-      ends[client] = answer ? std::nullopt : std::optional(answer.error().code);
-    }));
+    const auto refused =
+        small.fracture(std::move(request), terms, [this, client](Expected<FractureAnswer> answer) {
+          const std::lock_guard lock(mutex);
+          ends[client] = answer ? std::nullopt : std::optional(answer.error().code);
+        });
+    EXPECT_FALSE(refused) << refused->detail;
   }
   void begin_job(std::uint64_t bytes) {
     ask_as("ana", Priority::kBackground, bytes);
@@ -271,7 +273,7 @@ TEST_F(HeldInBackground, LeavesAThreadToOthersUntilItIsFree) {
     execution.made(Product::kImportBytes, makes);
     if (first) gate.pass_without_polls();
   };
-  begin_job(40 * kMiB);
+  begin_job(32 * kMiB);  // half as much more is set aside
   ask_as("bob", Priority::kBatch, 22 * kMiB);
   test::require_eventually(test::kPatience, "bob to need more", [this] { return cuts == 2; });
   ask_as("eve", Priority::kBatch, 0);
