@@ -339,7 +339,7 @@ class HeadlessRun {
       double spent = *stepped;
       if (!options_.continue_from.empty() && game_.figures().diverged)
         return fail(ErrorCode::kUnavailable, "Step " + std::to_string(*game_.figures().diverged) +
-                                                 " is not what was recorded in " + options_.continue_from +
+                                                 " differs from the recording in " + options_.continue_from +
                                                  ", so the game cannot be continued.");
       if (options_.draw) {
         const Expected<double> drawn = draw();

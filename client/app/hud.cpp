@@ -27,11 +27,11 @@ const char* words_for(protocol::ServerState state) {
     case protocol::ServerState::kReachable:
       return "server answers";
     case protocol::ServerState::kOverloaded:
-      return "server is busy, asking again";
+      return "server is busy, retrying";
     case protocol::ServerState::kAbsent:
       return "no server: nothing breaks";
     default:
-      return "looking for the server";
+      return "connecting to the server";
   }
 }
 
@@ -64,24 +64,24 @@ void draw_help(const PanelState& state) {
   ImGui::Begin("help", nullptr, kPlain);
   ImGui::TextUnformatted(
       "WASD, Q E      move (Shift: faster)\n"
-      "right button   held: look; Tab: look always\n"
+      "right button   hold: look around; Tab: always\n"
       "click          throw a ball at the pointer, or\n"
-      "F              another tool: wrecking ball, explosion\n"
-      "X held         gravity runs\n"
+      "F              switch tool: wrecking ball, explosion\n"
+      "X              hold: gravity runs\n"
       "G              gravity always on\n"
-      "T              slow motion; . (dot): one step\n"
-      "B held         back in time; released: continue there\n"
+      "T              slow motion; . (dot): single step\n"
+      "B              hold: rewind; release: continue there\n"
       "F5             save the game\n"
       "1 - 8          material\n"
-      "M              scenes; N: next scene\n"
+      "M              scene menu; N: next scene\n"
       "R              reset\n"
       "V              debug view\n"
       "P              screenshot\n"
       "U              unit of your meshes\n"
       "F1             panel\n"
       "H              this help\n"
-      "Esc            leave\n"
-      "drop files     break your meshes");
+      "Esc            quit\n"
+      "drop files     break your own meshes");
   ImGui::End();
 }
 
@@ -93,7 +93,7 @@ void draw_hint(const PanelState& state, const glm::vec2& aim) {
   ImGui::Begin("hint", nullptr, kPlain);
   if (!state.note.empty()) ImGui::TextUnformatted(state.note.c_str());
   const std::string click =
-      std::string("click ") + kToolActions[static_cast<std::size_t>(state.tool)] + " - F: another tool - ";
+      std::string("click ") + kToolActions[static_cast<std::size_t>(state.tool)] + " - F: switch tool - ";
   const std::string hint = state.gravity_always ? click + "G pauses - H for help"
                            : state.gravity_held
                                ? std::string("gravity runs")

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
     }
     const auto& diverged = game.at("diverged");
     if (diverged.is_null()) return fracture::kExitDone;
-    std::fprintf(stderr, "fracture-client: step %s is not what was recorded\n", diverged.dump().c_str());
+    std::fprintf(stderr, "fracture-client: step %s differs from the recording\n", diverged.dump().c_str());
     return fracture::kExitInternal;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fracture-client: %s\n", error.what());

@@ -44,8 +44,8 @@ tl::expected<scenes::TimedBlast, std::string> blast_of(const std::string& text) 
       numbers[0], {{numbers[1], numbers[2], numbers[3]}, scenes::kBlastImpulse, scenes::kBlastRadius}};
   if (numbers.size() > kLeast) blast.blast.impulse = numbers[kLeast];
   if (numbers.size() == kMost) blast.blast.radius = numbers[kMost - 1];
-  if (!(blast.blast.impulse > 0)) return wrong("has a wrong IMPULSE; it must be more than 0");
-  if (!(blast.blast.radius > 0)) return wrong("has a wrong RADIUS; it must be more than 0");
+  if (!(blast.blast.impulse > 0)) return wrong("has an invalid IMPULSE; it must be more than 0");
+  if (!(blast.blast.radius > 0)) return wrong("has an invalid RADIUS; it must be more than 0");
   return blast;
 }
 
@@ -91,25 +91,25 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   CLI::App app{"fracture-client: a game with objects that break. A fracture-server computes the fragments."};
   app.option_defaults()->always_capture_default();
   CLI::Option* files = app.add_option(
-      "files", o.files, "Meshes, or folders of meshes: they fall and break, instead of a scene");
+      "files", o.files, "Meshes, or folders with meshes, that fall and break instead of a scene");
   files->capture_default_str();
   CLI::Option* scene = app.add_option("--scene", o.scene, "Scene");
   scene->check(CLI::IsMember(scenes::scene_names()));
   CLI::Option* material = app.add_option("--material", o.material, "Material of all objects");
   material->check(CLI::IsMember(scenes::material_names()));
   int sites = 0;
-  CLI::Option* all_sites =
-      app.add_option("--sites", sites, "Number of sites of each fracture; 0: the energy of the hit decides");
+  CLI::Option* all_sites = app.add_option(
+      "--sites", sites, "Number of sites in each fracture; 0: depends on the energy of the hit");
   all_sites->check(CLI::Range(0, 100000));
   std::vector<std::string> set;
   CLI::Option* set_values = app.add_option(
-      "--set", set, "NAME=VALUE: a parameter of GET /patterns for each fracture; may be repeated");
+      "--set", set, "NAME=VALUE: a parameter from GET /patterns for each fracture; can be repeated");
   set_values->check([](const std::string& text) {
     nlohmann::json ignored;
     return add_parameter(text, ignored) ? std::string() : "'" + text + "' must be NAME=VALUE";
   });
-  CLI::Option* unit = app.add_option(
-      "--unit", o.unit, "Unit of the coordinates of your meshes; default: guessed from their size");
+  CLI::Option* unit =
+      app.add_option("--unit", o.unit, "Coordinate unit of your meshes; default: guessed from their size");
   unit->check(CLI::IsMember({"m", "cm", "mm", "inch"}));
   app.add_option("--host", o.server.host, "Name or address of the server");
   app.add_option("--port", o.server.port, "Port of the server")->check(CLI::Range(1, 65535));
@@ -120,15 +120,15 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   std::string picture = render::kTierWishNames[static_cast<std::size_t>(o.picture)];
   app.add_option(
          "--picture", picture,
-         "Quality of the picture: low, for computers without a graphics card; high, for a graphics card; auto: "
-         "high in a window if the graphics card is fast enough, else low")
+         "Picture quality: low, for computers without a graphics card; high, for a graphics card; auto: high in "
+         "a window if the graphics card is fast enough, else low")
       ->check(CLI::IsMember(render::kTierWishNames));
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
   CLI::Option* without_anticipation =
       app.add_flag("--no-anticipation", no_anticipation,
-                   "Ask the server at the contact, not while the ball is still on its way");
-  app.add_flag("--gravity", o.gravity, "In a window: gravity from the start, without holding X");
-  app.add_flag("--no-effects", no_effects, "No dust, crumbs and marks");
+                   "Send requests at the contact, not while the ball is still on its way");
+  app.add_flag("--gravity", o.gravity, "In a window: gravity is on from the start, without holding X");
+  app.add_flag("--no-effects", no_effects, "No dust, crumbs or marks");
   app.add_flag("--no-sound", no_sound, "In a window: no sound");
   app.add_option("--close-after", o.close_after,
                  "In a window: close after this many seconds and write window.png to --out")
@@ -139,8 +139,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
       ->check(not_empty);
   CLI::Option* resumed = app.add_option(
       "--continue", o.continue_from,
-      "Play a game that --log or the window recorded, and go on from its end. Scene and settings come from "
-      "the recording");
+      "Play a game that was recorded by --log or the window, and continue from its end. Scene and settings come "
+      "from the recording");
   resumed->check(not_empty);
   CLI::Option* headless = app.add_flag("--headless", o.headless, "Run without a window, then exit");
   const auto add = [&](CLI::Option* option) { option->needs(headless); };
@@ -148,7 +148,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
                    "Make the run reproducible: answers take effect after --answer-steps, and simulated time "
                    "pauses if the server is slower"));
   add(app.add_option("--wav", o.wav,
-                     "File for the sound: WAV, 16 bits, stereo, 48 kHz; needs --fixed-step or --replay")
+                     "File for the sound: WAV, 16 bits, stereo, 48 kHz; requires --fixed-step or --replay")
           ->check(not_empty));
   const auto is_address = [](const std::string& text) {
     return address_of(text) ? std::string()
@@ -157,51 +157,51 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   std::string invite, join;
   CLI::Option* invites =
       app.add_option("--invite", invite,
-                     "[ADDRESS:]PORT on which another player can join this game; without an address only "
-                     "players on this machine (127.0.0.1)");
+                     "[ADDRESS:]PORT on which another player can join this game; without an address, only "
+                     "players on this machine can join (127.0.0.1)");
   invites->check(is_address);
   CLI::Option* joins = app.add_option(
       "--join", join,
-      "[HOST:]PORT of a player with --invite, who decides the scene, the settings and --seconds");
+      "[HOST:]PORT of a player who used --invite; that player sets the scene, the settings and --seconds");
   for (CLI::Option* option : {invites, joins}) add(option);
   joins->check(is_address)->excludes(invites)->excludes(resumed);
   invites->excludes(resumed)->excludes(files);
   for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values}) joins->excludes(said);
   CLI::Option* replayed = app.add_option(
       "--replay", o.replay,
-      "Play a game that --log recorded and compare it. If it differs, the exit code is 4 and the first different "
-      "step is printed");
+      "Replay a game recorded by --log and compare it. If it differs, the exit code is 4 and the first "
+      "different step is printed");
   add(replayed->check(not_empty));
   replayed->excludes(resumed)->excludes(invites)->excludes(joins);
   // These come from the recording.
   for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values})
     resumed->excludes(said);
-  CLI::Option* answer_steps = app.add_option("--answer-steps", o.answer_steps,
-                                             "Steps of 1/120 s from a request until its answer takes effect");
+  CLI::Option* answer_steps =
+      app.add_option("--answer-steps", o.answer_steps,
+                     "Number of steps of 1/120 s until the answer to a request takes effect");
   add(answer_steps->check(CLI::Range(1, 1200)));
   CLI::Option* seconds = app.add_option("--seconds", o.seconds, "Simulated time of the whole run in seconds");
   add(seconds->check(not_a_number)->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option("--screenshot-at", o.screenshots,
-                     "Simulated times of pictures in seconds, separated by commas")
+                     "Simulated times in seconds at which to take pictures, separated by commas")
           ->delimiter(',')
           ->check(not_a_number)
           ->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option(
              "--record", o.record,
-             "Film of all frames (60 per second): a file that ends with .mp4, .gif or .webp (needs ffmpeg), or a "
-             "folder for PNG files, without those of an earlier film")
+             "Film of all frames (60 per second): a file that ends in .mp4, .gif or .webp (requires ffmpeg), or a "
+             "folder for PNG frames, which must not contain an earlier film")
           ->check(not_empty));
   add(app.add_flag("--draw", o.draw, "Draw every frame without keeping it, to measure the cost of drawing"));
   add(app.add_flag("--json", o.json, "Print a summary as JSON"));
-  CLI::Option* without_throws =
-      app.add_flag("--no-throws", no_throws, "Leave out the balls that the scene throws");
+  CLI::Option* without_throws = app.add_flag("--no-throws", no_throws, "Do not throw the scene's own balls");
   add(without_throws);
   std::vector<std::string> blasts;
   add(app.add_option(
              "--explode", blasts,
              "T,x,y,z[,IMPULSE[,RADIUS]]: an explosion after T seconds at x,y,z (metres), with IMPULSE N·s (default: " +
                  std::to_string(std::llround(scenes::kBlastImpulse)) + ") and RADIUS metres (default: " +
-                 std::to_string(std::llround(scenes::kBlastRadius)) + "); may be repeated")
+                 std::to_string(std::llround(scenes::kBlastRadius)) + "); can be repeated")
           ->check([](const std::string& text) {
             const auto blast = blast_of(text);
             return blast ? std::string() : blast.error();
@@ -218,8 +218,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     return tl::unexpected(Exit{code == 0 ? kExitDone : kExitUsage});
   }
   if (!o.wav.empty() && !o.fixed_step && o.replay.empty()) {
-    std::fprintf(stderr,
-                 "--wav needs --fixed-step or --replay: sound can be written only in a reproducible run\n");
+    std::fprintf(stderr, "--wav requires --fixed-step or --replay: only reproducible runs can write sound\n");
     return tl::unexpected(Exit{kExitUsage});
   }
   if (const std::optional<std::string> lost = same_place(o)) {

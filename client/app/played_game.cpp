@@ -66,7 +66,7 @@ bool PlayedGame::frame(Tick tick, double seconds, bool back) {
   if (patterns_.empty() && now()->patterns) patterns_ = *now()->patterns;
   if (!std::exchange(too_long_, now()->history_full) && too_long_)
     note_(
-        "This game is now too long to record: F5 saves only its beginning, and B does not work. R starts a new game.");
+        "This game is now too long to record: F5 saves only its beginning, and B cannot rewind. R starts a new game.");
   return false;
 }
 
@@ -74,7 +74,7 @@ bool PlayedGame::frame(Tick tick, double seconds, bool back) {
 bool PlayedGame::go_back(double seconds, bool held) {
   if (held) {
     if (now()->history_full) {
-      note_("This game is too long to go back. R starts a new game.");
+      note_("This game is too long to rewind. R starts a new game.");
       return false;
     }
     rewind_.hold(now()->moment, game_->simulation.step_length(), seconds);
@@ -94,14 +94,14 @@ bool PlayedGame::go_back(double seconds, bool held) {
 bool PlayedGame::catch_up(const Tick& tick, double seconds) {
   std::optional<Rewind::Played> played = rewind_.play_on(tick, seconds);
   if (!played) {
-    note_("playing the game again: " + std::to_string(rewind_.percent()) + " %");
+    note_("replaying the game: " + std::to_string(rewind_.percent()) + " %");
     return false;
   }
   const bool another = game_ != nullptr;  // else it has been seen all the time
   background_.retire(std::exchange(game_, std::move(played->game)));
   note_(played->diverged ? "Step " + std::to_string(*played->diverged) +
-                               " differs from the recording; the game goes on from the new state."
-                         : "the game goes on");
+                               " differs from the recording; the game continues from the new state."
+                         : "the game continues");
   return another;
 }
 

@@ -41,7 +41,8 @@ Expected<std::shared_ptr<const game::Recording>> recording_for(Options& options,
   options = std::move(*begun);
   if (recording->cut_off)
     std::fprintf(
-        stderr, "fracture-client: %s ends in the middle of a line; only the %zu steps before it are played\n",
+        stderr,
+        "fracture-client: %s ends in the middle of a line; only the %zu steps before that line are played\n",
         printable(path).c_str(), recording->hashes.size());
   if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
     return fail(ErrorCode::kFileAccess, *lost);
@@ -53,8 +54,8 @@ Expected<void> check_scene(const json& header, const scenes::Scene& scene) {
   const auto digest = header.find("digest");
   if (digest == header.end() || *digest == scenes::digest_of(scene)) return {};
   return fail(ErrorCode::kBadParameter,
-              "The game was played in another scene '" + scene.name +
-                  "' than that of this program: a mesh has changed, or another version recorded it.");
+              "The recorded scene '" + scene.name +
+                  "' differs from this program's. A mesh has changed, or another version recorded the game.");
 }
 
 Expected<std::shared_ptr<game::Recorder>> recorder_for(const std::string& path, const json& header) {

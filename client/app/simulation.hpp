@@ -1,15 +1,15 @@
-// A game on a thread of its own, so that no frame waits for a step.
+// A game on its own thread, so that no frame waits for a step.
 //
-//   frame:       pass(time, eye) ── post(command) ── take() ──> snapshots to draw, one for each step
+//   frame:       pass(time, eye) ── post(command) ── take() ──> snapshots to draw, one per step
 //                     │                 │               ▲
 //                     ▼                 ▼               │ one lock, held for a swap of vectors
 //   simulation:  commands ── Game::attend ── [snapshot] ── Game::step ── snapshot
 //
-// The thread has no clock: it makes the steps for which frames have given it time, so that a window that draws nothing
-// stands still, and tests need no patience. What it has not made of kMostOwed steps of time is dropped: a game that cannot keep
+// The thread has no clock: it computes only as many steps as frames have given it time for. So the game stands still if the
+// window draws nothing, and tests need not wait. Time beyond kMostOwed steps is dropped: a game that cannot keep
 // up slows down instead of falling behind.
 //
-// All that is shared is immutable or behind the lock; the Game is the thread's alone, until halt() ends that.
+// Everything shared is immutable or protected by the lock. The Game belongs to the thread until halt() ends it.
 #pragma once
 
 #include <condition_variable>
@@ -22,43 +22,43 @@
 
 namespace fracture::app {
 
-/// What a frame says to its game.
+/// The message of a frame to its game.
 struct Tick {
-  double seconds = 0;  ///< since the frame before, in the game's time: fewer in slow motion
+  double seconds = 0;  ///< since the previous frame, in game time: less in slow motion
   bool running = false;
   glm::dvec3 eye{0};
-  bool loads = false;  ///< Moment::Part::loads are wanted
+  bool loads = false;  ///< whether Moment::Part::loads are needed
 };
 
 class Simulation {
  public:
-  /// Something to do between two steps. What it returns, unless that is empty, is a note for people.
+  /// A command that runs between two steps. A non-empty return value is a note for people.
   using Command = std::function<std::string(game::Game&)>;
-  /// The most that may be owed, in steps.
+  /// The maximum number of steps that may be owed.
   static constexpr int kMostOwed = 6;
 
-  /// Where the game has a recording to play (GameSettings::replay), it is played as fast as it goes, then handed over.
+  /// If the game has a recording to play (GameSettings::replay), it is played as fast as possible, then the player takes over.
   Simulation(std::unique_ptr<game::Game> game, std::uint64_t debris_seed);
   ~Simulation();  ///< halt()
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  /// A frame. Never waits for a step; nor do the next four.
+  /// Passes a frame. Neither this nor the next four functions wait for a step.
   void pass(const Tick& tick);
-  /// One step, whether it runs or not.
+  /// Plays one step, whether the game is running or paused.
   void step_once();
-  /// Before the next step, also while paused; one after the other, in the order of posting. After halt(): at once.
+  /// Runs before the next step, even while paused, in the order of posting. After halt(): at once.
   void post(Command command);
-  /// Published since the last call, in order: at first one of the beginning. Later nothing, unless there was a step, a command or,
-  /// while paused, a frame.
+  /// The snapshots since the last call, in order; the first call includes one of the start. There is a new one after each step and command
+  /// and, while paused, after each frame.
   std::vector<std::shared_ptr<const Snapshot>> take();
   const scenes::Scene& scene() const { return game_->scene(); }
   double step_length() const { return step_length_; }
 
-  /// Ends the thread. Waits for the step that is at work, which no frame of a game that goes on does: for the end of a game, or to go
-  /// back in it. What was posted before is done before it returns; what is owed is not.
+  /// Ends the thread. Waits for the current step, which no frame of a running game does, so use it to end or rewind a
+  /// game. Commands posted before are run before it returns; owed steps are not.
   void halt();
-  /// After halt().
+  /// Only after halt().
   const game::Game& game() const { return *game_; }
 
  private:
@@ -78,7 +78,7 @@ class Simulation {
   const std::unique_ptr<game::Game> game_;
   const double step_length_;
 
-  // The thread's own.
+  // Used only by the thread.
   effects::Debris debris_;
   std::shared_ptr<const effects::Debris> shown_debris_;
   sound::Soundscape soundscape_;
@@ -89,18 +89,18 @@ class Simulation {
   double due_ = 0, step_ms_ = 0;
   unsigned published_count_ = 0;
 
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // protects the following members
   std::condition_variable_any wake_;
   std::vector<Command> commands_;
   std::vector<std::shared_ptr<const Snapshot>> published_;
   Tick tick_;             // the last one
-  bool visited_ = false;  // by a frame, since the last snapshot or the last look
+  bool visited_ = false;  // by a frame, since the last snapshot or the last check
   bool playing_again_ = false;
-  double owed_ = 0, dropped_ = 0;  // seconds: to be made; that the next step is due later
-  int singles_ = 0;                // steps that were asked for
+  double owed_ = 0, dropped_ = 0;  // seconds: still to be computed; by which the next step is delayed
+  int singles_ = 0;                // number of single steps that were requested
 
-  bool halted_ = false;  // the owner's
-  std::jthread thread_;  // last: it uses the others
+  bool halted_ = false;  // used only by the owner
+  std::jthread thread_;  // last, because it uses the others
 };
 
 }  // namespace fracture::app

@@ -172,7 +172,7 @@ class Session {
         break;
       case GLFW_KEY_T:
         state_.slow_motion = !state_.slow_motion;
-        note(state_.slow_motion ? "a fifth of the speed" : "full speed");
+        note(state_.slow_motion ? "one fifth of full speed" : "full speed");
         break;
       case GLFW_KEY_PERIOD:
         state_.gravity_always = false;
@@ -187,7 +187,7 @@ class Session {
         static const std::vector<std::string> kUnits = {"", "m", "cm", "mm", "inch"};
         const auto at = std::find(kUnits.begin(), kUnits.end(), options_.unit);
         options_.unit = at == kUnits.end() || at + 1 == kUnits.end() ? kUnits.front() : *(at + 1);
-        note(options_.unit.empty() ? "unit: guessed by size" : "unit: " + options_.unit);
+        note(options_.unit.empty() ? "unit: guessed from the size" : "unit: " + options_.unit);
         load([options = options_] { return scene_of(options); });
         break;
       }
@@ -234,7 +234,7 @@ class Session {
   void click() {
     if (!game_.goes_on()) return;
     game_.use(state_.tool, glm::dvec3(camera_.eye()), camera_.aim_direction());
-    if (!state_.gravity_always && !state_.gravity_held) note("Paused. Hold X or press G to go on.");
+    if (!state_.gravity_always && !state_.gravity_held) note("Paused. Hold X or press G to continue.");
   }
 
   void screenshot(const std::string& name) {
@@ -384,7 +384,7 @@ int run_window(const Options& asked) {
   std::filesystem::create_directories(options.out, ignored);
   const auto window = GlfwWindow::open(options.width, options.height);
   if (!window) {
-    std::fprintf(stderr, "fracture-client: no window: %s. --headless needs none.\n",
+    std::fprintf(stderr, "fracture-client: cannot open a window: %s. --headless needs none.\n",
                  window.error().detail.c_str());
     return 1;
   }

@@ -5,7 +5,7 @@
 
 namespace fracture::app {
 
-/// Until the window is closed. Exit code: 0, or 1 where there is no display or no OpenGL 3.3 (said on
+/// Runs until the window is closed. Returns the exit code: 0, or 1 if there is no display or no OpenGL 3.3 (explained on
 /// stderr).
 int run_window(const Options& options);
 

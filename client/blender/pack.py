@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the add-on as one zip for Blender, with the Python package fracture_client (MIT) inside.
+"""Packs the add-on as a zip for Blender, including the Python package fracture_client (MIT).
 
     client/blender/pack.py [--describe fracture-server] [fracture_blender.zip]
 
---describe: the program fracture-server, or the URL of a server. Its list of parameters goes into the zip, so that the panel is
-complete before the add-on contacts a server. The same sources and the same server give the same bytes.
+--describe: the program fracture-server, or a server's URL. Its list of parameters is packed into the zip, so that the panel is
+complete before the add-on contacts a server. The same sources and server give the same bytes.
 """
 import argparse
 import importlib.util
@@ -19,14 +19,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 ADDON = HERE / "fracture_blender"
 PACKAGE = HERE.parent / "python" / "fracture_client"
 LICENCE = HERE.parents[1] / "LICENSE"
-DATE = (1980, 1, 1, 0, 0, 0)  # the earliest date of a zip; the present date would change the bytes each time
+DATE = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip can store; today's date would change the bytes each time
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("output", nargs="?", type=pathlib.Path, default=pathlib.Path("fracture_blender.zip"),
-                        help="the zip (default: fracture_blender.zip)")
-    parser.add_argument("--describe", metavar="PROGRAM_OR_URL", help="program or server whose parameters the zip gets")
+                        help="the zip to write (default: fracture_blender.zip)")
+    parser.add_argument("--describe", metavar="PROGRAM_OR_URL", help="program or server whose parameters are packed into the zip")
     options = parser.parse_args()
     files = {f"fracture_blender/{path.name}": path.read_bytes() for path in (*ADDON.glob("*.py"), *ADDON.glob("*.toml"))}
     for path in (*PACKAGE.glob("*.py"), PACKAGE / "py.typed"):
@@ -43,7 +43,7 @@ def main():
 
 
 def described(program_or_url):
-    """The description in the add-on's own format. Only modules of the add-on that do not need Blender are loaded."""
+    """The description in the add-on's own format. Loads only those modules of the add-on that do not need Blender."""
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(PACKAGE.parent))
     package = types.ModuleType("fracture_blender")

@@ -21,13 +21,13 @@ Expected<Line> parse(const std::string& text) {
   if (!given.is_object()) return fail(ErrorCode::kBadJson, "Each line must be a JSON object.");
   const auto output = given.find("output");
   if (output == given.end() || !output->is_string() || output->get_ref<const std::string&>().empty())
-    return fail(ErrorCode::kBadParameter, "The line has no 'output'. Name the PNG to write.");
+    return fail(ErrorCode::kBadParameter, "The line has no 'output'. Specify the PNG to write.");
   Line line;
   line.output = output->get<std::string>();
   given.erase(output);
   if (const auto set = set_options(line.options, given, "The line"); !set) return tl::unexpected(set.error());
   if (line.options.file.empty())
-    return fail(ErrorCode::kBadParameter, "The line has no 'file'. Name the GLB to draw.");
+    return fail(ErrorCode::kBadParameter, "The line has no 'file'. Specify the GLB to render.");
   return line;
 }
 

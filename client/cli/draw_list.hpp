@@ -1,5 +1,5 @@
-// Many pictures by one process, for whoever has thousands to draw: a context and its shaders
-// take longer to make than a small picture to draw.
+// Draws many pictures in a single process, because creating a context and its shaders takes longer than
+// drawing a small picture.
 #pragma once
 
 #include <functional>
@@ -9,9 +9,9 @@
 
 namespace fracture::cli {
 
-/// Reads lines until there are no more, each a JSON object: the options of a picture and "output", the PNG to write. Every
-/// line is answered by one, at once: {"output": …} (null where the line names none), and where there is no picture "problem" with type and detail. A line
-/// that is wrong, or a file that cannot be drawn, ends nothing.
+/// Reads lines until the end, each a JSON object with the options of a picture and "output", the PNG to write. Each
+/// line is answered at once by a line {"output": …} (null if the line has none), with a "problem" (type and detail) if there is no picture.
+/// An invalid line, or a file that cannot be drawn, does not end the process.
 void draw_list(
     std::istream& in, std::ostream& out,
     const std::function<Expected<void>(const PictureOptions& options, const std::string& output)>& draw);

@@ -80,17 +80,17 @@ Expected<void> run(const Command& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Draws pictures of GLB files, of fragments and others, without a window.", "fracture-render");
+  CLI::App app("Renders GLB files to pictures without a window.", "fracture-render");
   Command command;
   app.add_option_function<std::string>(
-      "input", [&](const std::string& file) { command.options["file"] = file; }, "GLB to draw");
+      "input", [&](const std::string& file) { command.options["file"] = file; }, "GLB to render");
   app.add_option("-o,--output", command.output, "PNG to write");
   app.add_option("--sheet", command.sheet,
-                 "Draw the table of pictures that this JSON file describes (client/cli/sheet.hpp)");
+                 "Draw the table of pictures described by this JSON file (client/cli/sheet.hpp)");
   app.add_flag(
       "--list", command.list,
-      "Draw a picture for each line of standard input: a JSON object with these options, \"file\" and "
-      "\"output\". Each line gets a line as answer (client/cli/draw_list.hpp)");
+      "Draw one picture per line of standard input: a JSON object with these options, \"file\" and \"output\". "
+      "Each line is answered with a line (client/cli/draw_list.hpp)");
   app.add_flag("-q,--quiet", command.quiet, "Print no warnings");
   for (const OptionSpec& spec : fracture::cli::option_specs()) {
     const std::string name = spec.name;
@@ -116,20 +116,19 @@ int main(int argc, char** argv) {
     if (!command.sheet.empty() || !command.output.empty() || !command.options.empty()) {
       std::fprintf(
           stderr,
-          "fracture-render: --list takes no other options. Write them into the lines of standard input.\n");
+          "fracture-render: --list takes no other options. Put them into the lines of standard input.\n");
       return kExitUsage;
     }
   } else if (command.output.empty()) {
-    std::fprintf(stderr, "fracture-render: --output is required. Name the PNG to write.\n");
+    std::fprintf(stderr, "fracture-render: --output is required. Specify the PNG to write.\n");
     return kExitUsage;
   } else if (command.sheet.empty() != command.options.contains("file")) {
-    std::fprintf(stderr, "fracture-render: give either a GLB or --sheet.\n");
+    std::fprintf(stderr, "fracture-render: specify either a GLB or --sheet.\n");
     return kExitUsage;
   }
   if (!command.sheet.empty() && !command.options.empty()) {
-    std::fprintf(
-        stderr,
-        "fracture-render: --sheet takes no options of the picture. Write them into the sheet's file.\n");
+    std::fprintf(stderr,
+                 "fracture-render: --sheet takes no picture options. Put them into the sheet's file.\n");
     return kExitUsage;
   }
   try {

@@ -91,12 +91,12 @@ using P = PictureOptions;
 using J = const json&;
 
 constexpr OptionSpec kSpecs[] = {
-    {"file", "FILE", "GLB to draw",
+    {"file", "FILE", "GLB to render",
      [](P& o, J v) {
        if (!v.is_string()) refuse("the name of a file");
        o.file = v.get<std::string>();
      }},
-    {"size", "WIDTHxHEIGHT", "Size of the picture in pixels, 16 to 4096 for each side",
+    {"size", "WIDTHxHEIGHT", "Picture size in pixels, 16 to 4096 per side",
      [](P& o, J v) {
        const char* legal = "WIDTHxHEIGHT with sides from 16 to 4096";
        if (!v.is_string()) refuse(legal);
@@ -122,9 +122,9 @@ constexpr OptionSpec kSpecs[] = {
                                                         : Colors::kMaterial;
        o.settings.highlight = choice == ColorChoice::kInterior ? Highlight::kInterior : Highlight::kNone;
      }},
-    {"level", "0 to 64", "Level of the hierarchy; 0 is the coarsest",
+    {"level", "0 to 64", "Hierarchy level; 0 is the coarsest",
      [](P& o, J v) { o.view.level = whole(v, 0, 64); }},
-    {"by-group", "", "Explode the groups of the level, not the fragments",
+    {"by-group", "", "Explode the level's groups instead of the fragments",
      [](P& o, J v) { o.view.by_group = yes(v); }},
     {"look", "LOOK",
      "One material for everything: glass, wood, concrete, stone, brick, ceramic, metal, ice, plaster, grey (the file's, without colours); none: the file's",
@@ -133,15 +133,15 @@ constexpr OptionSpec kSpecs[] = {
        if (!look) refuse(look.error().detail);
        o.settings.look = *look;
      }},
-    {"grain", "x,y,z", "Direction of the grain of a look", [](P& o, J v) { o.settings.grain = vector(v); }},
-    {"impact", "x,y,z", "Point of the impact in metres; default: the point that the camera looks at",
+    {"grain", "x,y,z", "Grain direction for --look", [](P& o, J v) { o.settings.grain = vector(v); }},
+    {"impact", "x,y,z", "Impact point in metres; default: the point at which the camera looks",
      [](P& o, J v) { o.view.impact_point = vector(v); }},
-    {"impact-radius", "metres", "Fragments farther away from the impact do not move",
+    {"impact-radius", "metres", "Fragments farther than this from the impact do not move",
      [](P& o, J v) { o.view.impact_radius = real(v, 0, 1e6); }},
     {"impact-direction", "x,y,z", "Direction of the impact; default: away from the camera",
      [](P& o, J v) { o.view.impact_direction = vector(v); }},
     {"impact-strength", "0 to 10",
-     "Strength of the impact; 1 moves the nearest fragments by about the object's size",
+     "Impact strength; 1 moves the nearest fragments by about the object's size",
      [](P& o, J v) { o.view.impact_strength = real(v, 0, 10); }},
     {"yaw", "-360 to 360", "Degrees around the object; 0 looks along -z",
      [](P& o, J v) { o.camera.yaw = real(v, -360, 360); }},
@@ -150,11 +150,11 @@ constexpr OptionSpec kSpecs[] = {
      [](P& o, J v) { o.camera.field_of_view = real(v, 1, 120); }},
     {"margin", "0.1 to 10", "Space around the object; with 1 its bounding sphere fills the picture",
      [](P& o, J v) { o.camera.margin = real(v, 0.1, 10); }},
-    {"target", "x,y,z", "Point that the camera looks at in metres; default: the middle of the object",
+    {"target", "x,y,z", "Point in metres at which the camera looks; default: the middle of the object",
      [](P& o, J v) { o.camera.target = vector(v); }},
     {"orthographic", "", "Draw without perspective", [](P& o, J v) { o.camera.orthographic = yes(v); }},
     {"frame", "FRAME",
-     "Arrangement that the camera fits: view, or assembled (fragments may leave the picture)",
+     "Arrangement that fits the picture: view, or assembled (fragments may leave the picture)",
      [](P& o, J v) {
        if (v != "view" && v != "assembled") refuse("one of view, assembled");
        o.frame = v.get<std::string>();
@@ -163,7 +163,7 @@ constexpr OptionSpec kSpecs[] = {
      [](P& o, J v) { o.settings.ground = choose(v, kGrounds); }},
     {"exposure", "0.01 to 100", "Factor for all light",
      [](P& o, J v) { o.settings.lighting.exposure = real(v, 0.01, 100); }},
-    {"sky-shadows", "0 to 64", "Number of directions of the sky that cast shadows",
+    {"sky-shadows", "0 to 64", "Number of sky directions that cast shadows",
      [](P& o, J v) { o.settings.lighting.sky_shadows = whole(v, 0, render::kMaxSkyDirections); }},
     {"picture", "PICTURE", "Quality: low (without a graphics card), high (with one)",
      [](P& o, J v) { o.settings.tier = choose(v, kTiers); }},

@@ -28,13 +28,13 @@ Expected<std::vector<json>> headings(const json& document, const char* key, cons
     return fail(ErrorCode::kBadParameter, path + ": /" + key + " must be an array with at least one object.");
   for (std::size_t k = 0; k < it->size(); ++k)
     if (!(*it)[k].is_object() || ((*it)[k].contains("label") && !(*it)[k]["label"].is_string()))
-      return fail(ErrorCode::kBadParameter,
-                  path + ": /" + key + "/" + std::to_string(k) + " must be an object whose label is a text.");
+      return fail(ErrorCode::kBadParameter, path + ": /" + key + "/" + std::to_string(k) +
+                                                " must be an object whose label is a string.");
   return it->get<std::vector<json>>();
 }
 
 Expected<Sheet> parse(const json& document, const std::string& path) {
-  if (!document.is_object()) return fail(ErrorCode::kBadParameter, path + " must contain one JSON object.");
+  if (!document.is_object()) return fail(ErrorCode::kBadParameter, path + " must contain a JSON object.");
   for (const auto& [key, value] : document.items())
     if (key != "title" && key != "options" && key != "columns" && key != "rows" && key != "cells")
       return fail(ErrorCode::kBadParameter,
@@ -46,8 +46,8 @@ Expected<Sheet> parse(const json& document, const std::string& path) {
   if (!rows) return tl::unexpected(rows.error());
   if (rows->size() * columns->size() > kMaxCells)
     return fail(ErrorCode::kTooLarge, path + " has " + std::to_string(rows->size() * columns->size()) +
-                                          " pictures; a sheet can have at most " + std::to_string(kMaxCells) +
-                                          ".");
+                                          " pictures; the maximum for a sheet is " +
+                                          std::to_string(kMaxCells) + ".");
   for (const json& column : *columns) sheet.columns.push_back(column.value("label", ""));
   for (const json& row : *rows) sheet.rows.push_back(row.value("label", ""));
 

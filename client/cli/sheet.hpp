@@ -5,8 +5,8 @@
 //    "rows":    [{"label": "glass",  "options": {…}}, …],
 //    "cells":   [[{…}, …], …]}
 //
-// A cell's options are those of the sheet, then of its row, then of its column, then its own (all optional).
-// Files are named relative to the sheet's folder. The size of a picture is the sheet's.
+// A cell combines the options of the sheet, its row, its column and itself, in this order (all are optional).
+// File names are relative to the sheet's folder. The picture size is the same for the whole sheet.
 #pragma once
 
 #include <functional>
@@ -23,10 +23,10 @@ struct Sheet {
   std::vector<PictureOptions> cells;       ///< row by row, all of the same size
 };
 
-/// kFile, kBadOption with the place in the file.
+/// Fails with kFileAccess, or with kBadParameter and the location in the file.
 Expected<Sheet> read_sheet(const std::string& path);
 
-/// Draws every cell and puts them together. Errors of `draw` end it.
+/// Draws every cell and combines the pictures. Stops at the first error of `draw`.
 Expected<render::Picture> compose_sheet(
     const Sheet& sheet, const std::function<Expected<render::Picture>(const PictureOptions&)>& draw);
 

@@ -109,7 +109,7 @@ Expected<EglContext> EglContext::create() {
   if (auto state = attempt("default display", eglGetDisplay(EGL_DEFAULT_DISPLAY)))
     return EglContext(std::move(state));
   return fail(ErrorCode::kNoGraphics,
-              "No EGL display gives OpenGL 3.3 (Debian: libegl1, libegl-mesa0, libgl1-mesa-dri). " +
+              "No EGL display supports OpenGL 3.3 (Debian: libegl1, libegl-mesa0, libgl1-mesa-dri). " +
                   complaints + ".");
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What an engine has to do to break things with the service: store the mesh once, ask at the collision, read the fragments.
+"""The steps by which an engine breaks objects with the service: store the mesh once, send a request on a collision, read the fragments.
 
     integrate.py http://127.0.0.1:8080 barrel.glb out.glb '{"material": "wood", "impacts": [[0, 0.5, 0]]}'
 """
@@ -7,7 +7,7 @@ import json
 import pathlib
 import sys
 
-# The package lies beside this folder: the example runs from a checkout where nothing was installed.
+# The example runs from a checkout in which the package is not installed.
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 from fracture_client import Client, FractureError  # noqa: E402
 

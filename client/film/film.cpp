@@ -119,13 +119,14 @@ class Film::Program {
     // A socket and not a pipe: a program that has gone is then an error of send(), and no signal that ends us.
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-      return fail(ErrorCode::kNoProgram, "No socket for " + settings.program + ": " + std::strerror(errno));
+      return fail(ErrorCode::kNoProgram,
+                  "Cannot create a socket for " + settings.program + ": " + std::strerror(errno));
     program->ours_ = Descriptor(ends[0]);
     const Descriptor theirs(ends[1]);
     program->said_ = std::tmpfile();
     if (program->said_ == nullptr)
       return fail(ErrorCode::kNoProgram,
-                  "No file for what " + settings.program + " says: " + std::strerror(errno));
+                  "Cannot create a file for the output of " + settings.program + ": " + std::strerror(errno));
     std::vector<std::string> list = arguments(path, settings);
     std::vector<char*> pointers;
     for (std::string& text : list) pointers.push_back(text.data());
@@ -165,7 +166,7 @@ class Film::Program {
         next += sent;
         count -= static_cast<std::size_t>(sent);
       } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-        if (!wait_for(ours_.get(), POLLOUT, end)) return gone("takes no more pictures");
+        if (!wait_for(ours_.get(), POLLOUT, end)) return gone("accepts no more pictures");
       } else if (errno != EINTR) {
         return gone("has ended");
       }
@@ -237,13 +238,13 @@ Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
   }
   std::filesystem::create_directories(path, error);
   if (!std::filesystem::is_directory(path, error))
-    return fail(ErrorCode::kFileAccess, "Cannot make the folder " + path + ".");
+    return fail(ErrorCode::kFileAccess, "Cannot create the folder " + path + ".");
   // Nobody would see where a shorter film ends and what is left of a longer one begins.
   for (std::filesystem::directory_iterator at(path, error), end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     if (name.starts_with("frame-") && name.ends_with(".png"))
-      return fail(ErrorCode::kFileAccess, "The folder " + path + " has pictures of an earlier film (" + name +
-                                              "): take another one.");
+      return fail(ErrorCode::kFileAccess,
+                  "The folder " + path + " contains an earlier film (" + name + "). Choose another folder.");
   }
   if (error)
     return fail(ErrorCode::kFileAccess, "Cannot read the folder " + path + ": " + error.message() + ".");
@@ -252,7 +253,7 @@ Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
 
 Expected<void> Film::add(const render::Picture& picture) {
   if (picture.width != settings_.width || picture.height != settings_.height)
-    return fail(ErrorCode::kBadParameter, "A picture of the film has another size than the film.");
+    return fail(ErrorCode::kBadParameter, "A picture of the film does not have the film's size.");
   const std::size_t number = frames_++;
   if (program_) return program_->write(picture.pixels.data(), picture.pixels.size() * sizeof(render::Color));
   char name[32];
@@ -266,7 +267,7 @@ Expected<void> Film::finish() {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(part_, error);
   if (error || bytes == 0)
-    return fail(ErrorCode::kNoProgram, settings_.program + " ended well and made no film of " +
+    return fail(ErrorCode::kNoProgram, settings_.program + " reported success but made no film of " +
                                            std::to_string(frames_) +
                                            (frames_ == 1 ? " picture: one is too short." : " pictures."));
   std::filesystem::rename(part_, path_, error);

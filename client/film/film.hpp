@@ -1,5 +1,5 @@
-// Pictures as a film: a folder of PNG files, or what `ffmpeg` makes of them. It is started as a program of its own where it
-// is installed, never linked, and is given the pictures through a socket. Every wait for it ends.
+// Turns pictures into a film: a folder of PNG files, or a film made by `ffmpeg`. ffmpeg is started as a separate program if it
+// is installed, never linked, and receives the pictures through a socket. No wait for it lasts forever.
 #pragma once
 
 #include <chrono>
@@ -12,26 +12,26 @@
 namespace fracture::film {
 
 struct FilmSettings {
-  int width = 1280, height = 720;  ///< pixels, of every picture
-  int rate = 60;                   ///< pictures a second
-  std::string program = "ffmpeg";  ///< by its name or path
+  int width = 1280, height = 720;  ///< pixels of every picture
+  int rate = 60;                   ///< pictures per second
+  std::string program = "ffmpeg";  ///< name or path
   std::chrono::milliseconds patience{
-      60000};  ///< for the program to take a picture, and to end after the last
+      60000};  ///< for the program to accept a picture, and to end after the last one
 };
 
 class Film {
  public:
-  /// `path`: ends with .mp4, .gif or .webp, or is a folder, which is made, and has no pictures of an earlier film. What lies
-  /// at the path of a film stays until the new one is whole. kNoProgram where the program cannot be started, kFileAccess
-  /// where nothing can be written there.
+  /// `path`: ends with .mp4, .gif or .webp, or is a folder, which is created and must not contain an earlier film. A film at this
+  /// path is kept until the new one is complete. Fails with kNoProgram if the program cannot be started, and kFileAccess
+  /// if nothing can be written there.
   static Expected<Film> create(const std::string& path, FilmSettings settings);
   Film(Film&&) noexcept;
-  ~Film();  ///< without finish(): the program is ended, and there is no new film
+  ~Film();  ///< without finish(), the program is stopped and there is no new film
 
-  /// Not of the settings' size: kBadParameter. kNoProgram with what the program said where it ended, or took nothing for as
-  /// long as patience lasts; kFileAccess, kBadImage in a folder.
+  /// Fails with kBadParameter if the size differs from the settings; with kNoProgram and the program's output if it ended or accepted
+  /// nothing within the patience; with kFileAccess or kBadImage in a folder.
   Expected<void> add(const render::Picture& picture);
-  /// The film is complete, or what became of it: kNoProgram where the program failed, had something to say or left no bytes.
+  /// Completes the film. Fails with kNoProgram if the program failed, printed something or wrote no bytes.
   Expected<void> finish();
 
  private:
@@ -39,8 +39,8 @@ class Film {
   Film(std::string path, FilmSettings settings);
   std::string path_;
   FilmSettings settings_;
-  std::string part_;                  ///< what the program writes, beside the path; empty: nothing
-  std::unique_ptr<Program> program_;  ///< null: a folder
+  std::string part_;  ///< temporary file that the program writes, next to the path; empty: none
+  std::unique_ptr<Program> program_;  ///< null: the pictures go into a folder
   std::size_t frames_ = 0;
 };
 

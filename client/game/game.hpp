@@ -1,13 +1,13 @@
-// The rules: what is asked of the server when, and what its answers do to the world. No window, no OpenGL.
+// The rules: which requests are sent when, and how the answers change the world. No window, no OpenGL.
 //
-// In real time nothing waits: advance() runs the steps that are due, polls, and applies what had been decoded
-// by the frame before (one answer a frame): coming() shows it to whoever draws while there is still time to
-// upload it. A window has a thread for that, which calls attend() and step() by itself (app/simulation.hpp).
+// In real time nothing waits. advance() runs the steps that are due, polls, and applies the answer that was decoded
+// by the previous frame (one answer per frame). coming() shows it to the renderer in time to
+// upload it. A window has a thread for that, which calls attend() and step() itself (app/simulation.hpp).
 // With GameSettings::fixed_latency the run is reproducible instead: an answer is
-// applied exactly so many steps after its request. Should the server be slower than that, simulated time
-// stands still until it has answered (ready() is false); should it be faster, the answer is kept. What the
-// server says depends only on what it is asked, that only on the motion before it, and the motion only on the
-// steps: identical runs for identical seeds.
+// applied a fixed number of steps after its request. If the server is slower than that, simulated time
+// pauses until it has answered (ready() is false); if it is faster, the answer is kept. The server's answers
+// depend only on the requests, these only on the motion before them, and the motion only on the
+// steps: equal seeds give identical runs.
 #pragma once
 
 #include <map>
@@ -24,69 +24,69 @@ namespace fracture::game {
 
 struct GameSettings {
   std::uint64_t seed = 1;
-  std::optional<unsigned> fixed_latency;  ///< steps from a request to its answer's effect
-  bool anticipate = true;                 ///< asks when a ball is on its way, not only at the contact
-  /// Open at the same time, of what is foreseen in a moment (Game::counted_requests()); further hits wait, the most urgent is next.
+  std::optional<unsigned> fixed_latency;  ///< steps until the answer to a request takes effect
+  bool anticipate = true;                 ///< sends requests while a ball approaches, not only at the contact
+  /// Maximum number of open requests (Game::counted_requests()); further hits wait, and the most urgent is next.
   std::size_t max_requests = 8;
   nlohmann::json overrides =
       nlohmann::json::object();  ///< parameters at the start; then Game::set_overrides()
   world::WorldSettings world;
-  std::shared_ptr<Recorder> recorder;    ///< of what happens; null: none
+  std::shared_ptr<Recorder> recorder;    ///< records everything; null: no recording
   std::shared_ptr<History> history;      ///< the same, in memory; null: none
-  std::shared_ptr<KeptAnswers> answers;  ///< to what has been asked before; null: all is asked for
-  /// What happens, as it was recorded: until hand_over() it decides when answers take effect.
+  std::shared_ptr<KeptAnswers> answers;  ///< answers to earlier requests; null: everything is requested
+  /// The recorded game to replay: until hand_over() it decides when answers take effect.
   std::shared_ptr<const Recording> replay;
 };
 
-/// What stands where, for whoever draws.
+/// A thing in the world, for the renderer.
 struct Thing {
   world::ObjectId id = 0;
-  std::size_t scene_object = 0;  ///< index into Scene::objects; secondary pieces have their parent's
+  std::size_t scene_object = 0;  ///< index into Scene::objects; secondary pieces have that of their parent
   std::string mesh;              ///< id of the stored mesh
   std::shared_ptr<const Decoded> fragments;  ///< null while whole
-  nlohmann::json parameters;                 ///< of the request that made the fragments, with all hits since
+  nlohmann::json parameters;  ///< of the request that created the fragments, and all later hits
   bool secondary = false;
-  std::set<world::BallId> hit_by;  ///< balls whose hits on its fragments have been asked for: once each
+  std::set<world::BallId> hit_by;  ///< balls whose hits on its fragments were requested, once each
 };
 
 struct GameFigures {
   std::uint64_t requests = 0, answers = 0, failures = 0, swaps = 0, secondary = 0, held_steps = 0;
-  std::uint64_t hits = 0;      ///< further hits that made finer fragments of those that were there …
-  std::uint64_t too_late = 0;  ///< … and those whose fragments had come loose before
+  std::uint64_t hits = 0;      ///< further hits that replaced existing fragments by finer ones …
+  std::uint64_t too_late = 0;  ///< … and those whose fragments had already come loose
   std::string last_trouble;
-  std::string last_break;            ///< what broke into how many pieces, and how long that took, for people
-  double worst_momentum_error = 0;   ///< of all swaps without anchors, relative: linear and angular
-  std::vector<world::Break> breaks;  ///< of things whose fragments are not asked for when the level is loaded
-  std::optional<std::uint64_t> diverged;  ///< the first step after which a replay was not what was recorded
+  std::string last_break;            ///< for people: what broke into how many pieces, and how long it took
+  double worst_momentum_error = 0;   ///< largest relative error of swaps without anchors, linear and angular
+  std::vector<world::Break> breaks;  ///< of things whose fragments are not requested at level start
+  std::optional<std::uint64_t> diverged;  ///< the first step after which a replay differed from the recording
 };
 
 class Game {
  public:
-  /// Stores the meshes and asks for what the level needs at its start. `client` outlives the game.
+  /// Stores the meshes and sends the requests that the level needs at its start. `client` outlives the game.
   Game(scenes::Scene scene, protocol::Client& client, GameSettings settings);
   ~Game();
 
-  /// Reproducible runs and replays: is everything there that the next step needs? Polls; never waits.
+  /// Reproducible runs and replays: whether the next step has everything it needs. Polls; never blocks.
   bool ready();
-  /// One step of WorldSettings::step. Reproducible runs: only when ready().
+  /// One step of WorldSettings::step. In reproducible runs, only if ready().
   void step();
-  /// Real time, before each step, and now and then while paused: applies one answer, polls, and asks. Whether bodies were
-  /// swapped.
+  /// Real time, before each step and occasionally while paused: applies one answer, polls, and sends requests. Returns whether
+  /// bodies were swapped.
   bool attend();
-  /// Real time: as many steps as `seconds` hold (at most 6; the rest is dropped), or none while paused.
+  /// Real time: as many steps as fit into `seconds` (at most 6; the rest is dropped), or none while paused.
   void advance(double seconds, bool running);
 
   world::BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, const scenes::Ball& ball = {});
   void explode(const world::Blast& blast);
 
-  /// What there was to see and hear since the last call; nothing without WorldSettings::max_witnessed.
+  /// Everything to see and hear since the last call; nothing without WorldSettings::max_witnessed.
   world::Witnessed take_witnessed() { return world_.take_witnessed(); }
-  /// By the server's name; empty where the object's request names none.
+  /// The server's name for the material; empty if the object's request has none.
   std::string material_of(world::ObjectId object) const;
 
   const scenes::Scene& scene() const { return scene_; }
   const std::vector<Thing>& things() const { return things_; }
-  /// Fragments that have arrived and take effect in a coming frame, of a thing (for pieces: of their parent).
+  /// A thing's fragments that have arrived and take effect in a coming frame (for pieces: the parent's).
   struct Coming {
     std::size_t thing;
     std::size_t scene_object;  ///< of the thing
@@ -95,48 +95,48 @@ class Game {
   std::vector<Coming> coming() const;
   const world::World& world() const { return world_; }
   const GameFigures& figures() const { return figures_; }
-  const std::vector<world::Swap>& swaps() const { return swaps_; }  ///< all since the start
+  const std::vector<world::Swap>& swaps() const { return swaps_; }  ///< all swaps since the start
   const GameSettings& settings() const { return settings_; }
-  std::size_t open_requests() const;  ///< without an answer that can be used
-  std::size_t kept_answers() const;   ///< for hits that were foreseen and have not come
-  std::size_t waiting_requests() const { return waiting_.size(); }  ///< for one of the open ones to end
-  /// From where it is seen: of two equal hits the nearer one is answered first. At first the scene's.
+  std::size_t open_requests() const;  ///< without a usable answer yet
+  std::size_t kept_answers() const;   ///< for predicted hits that have not happened
+  std::size_t waiting_requests() const { return waiting_.size(); }  ///< for an open request to end
+  /// The viewpoint: of two equal hits the nearer one is requested first. Initially the scene's.
   void set_eye(const glm::dvec3& eye) { eye_ = eye; }
   void set_overrides(nlohmann::json overrides);
-  /// Are all steps of the recording played?
+  /// Whether all steps of the recording have been played.
   bool replayed() const { return settings_.replay && world_.steps() >= settings_.replay->hashes.size(); }
-  /// Ends the replay: what comes next is a game like any other, with the answers that are still awaited.
+  /// Ends the replay: from here on the game continues normally, with the answers that are still awaited.
   void hand_over();
-  /// Throws what the scene throws by itself, up to a time in seconds. Reproducible runs do so in step().
+  /// Throws the scene's own balls up to a time in seconds. Reproducible runs do so in step().
   void throw_scripted(double until);
-  /// The last whole answer, for saving; null before the first.
+  /// The last complete answer, for saving; null before the first.
   std::shared_ptr<const std::string> last_glb() const { return last_glb_; }
   std::size_t meshes_stored() const { return meshes_stored_; }
-  /// What the server answered to Client::patterns(), which whoever wants it has asked; empty before.
+  /// The answer to Client::patterns(), which the user of this class requests; empty before it arrives.
   const std::string& patterns() const { return patterns_; }
 
  private:
   struct Pending {
-    protocol::Ticket ticket = 0;  ///< 0: the answer was kept
+    protocol::Ticket ticket = 0;  ///< 0: the answer was already kept
     std::size_t thing = 0;
     std::optional<std::uint32_t> fragment;  ///< secondary
-    nlohmann::json wanted;                  ///< what is asked for, in full
-    nlohmann::json parameters;              ///< of all fragments when it has taken effect
-    /// A further hit: what it is a change of. Where the server knows the answer before by its name no more, it is asked
-    /// for `wanted`.
+    nlohmann::json wanted;                  ///< the complete request
+    nlohmann::json parameters;              ///< of all fragments once it has taken effect
+    /// For a further hit: the answer that it changes. If the server has forgotten that answer, `wanted` is requested
+    /// instead.
     std::shared_ptr<const Decoded> before;
     bool by_name = false;
     std::string location;   ///< of the answer
-    std::uint64_t due = 0;  ///< step; fixed_latency alone
+    std::uint64_t due = 0;  ///< step; only with fixed_latency
     std::shared_ptr<const Decoded> decoded;
-    double milliseconds = 0;     ///< from asking to the answer
+    double milliseconds = 0;     ///< from the request to the answer
     std::uint64_t asked_at = 0;  ///< step
-    bool ahead = false;          ///< asked for before a hit: kept until World::expects_hit()
+    bool ahead = false;          ///< requested before a hit: kept until World::expects_hit()
     bool failed = false;
     bool finished() const { return failed || decoded; }
   };
 
-  /// A hit that is to be asked for.
+  /// A hit for which a request is to be sent.
   struct Waiting {
     std::size_t thing = 0;
     std::optional<std::uint32_t> fragment{};
@@ -145,35 +145,35 @@ class Game {
     bool ahead = false;
     bool again = false;  ///< a further hit on its fragments
   };
-  using Requests = std::map<std::uint64_t, Pending>;  ///< by their numbers, from 1, in the order of asking
+  using Requests = std::map<std::uint64_t, Pending>;  ///< by number, from 1, in request order
 
   void poll();
-  void want(const Waiting& hit);  ///< keeps the more urgent of two for the same thing
-  void ask_most_urgent();         ///< as many as may be open
+  void want(const Waiting& hit);  ///< keeps the more urgent of two hits on the same thing
+  void ask_most_urgent();         ///< sends as many as may be open
   void ask(const Waiting& hit);
-  /// Would a further hit make finer fragments than there are, and has nobody asked for it?
+  /// Whether a further hit would give finer fragments and has not been requested yet.
   bool wants_again(const Thing& thing, const world::Event& event) const;
-  /// The server does not know the answer any more that the request names: asks for the same by its parameters.
+  /// The server has forgotten the answer in the request: requests the same result by its parameters.
   void ask_by_parameters(Pending& pending);
-  /// How many count for GameSettings::max_requests. When an answer comes is neither reproducible nor recorded, so what
-  /// was foreseen counts for a moment, and other hits until their answer takes effect.
+  /// Number of requests that count towards GameSettings::max_requests. Arrival times are neither reproducible nor recorded, so
+  /// predicted hits count for a moment, and other hits until their answer takes effect.
   std::size_t counted_requests() const;
-  bool is_kept(const Pending& pending) const;  ///< for a hit that has not come
+  bool is_kept(const Pending& pending) const;  ///< for a hit that has not happened
   void apply(Pending& pending);
   void apply_hit(Pending& pending);
-  bool apply_due();  ///< whether bodies were swapped
-  /// The server has looked at a mesh, and knows the volume of what will break: of walls, where it makes some.
+  bool apply_due();  ///< returns whether bodies were swapped
+  /// The server has examined a mesh and reports the volume that will break: that of its walls, if it has any.
   void weigh(const std::vector<std::size_t>& things, const std::string& answer);
   void scale_mass(std::size_t thing, double factor);
-  bool adopt(Requests::iterator pending);  ///< the same
-  void play_recorded();                    ///< what was recorded before this step
+  bool adopt(Requests::iterator pending);  ///< returns the same
+  void play_recorded();                    ///< plays the recorded events before this step
   void play_answer(const RecordedEvent& event);
   void record(const RecordedEvent& event);
   void take_events();
-  /// From where it is seen, before a step that decides by it. A replay has to know when it plays that.
+  /// Records the viewpoint before a step that depends on it, because a replay needs it.
   void record_eye(std::uint64_t step);
   void note_failure(Pending& pending, const std::string& what);
-  /// pending_.end() for those of a game before this one.
+  /// pending_.end() for requests of an earlier game.
   Requests::iterator request_of(protocol::Ticket ticket);
   bool replay_is_ready() const;
   bool is_recorded() const { return settings_.recorder || settings_.history; }
@@ -193,14 +193,14 @@ class Game {
   GameFigures figures_;
   std::shared_ptr<const std::string> last_glb_;
   std::uint64_t asked_ = 0;
-  /// Meshes that the server has not answered to yet, and what is made of them.
+  /// Meshes for which the server has not answered yet, and the things made of them.
   std::map<protocol::Ticket, std::vector<std::size_t>> storing_;
-  /// The same, and what the server said of them while a recording was played, which knows better: for the time after it.
+  /// The same for the time after a replay, with the server's reports that arrived during it; the recording takes precedence.
   std::vector<std::pair<std::vector<std::size_t>, std::string>> to_weigh_;
   std::set<std::size_t> weighed_;  ///< things
   std::size_t next_throw_ = 0, next_blast_ = 0, meshes_stored_ = 0, next_recorded_ = 0;
   std::string patterns_;
-  double owed_ = 0;  ///< seconds not yet simulated
+  double owed_ = 0;  ///< seconds still to be simulated
 };
 
 }  // namespace fracture::game

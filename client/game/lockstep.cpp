@@ -40,16 +40,16 @@ Expected<json> read_lockstep_header(const std::string& line) {
   const auto member = [&](const char* name) { return header.value(name, json()); };
   if (member("format") != kLockstepFormat)
     return bad("The other player's game has the format " + printable(json_text(member("format"))) +
-               ", this one has \"" + kLockstepFormat +
+               ", but this one has \"" + kLockstepFormat +
                "\". Both players need the same version of the program.");
   if (member("rules") != kRules)
     return bad("The other player's game has rules " + printable(json_text(member("rules"))) +
-               ", this one has rules " + std::to_string(kRules) +
+               ", but this one has rules " + std::to_string(kRules) +
                ". Both players need the same version of the program.");
   for (const char* name : {"answer_steps", "delay"})
     if (!member(name).is_number_unsigned() || member(name) < 1 || member(name) > kMostSteps)
       return bad(std::string("The other player's ") + name + " must be 1 to " + std::to_string(kMostSteps) +
-                 " steps; it is " + printable(json_text(member(name))) + ".");
+                 " steps, but it is " + printable(json_text(member(name))) + ".");
   return header;
 }
 
@@ -127,7 +127,7 @@ void Lockstep::take(const std::string& line) {
     theirs_.push_back(std::move(event));
   } catch (const std::exception& error) {
     constexpr std::size_t kShown = 200;
-    leave("A line of the other player cannot be used (" + printable(json_trouble(error)) +
+    leave("A line from the other player is invalid (" + printable(json_trouble(error)) +
           "): " + printable(line.substr(0, kShown)));
   }
 }

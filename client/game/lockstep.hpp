@@ -1,16 +1,16 @@
-// One game on two machines: each plays it by itself, from the same beginning and what both players do. No geometry is sent.
+// One game on two machines: each computes it from the same start and from what both players do. No geometry is sent.
 //
-// Lines of JSON, as in a recording (recording.hpp). First the header of the game, from both, which has to be the same:
+// JSON lines, as in a recording (recording.hpp). First, both sides send the header of the game, which must be the same:
 //
 //   {"format": "fracture-lockstep-1", "rules": 3, "answer_steps": 6, "delay": 12, "scene": …, "seed": …, "digest": …}
-//   {"step": 48, "throw": …}       what this player does takes effect so many steps later (`delay`), on both machines
-//   {"step": 35, "hash": "90ab…"}  after each step. It also says that all is sent that this player does before
-//                                  step 36 + delay: the other one may go on so far, and no further
+//   {"step": 48, "throw": …}       this player's action takes effect `delay` steps later, on both machines
+//   {"step": 35, "hash": "90ab…"}  after each step. It also means that all of this player's actions before step
+//                                  36 + delay have been sent: the other side may compute up to there, and no further
 //   {"refused": "…"}               there is no game, and why; the last line
 //
-// So nobody is more than `delay` steps ahead, what both do at one step happens in one order (who invited comes first), and
-// the first step that is not the same on both is known at once. The game is a reproducible one
-// (GameSettings::fixed_latency), seen from the scene's eye, whoever looks at it from where.
+// So no player is more than `delay` steps ahead, simultaneous actions have a fixed order (the inviting player's come first),
+// and the first step that differs is detected at once. The game is reproducible
+// (GameSettings::fixed_latency) and uses the scene's eye, whatever each player looks at.
 #pragma once
 
 #include <chrono>
@@ -26,34 +26,34 @@ namespace fracture::game {
 
 inline constexpr unsigned kLockstepDelay = 12;  ///< steps: a tenth of a second
 
-/// With what lockstep adds to the header of a recording.
+/// The header of a recording, plus the members that lockstep needs.
 nlohmann::json lockstep_header(nlohmann::json header, unsigned answer_steps, unsigned delay = kLockstepDelay);
-/// kBadJson where it is no header of this version's lockstep; kUnavailable where it is a refusal.
+/// Fails with kBadJson if it is not a header of this version's lockstep, and kUnavailable if it is a refusal.
 Expected<nlohmann::json> read_lockstep_header(const std::string& line);
 
 class Lockstep {
  public:
   enum class Seat { kHost, kGuest };
-  /// `game` has been made as the header says, and outlives this, as does the link. `theirs`: the other's header, where it
-  /// has been read already; else null.
-  /// `patience`: for one who is there, but does not go on; more than a client waits for its server.
+  /// `game` was created from the header and outlives this object, as does the link. `theirs`: the other player's header if it
+  /// has already been read, else null.
+  /// `patience`: for a player who is connected but does not continue; longer than a client waits for its server.
   Lockstep(Game& game, PeerLink& link, Seat seat, nlohmann::json header, nlohmann::json theirs = nullptr,
            std::chrono::milliseconds patience = std::chrono::seconds(90));
 
   void throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, const scenes::Ball& ball = {});
   void explode(const world::Blast& blast);
 
-  /// May the next step be played? Polls; never waits.
+  /// Whether the next step can be played. Polls; never blocks.
   bool ready();
-  /// Only when ready().
+  /// Call it only if ready().
   void step();
-  /// The other one has played every step that this one has, to the same bits. Polls.
+  /// Whether the other player has played every step that this one has, with the same bits. Polls.
   bool level();
-  /// Ends the game, and tells the other player why.
+  /// Ends the game and tells the other player why.
   void leave(const std::string& why);
-  /// Why the game is over; for people.
+  /// Why the game is over, for people.
   const std::optional<std::string>& trouble() const { return trouble_; }
-  /// The first step that was not the same on both.
+  /// The first step that differed between the two.
   const std::optional<std::uint64_t>& diverged() const { return diverged_; }
 
  private:
@@ -75,11 +75,11 @@ class Lockstep {
   const nlohmann::json header_;
   const unsigned delay_;
   const std::chrono::milliseconds patience_;
-  bool met_ = false;                              ///< the other's header was this one's
-  std::uint64_t heard_ = 0;                       ///< so many steps the other has played
-  std::optional<Clock::time_point> waits_since_;  ///< for the other to go on, from this step
+  bool met_ = false;                              ///< the other header matched this one
+  std::uint64_t heard_ = 0;                       ///< number of steps that the other player has played
+  std::optional<Clock::time_point> waits_since_;  ///< start of the wait for the other player to continue
   std::uint64_t waits_for_ = 0;
-  std::deque<RecordedEvent> mine_, theirs_;                          ///< in the order of their steps
+  std::deque<RecordedEvent> mine_, theirs_;                          ///< in step order
   std::map<std::uint64_t, std::uint64_t> my_hashes_, their_hashes_;  ///< not compared yet
   std::optional<std::string> trouble_;
   std::optional<std::uint64_t> diverged_;

@@ -43,12 +43,12 @@ void read_line(const json& line, Recording& recording) {
 /// Throws std::runtime_error if the format or the rules differ from those of this program.
 void check_version(const json& header) {
   if (const json& format = header.at("format"); format != kFormat)
-    throw std::runtime_error("it has another format, " + format.dump() + "; this program plays \"" + kFormat +
+    throw std::runtime_error("its format is " + format.dump() + ", but this program plays \"" + kFormat +
                              "\"");
   // Old recordings have no rules. They are played, and a step that differs is reported.
   if (const auto rules = header.find("rules"); rules != header.end() && *rules != kRules)
     throw std::runtime_error("it was recorded by another version, with rules " + rules->dump() +
-                             "; this program has rules " + std::to_string(kRules) +
+                             ", but this program has rules " + std::to_string(kRules) +
                              ". Play it with the version that recorded it");
 }
 
@@ -91,7 +91,7 @@ RecordedEvent event_of(const json& line) {
 Expected<Recording> read_recording(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
-    return fail(ErrorCode::kFileAccess, path + " is a folder. Name the file of a recorded game.");
+    return fail(ErrorCode::kFileAccess, path + " is a folder. Specify the file of a recorded game.");
   std::ifstream in(path);
   if (!in) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
   Recording recording;

@@ -100,5 +100,5 @@ if (watch) {
   const imported = files.filter(file => fs.readFileSync(path.join(dist, 'docs.html'), 'utf8').includes(`/${file}"`));
   const docs = packed('docs.html', 'page/documents.json', ...imported);
   console.log(`first load ${first} of 500000 bytes, physics ${physics} of 1300000, documents ${docs} of 130000`);
-  if (first > 500_000 || physics > 1_300_000 || docs > 130_000) throw new Error('The page weighs more than it may.');
+  if (first > 500_000 || physics > 1_300_000 || docs > 130_000) throw new Error('The page exceeds its size limit.');
 }

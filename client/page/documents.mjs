@@ -66,7 +66,7 @@ export function rendered(file, markdown, known) {
     },
     html({ text }) {
       if (/^\s*<!--(?:(?!-->)[^])*-->\s*$/.test(text)) return '';
-      throw new Error(`${file}: has HTML, which /docs does not take: ${text.slice(0, 80)}`);
+      throw new Error(`${file}: contains HTML, which /docs does not support: ${text.slice(0, 80)}`);
     },
     image() {
       pictures = true;
@@ -96,7 +96,7 @@ export function rendered(file, markdown, known) {
 
 function linked(file, href, html, known) {
   if (/^https?:\/\//.test(href)) return /^https?:\/\/(127\.0\.0\.1|localhost)\b/.test(href) ? html : `<a href="${escaped(href)}" rel="noopener">${html}</a>`;
-  if (/^[a-z][a-z0-9+.-]*:/i.test(href)) throw new Error(`${file}: links to ${href}, and /docs takes only http and https`);
+  if (/^[a-z][a-z0-9+.-]*:/i.test(href)) throw new Error(`${file}: links to ${href}, but /docs allows only http and https`);
   const [place, anchor] = href.split('#'), full = place === '' ? file : path.posix.normalize(path.posix.join(path.posix.dirname(file), place));
   if (full === INTERFACE) return `<a href="#interface">${html}</a>`;
   if (known.has(full)) return `<a href="#${escaped(full)}${anchor ? `:${escaped(anchor)}` : ''}">${html}</a>`;

@@ -341,8 +341,8 @@ Ticket Client::fracture(const std::string& mesh, const nlohmann::json& parameter
   if (text.size() > kMaxParameterBytes) {
     Answer answer;
     answer.failure = Failure::kTooLarge;
-    answer.detail = "The parameters have " + std::to_string(text.size()) + " bytes; a request may have " +
-                    std::to_string(kMaxParameterBytes) + ".";
+    answer.detail = "The parameters have " + std::to_string(text.size()) +
+                    " bytes; the maximum for a request is " + std::to_string(kMaxParameterBytes) + ".";
     const std::lock_guard lock(state_->mutex);
     answer.ticket = state_->next_ticket++;
     ++state_->shown.failed;

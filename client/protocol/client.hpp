@@ -1,4 +1,4 @@
-// The client of the service for a game: asks without waiting, answers are polled from the frame.
+// A client of the service for games: it never blocks, and answers are polled from the frame thread.
 //
 //   frame thread:  add_mesh ── fracture ── cancel                    poll ── status
 //                      │           │         │                        ▲
@@ -12,9 +12,9 @@
 //     …
 //     for (Answer& answer : client.poll()) …   // every frame
 //
-// What goes wrong is tried again as long as Settings::patience allows: a server that is absent (with growing
-// pauses), one that is busy (after its Retry-After), a mesh that it has forgotten (PUT, then once more), an
-// answer that is cut off or whose digest is wrong. All requests are repeatable: the same one gives the same
+// Settings::patience limits how long failed requests are retried. A retry follows if the server is absent (after
+// growing pauses) or busy (after its Retry-After), if it has forgotten a mesh (PUT, then one retry), or if an answer
+// is cut off or its digest is wrong. All requests can be repeated safely, because identical requests give identical
 // bytes.
 #pragma once
 
@@ -29,29 +29,29 @@ namespace fracture::protocol {
 class Client {
  public:
   explicit Client(Settings settings);
-  /// Cancels what is open; waits for its own thread, not for the server.
+  /// Cancels open requests. Waits for its own thread, but not for the server.
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Sends the mesh to be prepared, and keeps it for a server that forgets it. Returns its id, "sha256:…".
-  /// `query`: what it will be fractured with, as far as that decides the solid ("material=glass" has walls); where
-  /// it is missing, the first fracture prepares the mesh again. Hashes the bytes (1 ms for a megabyte): for the
-  /// start of a level. The ticket's answer may be ignored.
+  /// Sends the mesh to be prepared, and keeps it in case the server forgets it. Returns its id, "sha256:…".
+  /// `query`: the parameters of its fractures that shape the solid ("material=glass" has walls). If it is missing,
+  /// the first fracture prepares the mesh again. Hashes the bytes (1 ms per megabyte), so call it when a level starts.
+  /// The ticket's answer may be ignored.
   std::string add_mesh(std::string bytes, const std::string& content_type, const std::string& query = {},
                        Ticket* ticket = nullptr);
 
-  /// Fragments as GLB. `parameters` as GET /patterns lists them. A mesh that was not added is answered with
-  /// kRefused unless the server has it.
+  /// Requests fragments as GLB. `parameters`: those listed by GET /patterns. The answer for a mesh that was not added is
+  /// kRefused, unless the server has the mesh.
   Ticket fracture(const std::string& mesh, const nlohmann::json& parameters);
 
   /// GET /patterns: JSON.
   Ticket patterns();
 
-  /// The answer will be kCancelled, unless it was on its way already. Unknown tickets are ignored.
+  /// The answer will be kCancelled, unless it was already on its way. Unknown tickets are ignored.
   void cancel(Ticket ticket);
 
-  /// The answers since the last call, in the order of their arrival. Never waits.
+  /// The answers since the last call, in order of arrival. Never blocks.
   std::vector<Answer> poll();
 
   Status status() const;

@@ -12,7 +12,7 @@ Expected<FrameTarget> FrameTarget::create(int width, int height, int samples) {
   if (width < 1 || height < 1 || width > largest || height > largest)
     return fail(ErrorCode::kTooLarge, "A picture of " + std::to_string(width) + " x " +
                                           std::to_string(height) +
-                                          " pixels cannot be drawn; this driver has sides of 1 to " +
+                                          " pixels cannot be drawn; this driver supports sides of 1 to " +
                                           std::to_string(largest) + ".");
   FrameTarget target;
   target.width_ = width;

@@ -69,13 +69,13 @@ Expected<void> GpuModel::check_room(const Model& more) const {
   const std::size_t objects = more.objects.size() + (own_ ? own_->objects.size() : 0);
   if (objects * kTexelsPerObject > static_cast<std::size_t>(texels))
     return fail(ErrorCode::kTooLarge, "The model has " + std::to_string(objects) +
-                                          " objects; this driver has room for " +
+                                          " objects; this driver supports at most " +
                                           std::to_string(texels / kTexelsPerObject) + ".");
   for (const Picture& picture : more.pictures)
     if (picture.width > side || picture.height > side)
-      return fail(ErrorCode::kTooLarge, "A texture has " + std::to_string(picture.width) + " x " +
-                                            std::to_string(picture.height) + " pixels; this driver takes " +
-                                            std::to_string(side) + ".");
+      return fail(ErrorCode::kTooLarge,
+                  "A texture has " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                      " pixels; this driver supports at most " + std::to_string(side) + ".");
   while (glGetError() != GL_NO_ERROR) {
   }
   return {};
@@ -99,7 +99,7 @@ Expected<void> GpuModel::put(std::span<const Vertex> vertices, std::span<const s
   for (const Material& material : model_->materials)
     each_slot(material, [&](int, const TextureSlot& slot, bool srgb) { upload_texture(slot, srgb); });
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(ErrorCode::kGraphicsDriver, "The driver cannot take the model (" +
+    return fail(ErrorCode::kGraphicsDriver, "The driver cannot load the model (" +
                                                 std::to_string(vertices.size()) + " vertices, " +
                                                 std::to_string(model_->pictures.size()) +
                                                 " textures): OpenGL error " + std::to_string(error) + ".");

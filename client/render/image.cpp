@@ -37,7 +37,7 @@ Expected<Picture> decode_picture(std::span<const std::uint8_t> bytes) {
     return fail(ErrorCode::kBadImage, "The image is neither PNG nor JPEG.");
   if (width < 1 || height < 1 || width > kMaxPictureSide || height > kMaxPictureSide)
     return fail(ErrorCode::kTooLarge, "The image has " + std::to_string(width) + " x " +
-                                          std::to_string(height) + " pixels; a side may have " +
+                                          std::to_string(height) + " pixels; the maximum for a side is " +
                                           std::to_string(kMaxPictureSide) + ".");
   const std::unique_ptr<stbi_uc, void (*)(void*)> data(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), stbi_image_free);

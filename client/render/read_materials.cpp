@@ -37,14 +37,14 @@ TextureSlot slot(const json& material, const char* key, const MaterialLibrary& l
   const json& texture = library.textures[index];
   const auto source = texture.value("source", std::uint64_t{kNoSlot});
   if (source >= library.images.size()) {
-    model.warnings.push_back(std::string("A ") + key + " has no PNG or JPEG image; it is left out.");
+    model.warnings.push_back(std::string("A ") + key + " has no PNG or JPEG image, so it is ignored.");
     return result;
   }
   result.picture = static_cast<std::uint32_t>(source);
   result.uv_set = info.value("texCoord", 0);
   if (result.uv_set < 0 || result.uv_set > 1) {
     model.warnings.push_back(std::string("A ") + key + " uses TEXCOORD_" + std::to_string(result.uv_set) +
-                             "; TEXCOORD_0 is shown.");
+                             "; TEXCOORD_0 is used instead.");
     result.uv_set = 0;
   }
   if (const auto sampler = texture.value("sampler", std::uint64_t{kNoSlot});
@@ -98,13 +98,13 @@ void read_materials(const MaterialLibrary& library, Model& model) {
     Expected<Picture> picture = decode_picture(image.bytes);
     if (!picture)
       model.warnings.push_back("Image \"" + image.name.substr(0, 60) + "\" (" + image.mime_type +
-                               ") is shown as grey. " + picture.error().detail);
+                               ") is shown in grey. " + picture.error().detail);
     model.pictures.push_back(picture ? std::move(*picture) : Picture(1, 1, {128, 128, 128, 255}));
   }
   const std::set<std::string> known = {"KHR_materials_transmission", "KHR_materials_ior",
                                        "KHR_materials_emissive_strength"};
   for (const std::string& name : library.extensions_used)
-    if (known.count(name) == 0) model.warnings.push_back("The extension " + name + " is not shown.");
+    if (known.count(name) == 0) model.warnings.push_back("The extension " + name + " is not supported.");
 }
 
 }  // namespace fracture::render

@@ -129,10 +129,10 @@ class ModelReader {
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) return;  // glTF 2.0, 3.7.2.1: not drawn
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-      warn("Points and lines are not shown.");
+      warn("Points and lines are not drawn.");
       return;
     }
-    if (!primitive.targets.empty()) warn("Morph targets are not shown.");
+    if (!primitive.targets.empty()) warn("Morph targets are not applied.");
     auto [shared, first_use] = shared_.try_emplace(primitive.attributes, 0u, 0u);
     if (first_use) shared->second = append_vertices(primitive, object);
     const auto [base, count] = shared->second;
@@ -145,13 +145,13 @@ class ModelReader {
     }
     for (const std::uint32_t index : indices)
       if (index >= count)
-        refuse(ErrorCode::kMalformedMesh, "A triangle of mesh \"" + name_of(object) + "\" names vertex " +
-                                              std::to_string(index) + "; there are " + std::to_string(count) +
-                                              ".");
+        refuse(ErrorCode::kMalformedMesh, "A triangle of mesh \"" + name_of(object) + "\" refers to vertex " +
+                                              std::to_string(index) + ", but there are " +
+                                              std::to_string(count) + ".");
     std::vector<std::array<std::uint32_t, 3>> triangles = gltf_triangles(indices, primitive.mode);
     if (model_.indices.size() / 3 + triangles.size() > limits_.max_triangles)
-      refuse(ErrorCode::kTooLarge, "The model has more than the " + std::to_string(limits_.max_triangles) +
-                                       " triangles that are shown.");
+      refuse(ErrorCode::kTooLarge,
+             "The model has more than " + std::to_string(limits_.max_triangles) + " triangles.");
     if (triangles.empty()) return;
     if (mirrored)
       for (auto& t : triangles) std::swap(t[1], t[2]);
@@ -189,7 +189,8 @@ class ModelReader {
       if (it == primitive.attributes.end()) return;
       const std::vector<double> values = read_accessor(gltf_, it->second, width);
       if (values.size() != count * static_cast<std::size_t>(width))
-        refuse(ErrorCode::kMalformedMesh, "The attribute " + name + " has another count than POSITION.");
+        refuse(ErrorCode::kMalformedMesh,
+               "The attribute " + name + " does not have the same count as POSITION.");
       for (std::size_t v = 0; v < count; ++v) {
         std::array<float, 4> x{0, 0, 0, 1};
         for (int c = 0; c < width; ++c) {
@@ -286,7 +287,7 @@ Expected<Model> read_model(std::span<const std::byte> bytes) {
     const tinygltf::Model gltf = load_gltf_model(document);
     ModelReader(document.json, gltf, limits, model).read();
     if (model.surfaces.empty())
-      refuse(ErrorCode::kEmptyMesh, "The default model of the glTF shows no triangle.");
+      refuse(ErrorCode::kEmptyMesh, "The glTF's default scene contains no triangles.");
     return model;
   } catch (const Refused& refused) {
     return tl::unexpected<Error>(refused.error);

@@ -1,11 +1,11 @@
-// Draws models into the bound framebuffer: sun with a soft shadow map, sky with shadows of its own, a ground,
-// and glTF 2.0's metallic-roughness materials. It makes no context and no window: one with OpenGL 3.3 core
-// has to be current, made by EGL (client/headless) or by a window, from construction to destruction.
+// Draws models into the bound framebuffer: a sun with a soft shadow map, a sky with its own shadows, a ground,
+// and glTF 2.0's metallic-roughness materials. It creates neither a context nor a window: an OpenGL 3.3 core context,
+// from EGL (client/egl) or a window, must be current from construction to destruction.
 //
-// A frame is: table of objects → sun depth → sky depths → background, opaque surfaces, ground, blended
-// surfaces (their back faces, then their front faces: for closed fragments of one glass the order among them
-// changes little, as absorption multiplies). Neighbouring surfaces of one material are one draw call. That is the low
-// tier; high_picture.hpp says what the high one does after the depths of sun and sky.
+// A frame consists of: table of objects → sun depth → sky depths → background, opaque surfaces, ground, blended
+// surfaces (back faces, then front faces; for closed fragments of the same glass their order matters
+// little, because absorption multiplies). Adjacent surfaces with the same material are one draw call. This is the low
+// tier; high_picture.hpp describes what the high tier does after the sun and sky depths.
 #pragma once
 
 #include <cstddef>
@@ -25,16 +25,16 @@
 namespace fracture::render {
 
 enum class Ground { kNone, kPlane, kGrid };
-/// What covers the materials: nothing, or plain grey outside and orange inside.
+/// Replaces the materials: nothing, or plain grey outside and orange inside.
 enum class Highlight { kNone, kInterior };
 
 struct Lighting {
   glm::vec3 towards_sun{0.45f, 0.8f, 0.5f};  ///< any length
-  glm::vec3 sun{2.9f, 2.75f, 2.5f};          ///< irradiance on a surface that faces it, linear
+  glm::vec3 sun{2.9f, 2.75f, 2.5f};          ///< irradiance on a surface facing the sun, linear
   glm::vec3 sky{0.47f, 0.52f, 0.60f};        ///< radiance from above, linear
   glm::vec3 ground{0.26f, 0.25f, 0.24f};     ///< radiance from below
-  float sun_softness = 2.0f;                 ///< radius of the penumbra filter in texels of the sun's map
-  int sky_shadows = 32;  ///< directions, 0 … kMaxSkyDirections; 0: the sky throws no shadow
+  float sun_softness = 2.0f;  ///< radius of the penumbra filter in texels of the sun's shadow map
+  int sky_shadows = 32;       ///< number of directions, 0 … kMaxSkyDirections; 0: the sky casts no shadow
   bool sun_shadow = true;
   float exposure = 1.0f;
 };
@@ -42,39 +42,39 @@ struct Lighting {
 struct RenderSettings {
   Lighting lighting;
   Ground ground = Ground::kPlane;
-  std::optional<float> ground_height;            ///< y, metres; the lowest point of the model when empty
+  std::optional<float> ground_height;            ///< y in metres; if empty, the lowest point of the model
   glm::vec3 ground_color{0.34f, 0.345f, 0.36f};  ///< linear
   bool background = true;                        ///< false: transparent black
   glm::vec3 background_top{0.17f, 0.20f, 0.25f},
       background_bottom{0.42f, 0.43f, 0.45f};  ///< as shown, linear
   Highlight highlight = Highlight::kNone;
-  SolidLook look = SolidLook::kNone;  ///< a material for everything, by a solid texture (looks.hpp)
-  glm::vec3 grain{0, 1, 0};           ///< of a look that has one
-  /// What light and shadow maps cover, and the middle of the ground; around all visible objects when empty.
+  SolidLook look = SolidLook::kNone;  ///< a solid texture that replaces every material (looks.hpp)
+  glm::vec3 grain{0, 1, 0};           ///< for looks that have a grain
+  /// The region covered by light and shadow maps, and the centre of the ground; if empty, around all visible objects.
   std::optional<Sphere> lit;
-  bool wireframe = false;  ///< edges of the surfaces alone
-  Tier tier = Tier::kLow;  ///< high draws a sky instead of the background's colours, and no edges
-  /// Called with the framebuffer that more can be drawn into, after all surfaces and, in the high tier, before what is done
-  /// to the picture as a whole: there it takes light, not colours.
+  bool wireframe = false;  ///< only the edges of the surfaces
+  Tier tier = Tier::kLow;  ///< high draws a sky instead of the background colours, and no edges
+  /// Called with the framebuffer, so that more can be drawn into it: after all surfaces and, in the high tier, before the
+  /// picture is post-processed, when the framebuffer contains light instead of colours.
   std::function<void(GLuint framebuffer)> overlay{};
 };
 
-/// One of several models that stand in the same picture, with a look of its own.
+/// One of several models in the same picture, each with its own look.
 struct DrawItem {
   GpuModel* model = nullptr;
-  std::span<const ObjectState> states;  ///< one for each object
+  std::span<const ObjectState> states;  ///< one per object
   SolidLook look = SolidLook::kNone;
-  glm::vec3 grain{0, 1, 0};  ///< of objects without a placement of their own
-  /// One for each object, or empty: 1 where its interior surfaces are not drawn (they throw shadows all the same).
+  glm::vec3 grain{0, 1, 0};  ///< for objects without their own placement
+  /// One per object, or empty: 1 if the object's interior surfaces are not drawn (they still cast shadows).
   std::span<const std::uint8_t> uncut{};
 };
 
 struct FrameStats {
-  std::size_t draw_calls = 0;         ///< of the visible pass
-  std::size_t shadow_draw_calls = 0;  ///< of the depth passes: a few for each shadow map
+  std::size_t draw_calls = 0;         ///< in the visible pass
+  std::size_t shadow_draw_calls = 0;  ///< in the depth passes: a few per shadow map
   std::size_t surfaces = 0;           ///< drawn in the visible pass
   std::size_t culled = 0;             ///< outside the view
-  Tier tier = Tier::kLow;             ///< that was drawn
+  Tier tier = Tier::kLow;             ///< the tier that was drawn
 };
 
 struct FrameBlock;
@@ -82,17 +82,17 @@ class HighPicture;
 
 class Renderer {
  public:
-  /// kNoDevice below OpenGL 3.3, kGl where a shader or a map is refused.
+  /// Fails with kNoGraphics below OpenGL 3.3, and kGraphicsDriver if the driver refuses a shader or shadow map.
   static Expected<Renderer> create();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  /// Draws into `framebuffer`, of width × height pixels, and clears it first. `states` has one for each
-  /// object. Where the driver refuses the high tier, the low one is drawn, and trouble() says why.
+  /// Clears `framebuffer`, which has width × height pixels, and draws into it. `states` has one entry per
+  /// object. If the driver refuses the high tier, the low one is drawn, and trouble() explains why.
   FrameStats draw(GpuModel& model, std::span<const ObjectState> states, const Camera& camera,
                   const RenderSettings& settings, GLuint framebuffer, int width, int height);
-  /// Several models in one picture; the looks of the items replace that of the settings.
+  /// Draws several models in one picture; the items' looks replace the look in the settings.
   FrameStats draw(std::span<const DrawItem> items, const Camera& camera, const RenderSettings& settings,
                   GLuint framebuffer, int width, int height);
 
@@ -104,13 +104,13 @@ class Renderer {
   void depth_passes(std::span<const DrawItem> items, const RenderSettings& settings, Tier tier,
                     FrameStats& stats);
   void draw_ground(const RenderSettings& settings) const;
-  bool prepare_high(int width, int height);  ///< false: trouble()
+  bool prepare_high(int width, int height);  ///< false: see trouble()
 
   Program surface_, depth_, ground_, background_;
   Buffer frame_block_;
   VertexArray empty_;
   std::optional<ShadowMaps> shadows_;
-  std::unique_ptr<HighPicture> high_;  ///< once it was asked for
+  std::unique_ptr<HighPicture> high_;  ///< set once it is requested
   std::optional<Error> trouble_;
 };
 

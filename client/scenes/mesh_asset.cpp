@@ -43,8 +43,8 @@ Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {
     const glm::vec3 size = high - low;
     asset.unit = guessed_unit(std::max({size.x, size.y, size.z}));
     if (!asset.unit.empty())
-      asset.warnings.push_back(asset.name + " is taken to be in " + asset.unit +
-                               " (--unit, or U, says otherwise).");
+      asset.warnings.push_back(asset.name + " is assumed to be in " + asset.unit +
+                               " (use --unit or the key U to change this).");
   }
   if (const float scale = metres_of(asset.unit); scale != 1) {
     for (glm::vec3& p : positions) p *= scale;
@@ -133,7 +133,8 @@ Expected<MeshAsset> load_asset(const std::string& path, const std::string& unit)
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto format = format_from_extension(extension);
   if (!format)
-    return fail(ErrorCode::kUnknownFormat, path + " has no extension of a mesh format that is read.");
+    return fail(ErrorCode::kUnknownFormat,
+                path + " does not have the file extension of a supported mesh format.");
   if (*format == MeshFormat::kGlb) return complete(std::move(asset), {}, true);
   // What the file names lies beside it.
   std::vector<std::string> names, contents;

@@ -48,13 +48,13 @@ Speakers::Speakers(Speakers&&) noexcept = default;
 Speakers::~Speakers() = default;
 
 Expected<Speakers> Speakers::start(std::unique_ptr<State> state, const int* attributes) {
-  if (state->device == nullptr) return fail(ErrorCode::kNoSound, "OpenAL opens no device.");
+  if (state->device == nullptr) return fail(ErrorCode::kNoSound, "OpenAL cannot open a device.");
   state->context = alcCreateContext(state->device, attributes);
   if (state->context == nullptr || alcMakeContextCurrent(state->context) == ALC_FALSE)
     return fail(ErrorCode::kNoSound,
-                "OpenAL makes no context (error " + std::to_string(alcGetError(state->device)) + ").");
+                "OpenAL cannot create a context (error " + std::to_string(alcGetError(state->device)) + ").");
   alGenSources(static_cast<ALsizei>(kVoices), state->sources.data());
-  if (alGetError() != AL_NO_ERROR) return fail(ErrorCode::kNoSound, "OpenAL gives too few sources.");
+  if (alGetError() != AL_NO_ERROR) return fail(ErrorCode::kNoSound, "OpenAL provides too few sources.");
   alGenBuffers(static_cast<ALsizei>(kVoices), state->buffers.data());
   state->voices = true;
   alDistanceModel(AL_INVERSE_DISTANCE_CLAMPED);
@@ -73,7 +73,7 @@ Expected<Speakers> Speakers::device() {
 
 Expected<Speakers> Speakers::loopback() {
   if (alcIsExtensionPresent(nullptr, "ALC_SOFT_loopback") == ALC_FALSE)
-    return fail(ErrorCode::kNoSound, "This OpenAL has no loopback (ALC_SOFT_loopback).");
+    return fail(ErrorCode::kNoSound, "This version of OpenAL does not support loopback (ALC_SOFT_loopback).");
   auto state = std::make_unique<State>();
   state->device = loopback_call<LPALCLOOPBACKOPENDEVICESOFT>("alcLoopbackOpenDeviceSOFT")(nullptr);
   state->render = loopback_call<LPALCRENDERSAMPLESSOFT>("alcRenderSamplesSOFT");

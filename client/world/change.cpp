@@ -15,7 +15,7 @@ bool contains(const std::vector<std::uint32_t>& ascending, std::uint32_t value) 
 }
 
 std::string no_such(std::uint64_t id) {
-  return "The answer to a hit changes the fragment " + std::to_string(id) + ", which does not exist.";
+  return "The answer to a hit changes fragment " + std::to_string(id) + ", which does not exist.";
 }
 
 }  // namespace
@@ -48,9 +48,9 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
         std::find(change.changed.begin(), change.changed.end(), fragment.id) != change.changed.end();
     if (changed != (at != number.end()))
       return fail(ErrorCode::kMalformedMesh, changed ? no_such(fragment.id)
-                                                     : "The answer to a hit adds the fragment " +
+                                                     : "The answer to a hit adds fragment " +
                                                            std::to_string(fragment.id) +
-                                                           ", which exists already.");
+                                                           ", which already exists.");
     if (changed) {
       out.made.push_back(at->second);
       set.fragments[at->second] = std::move(fragment);
@@ -58,7 +58,7 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     }
     if (set.fragments.size() >= kMaxFragments)
       return fail(ErrorCode::kTooLarge, "The hits made more than " + std::to_string(kMaxFragments) +
-                                            " fragments, the limit of the game.");
+                                            " fragments, which is the game's limit.");
     const auto next = static_cast<std::uint32_t>(set.fragments.size());
     number.emplace(fragment.id, next);
     out.made.push_back(next);
@@ -72,7 +72,7 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     const auto a = number.find(change.ends[k].a), b = number.find(change.ends[k].b);
     if (a == number.end() || b == number.end())
       return fail(ErrorCode::kMalformedMesh,
-                  "A bond names the fragment " +
+                  "A bond refers to fragment " +
                       std::to_string(a == number.end() ? change.ends[k].a : change.ends[k].b) +
                       ", which does not exist.");
     Bond bond = change.bonds[k];

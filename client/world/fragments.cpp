@@ -118,7 +118,7 @@ class FragmentReader {
     for (const auto* list : {&change.added, &change.changed})
       for (const std::uint64_t id : *list) index_of(id);
     if (change.added.size() + change.changed.size() != set_.fragments.size())
-      malformed("The answer to a hit has " + std::to_string(set_.fragments.size()) + " fragments and names " +
+      malformed("The answer to a hit has " + std::to_string(set_.fragments.size()) + " fragments but lists " +
                 std::to_string(change.added.size() + change.changed.size()) + ".");
     read_bonds(member(root, "bonds", "extras.fracture"), change.bonds, change.ends);
     change.fragments = std::move(set_.fragments);
@@ -194,7 +194,7 @@ class FragmentReader {
     const json& geometry = member(*collider, "geometry", "A collider");
     const std::uint64_t mesh = whole(member(geometry, "mesh", "A collider's geometry"), "A collider's mesh");
     if (mesh >= model_.meshes.size())
-      malformed("A collider names the mesh " + std::to_string(mesh) + ", but the file has only " +
+      malformed("A collider refers to mesh " + std::to_string(mesh) + ", but the file has only " +
                 std::to_string(model_.meshes.size()) + " meshes.");
     Hull hull;
     for (const tinygltf::Primitive& primitive : model_.meshes[mesh].primitives) {
@@ -209,7 +209,8 @@ class FragmentReader {
       if (primitive.indices >= 0)
         for (const std::uint32_t v : read_indices(model_, primitive.indices))
           if (v >= xyz.size() / 3)
-            malformed("A triangle of hull " + std::to_string(mesh) + " names a point that does not exist.");
+            malformed("A triangle of hull " + std::to_string(mesh) +
+                      " refers to a point that does not exist.");
     }
     if (hull.size() < 4) malformed("Hull " + std::to_string(mesh) + " has fewer than four points.");
     fragment.hulls.push_back(std::move(hull));
@@ -220,7 +221,7 @@ class FragmentReader {
   std::uint32_t index_of(std::uint64_t id) const {
     const auto it = index_.find(id);
     if (it == index_.end())
-      malformed("A bond or a hit names the fragment " + std::to_string(id) + ", which does not exist.");
+      malformed("A bond or a hit refers to fragment " + std::to_string(id) + ", which does not exist.");
     return it->second;
   }
 

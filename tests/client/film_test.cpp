@@ -108,7 +108,7 @@ TEST_F(Films, AProgramThatTakesNothingOrNeverEndsIsWaitedForNoLongerThanPatience
   const auto start = std::chrono::steady_clock::now();
   const Expected<void> stuck = make("a.mp4", settings(script("exec sleep 600"), milliseconds(200)), 2000);
   ASSERT_FALSE(stuck);
-  EXPECT_NE(stuck.error().detail.find("takes no more"), std::string::npos) << stuck.error().detail;
+  EXPECT_NE(stuck.error().detail.find("accepts no more"), std::string::npos) << stuck.error().detail;
   const Expected<void> endless =
       make("a.mp4", settings(script("cat >/dev/null; exec sleep 600"), milliseconds(200)), 2);
   ASSERT_FALSE(endless);
@@ -168,7 +168,7 @@ TEST_F(Films, AFilmIsNotWrittenOverAFolderOrAnEarlierFilmOfPictures) {
   const Expected<void> shorter = make("frames", settings(), 1);
   ASSERT_FALSE(shorter) << "the second and third picture would be of the longer film";
   EXPECT_EQ(shorter.error().code, ErrorCode::kFileAccess);
-  EXPECT_NE(shorter.error().detail.find("frames has pictures of an earlier film"), std::string::npos);
+  EXPECT_NE(shorter.error().detail.find("frames contains an earlier film"), std::string::npos);
   const Expected<void> nowhere = make("absent/a.gif", settings(), 1);
   ASSERT_FALSE(nowhere);
   EXPECT_EQ(nowhere.error().code, ErrorCode::kFileAccess);

@@ -187,7 +187,7 @@ TEST_F(Lockstepped, OtherVersionsAndWhatIsNoHeaderAreRefusedInWords) {
 TEST_F(Lockstepped, LinesThatCannotBeUsedEndTheGameInWords) {
   const std::string event = R"({"step": 12, "throw": [[0, 1, 2], [0, 0, 0]]})";
   for (const auto& [line, words] : std::vector<std::pair<std::string, std::string>>{
-           {"{\"step\": 12, \"thr", "cannot be used"},
+           {"{\"step\": 12, \"thr", "is invalid"},
            {R"({"step": 13, "throw": [[0, 1, 2], [0, 0, 0]]})", "expected step 12"},
            {R"({"step": 1, "hash": "00"})", "expected step 0"},
            {R"({"step": 0, "hash": "no"})", "hexadecimal"},

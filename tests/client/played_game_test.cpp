@@ -89,7 +89,7 @@ TEST_F(PlayedGames, GoBackAndOnFromThere) {
   });
   EXPECT_TRUE(another);
   EXPECT_EQ(game_->past(), nullptr);
-  EXPECT_TRUE(was_said("the game goes on"));
+  EXPECT_TRUE(was_said("the game continues"));
   EXPECT_TRUE(game_->now()->moment->balls.empty());
   play_to(back + 20);
   game_ = nullptr;

@@ -133,10 +133,10 @@ TEST(ReadModel, ARefusalSaysWhatAndWhere) {
   expect(read(gltf_text({p})), ErrorCode::kNotFinite, "POSITION of vertex 1");
   p = triangle();
   p.indices[2] = 3;
-  expect(read(gltf_text({p})), ErrorCode::kMalformedMesh, "names vertex 3; there are 3");
+  expect(read(gltf_text({p})), ErrorCode::kMalformedMesh, "refers to vertex 3, but there are 3");
   p = triangle();
   p.mode = 1;
-  expect(read(gltf_text({p})), ErrorCode::kEmptyMesh, "shows no triangle");
+  expect(read(gltf_text({p})), ErrorCode::kEmptyMesh, "contains no triangles");
   expect(read(std::string("no glTF")), ErrorCode::kMalformedMesh, "glTF");
   expect(read(std::string()), ErrorCode::kMalformedMesh, "glTF");
   expect(

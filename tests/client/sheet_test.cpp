@@ -76,7 +76,7 @@ TEST(Sheet, ErrorsNameThePlace) {
     return read ? std::string("read") : read.error().detail;
   };
   EXPECT_THAT(error("{"), testing::HasSubstr("not valid JSON"));
-  EXPECT_THAT(error("[]"), testing::HasSubstr("must contain one JSON object"));
+  EXPECT_THAT(error("[]"), testing::HasSubstr("must contain a JSON object"));
   EXPECT_THAT(error("{}"), testing::HasSubstr("the cell 0/0 (row/column) has no file"));
   EXPECT_THAT(error(R"({"row": []})"), testing::HasSubstr("no member 'row'"));
   EXPECT_THAT(error(R"({"rows": 3})"), testing::HasSubstr("/rows must be an array"));

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fracture (exact): breaks objects with a fracture server into watertight fragments, with rigid bodies and bonds.
+"""Fracture (exact): uses a fracture server to break objects into watertight fragments with rigid bodies and bonds.
 
-    run.py            one fracture from the selection to the collections; begin here
+    run.py            one fracture, from the selection to the collections; start here
     operators.py      the buttons, Esc and undo        panels.py, presets.py, preferences.py   the user interface
     description.py    the server's parameters          parameters.py, properties.py            the same as properties
     frame.py          axes and units                   places.py                               hits and regions from empties
     writer.py         objects as GLB                   materials_out.py                        their materials
-    asking.py         the thread that asks             refusal.py                              errors and their places
+    asking.py         the thread with the requests     refusal.py                              errors and their locations
     fragments.py      the answer as objects            materials_in.py, bodies.py              their materials and physics
 """
 import bpy

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Asks a server or `fracture-server bake` for fragments, in a separate thread. Another thread can cancel it.
+"""Requests fragments from a server or `fracture-server bake` in a separate thread, which another thread can cancel.
 
-This module does not touch Blender's data, because they belong to the main thread. The main thread polls `state`.
+This module does not touch Blender's data, because it belongs to the main thread. The main thread polls `state`.
 """
 import contextlib
 import json
@@ -16,23 +16,23 @@ from dataclasses import dataclass
 
 from .package import Answer, Cancel, Client, FractureError
 
-PATIENCE = 10.0  # s that a cancelled job may take to stop
+PATIENCE = 10.0  # s; time that a cancelled job may take to stop
 # `bake` checks the parameters of a manifest before its first job, so a refusal is not in the report.
 REFUSED_LINE = re.compile(r"fracture-server bake: Line \d+ of '[^\n]*?': (.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Target:
-    """The program or server to ask: `program` if it is not empty, else the server at `url`."""
+    """The program or server in use: `program` if it is not empty, else the server at `url`."""
     url: str = ""
     token: str = ""
     program: str = ""
-    timeout: float = 300.0  # s that a server may be absent or busy
+    timeout: float = 300.0  # s; time that a server may be absent or busy
 
 
 @dataclass(frozen=True)
 class Request:
-    """One file to break."""
+    """A file to break."""
     name: str
     glb: bytes
     parameters: dict
@@ -46,7 +46,7 @@ class State:
 
 
 class Asking:
-    """Sends all requests, one after the other. `answers` and `error` are complete when `is_done` is true."""
+    """Sends the requests one by one. `answers` and `error` are complete when `is_done` is true."""
 
     def __init__(self, target, requests):
         self._target = target
@@ -56,7 +56,7 @@ class Asking:
         self.state = State("asking", 0)
         self.answers = []
         self.error = None  # a FractureError
-        self.failed = None  # the number of the request that failed
+        self.failed = None  # the index of the request that failed
 
     def start(self):
         self._thread.start()
@@ -66,11 +66,11 @@ class Asking:
         return not self._thread.is_alive()
 
     def cancel(self):
-        """Stops the work and returns at once. `error` gets the type "cancelled", unless all answers have arrived."""
+        """Stops the work and returns at once. `error` then has the type "cancelled", unless all answers have arrived."""
         self._cancel.cancel()
 
     def wait(self, seconds=None):
-        """Waits until the work is done, but at most this time. Returns whether it is done."""
+        """Waits until the work is done, but no longer than this. Returns whether it is done."""
         self._thread.join(seconds)
         return self.is_done
 
@@ -80,13 +80,13 @@ class Asking:
             ask()
         except FractureError as error:
             self.error = error
-        except Exception as error:  # otherwise the thread would end without an answer and without an error
+        except Exception as error:  # otherwise the thread would end with neither an answer nor an error
             self.error = FractureError("damaged", f"{type(error).__name__}: {error}")
         if self.error is not None:
             self.failed = len(self.answers)
 
     def _say(self, words, percent=0):
-        """Sets the state. `percent`: progress of the present request."""
+        """Sets the state. `percent`: progress of the current request."""
         done = len(self.answers)
         of = f" ({done + 1} of {len(self._requests)})" if len(self._requests) > 1 else ""
         name = self._requests[min(done, len(self._requests) - 1)].name
@@ -107,7 +107,7 @@ class Asking:
                     self.answers.append(job.result(cancel=self._cancel))
                 except FractureError as error:
                     if error.type == "cancelled" and self._cancel.cancelled:
-                        with contextlib.suppress(FractureError):  # a job goes on without a listener
+                        with contextlib.suppress(FractureError):  # a job continues without a listener
                             job.cancel(timeout=PATIENCE)
                     raise
 
@@ -120,7 +120,7 @@ class Asking:
                 self.answers.append(self._bake(pathlib.Path(folder), number, request))
 
     def _bake(self, folder, number, request):
-        """Runs `bake` with a manifest, because its parameters are those of a request, as JSON. Raises FractureError."""
+        """Runs `bake` with a manifest, which contains the parameters in the same JSON form as a request. Raises FractureError."""
         mesh, output, manifest = (folder / f"{number}.{end}" for end in ("mesh.glb", "glb", "ndjson"))
         mesh.write_bytes(request.glb)
         job = {"input": mesh.name, "output": output.name, "parameters": request.parameters}
@@ -164,7 +164,7 @@ def _interrupt(process):
 
 
 def _last_line(report):
-    """The last line of a report of `bake`; {} without one."""
+    """The last line of a `bake` report; {} if there is none."""
     try:
         lines = [json.loads(line) for line in report.read_text(encoding="utf-8").splitlines() if line.strip()]
     except (OSError, ValueError):

@@ -6,7 +6,7 @@ from .frame import Frame
 
 
 def prepare(scene):
-    """The scene's rigid body world with its two collections. Missing ones are created."""
+    """The scene's rigid body world with its two collections. Creates what is missing."""
     if scene.rigidbody_world is None:
         bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
@@ -18,7 +18,7 @@ def prepare(scene):
 
 
 def add_bodies(scene, answer, objects, shape):
-    """Makes each fragment a rigid body by linking it to the world's collection. The operator does the same, but is slower."""
+    """Turns each fragment into a rigid body by linking it to the world's collection. The operator does the same more slowly."""
     world = prepare(scene)
     friction, restitution = (float(answer.parameters.get(name, 0.0)) for name in ("friction", "restitution"))
     for fragment in answer.fragments:
@@ -31,7 +31,7 @@ def add_bodies(scene, answer, objects, shape):
         body.mass = fragment.mass
         body.friction = friction
         body.restitution = restitution
-        # Without this, a margin around each hull pushes touching pieces apart: an undisturbed box of bricks moves by a metre in a
+        # Without this, a margin around each hull pushes touching pieces apart: bricks in an undisturbed box move a metre in one
         # second. With it, Blender shrinks the hull by the margin if there is room.
         body.use_margin = False
 
@@ -39,9 +39,9 @@ def add_bodies(scene, answer, objects, shape):
 def threshold(bond, scene, factor=1.0):
     """The impulse at which Blender breaks a constraint.
 
-    A bond withstands a force, its strength (N): the strength of the material (Pa) times its area. Bullet compares the impulse of
-    a constraint within one step, which takes 1 / (frames per second * substeps per frame) seconds. Its lengths are in Blender
-    units, so 1 N is 1 / scale there.
+    A bond withstands a force, its strength (N): the material's strength (Pa) times the bond's area. Bullet checks a constraint's
+    impulse within one step, which takes 1 / (frames per second * substeps per frame) seconds. Its lengths are in Blender units,
+    so 1 N is 1 / scale there.
     """
     world = scene.rigidbody_world
     rate = scene.render.fps / scene.render.fps_base / max(world.time_scale, 1e-6) * world.substeps_per_frame
@@ -49,8 +49,8 @@ def threshold(bond, scene, factor=1.0):
 
 
 def add_constraints(scene, answer, objects, collection, factor=1.0):
-    """Creates an empty with a constraint for each bond, in a separate collection, and returns the empties. Two fragments of a bond do
-    not collide, also after the bond breaks, because hulls of ragged chunks overlap and would push each other away."""
+    """Creates an empty with a constraint for each bond, in a separate collection, and returns the empties. The two fragments of a bond
+    never collide, even after the bond breaks, because hulls of ragged chunks overlap and would push each other away."""
     world = prepare(scene)
     frame = Frame.of(scene)
     inside = bpy.data.collections.new(f"{collection.name} bonds")
@@ -75,7 +75,7 @@ def add_constraints(scene, answer, objects, collection, factor=1.0):
 
 
 def remove_from_simulation(scene, item):
-    """Removes an original from the simulation, because its fragments would collide with it. Undo restores its body."""
+    """Removes the original from the simulation, because its fragments would collide with it. Undo restores its body."""
     world = scene.rigidbody_world
     if item.rigid_body is not None and world is not None and world.collection is not None and item.name in world.collection.objects:
         world.collection.objects.unlink(item)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parameters, patterns and materials of a server, as GET /patterns describes them.
+"""A server's parameters, patterns and materials, as described by GET /patterns.
 
 The add-on has no list of its own. The description comes from the server in use, or from the program fracture-server, which is
-started as a server for a moment. The last description is stored in the user's folder of Blender for the next start. A packed
-add-on can contain a description for the first start (pack.py --describe).
+briefly started as a server. The latest description is stored in Blender's user folder for the next start. A packed add-on can
+contain a description for the first start (pack.py --describe).
 """
 import contextlib
 import json
@@ -17,7 +17,7 @@ import threading
 from .package import Client, FractureError
 
 FILE = "description.json"
-START_SECONDS = 20.0  # s that a server may take to start; usually it takes 0.1 s
+START_SECONDS = 20.0  # s; time that a server may take to start; usually 0.1 s
 ASK_SECONDS = 15.0
 
 
@@ -35,27 +35,27 @@ class Description:
         self.source = str(document.get("source", ""))
 
     def of_pattern(self, pattern):
-        """The names of the parameters of a pattern. Other patterns may have them too."""
+        """The names of a pattern's parameters. Other patterns may share them."""
         return [entry["name"] for entry in self.patterns.get(pattern, {}).get("parameters", ())]
 
     def of_any_pattern(self):
-        """The names of the parameters that belong to patterns."""
+        """The names of all parameters that belong to patterns."""
         return {name for pattern in self.patterns for name in self.of_pattern(pattern)}
 
     def pattern_of(self, given):
-        """The pattern of a request: its own, that of its material, or the default."""
+        """A request's pattern: its own, its material's, or the default."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         default = self.parameters.get("pattern", {}).get("default")
         return given.get("pattern") or preset.get("pattern") or default
 
     def usual(self, name, given):
-        """The value of a parameter that is not sent: that of the material, or the default; None without one."""
+        """The value of a parameter that is not sent: the material's or the default; None if there is none."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         return preset.get(name, self.parameters.get(name, {}).get("default"))
 
 
 def of_server(client, cancel=None):
-    """The description of a server. Raises FractureError."""
+    """A server's description. Raises FractureError."""
     document = client.patterns(timeout=ASK_SECONDS, cancel=cancel)
     if "mesh_parameters" not in document:  # older servers have this list in GET /limits only
         document["mesh_parameters"] = client.limits(timeout=ASK_SECONDS, cancel=cancel).get("parameters", [])
@@ -65,7 +65,7 @@ def of_server(client, cancel=None):
 
 
 def of_program(program):
-    """The description of the program `fracture-server`, which is started on a free port. Raises FractureError."""
+    """The description from the program `fracture-server`, which is started on a free port. Raises FractureError."""
     with serving(program) as url, Client(url, timeout=ASK_SECONDS) as client:
         return of_server(client)
 
@@ -82,7 +82,7 @@ def serving(program):
     found = queue.Queue()
 
     def listen():
-        for line in process.stderr:  # to its end, because a full pipe would stop the server
+        for line in process.stderr:  # read to the end, because a full pipe would stop the server
             match = re.search(r"serving on (http://\S+)", line)
             if match:
                 found.put(match.group(1))
@@ -111,7 +111,7 @@ def serving(program):
 
 
 def load(folders):
-    """The stored description of the first folder that has a readable one; else None."""
+    """The stored description from the first folder that has a readable one; else None."""
     for folder in folders:
         try:
             return Description(json.loads((pathlib.Path(folder) / FILE).read_text(encoding="utf-8")))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Turns an answer into objects: a collection with one object for each fragment, and collections for the clusters of levels."""
+"""Turns an answer into objects: a collection with one object per fragment, and collections for the clusters of levels."""
 import json
 from array import array
 
@@ -13,22 +13,22 @@ MOST_OBJECTS = 20_000  # with more objects Blender does not respond for minutes
 
 
 class Made:
-    """The collection and the objects of one answer."""
+    """The collection and the objects of an answer."""
 
     def __init__(self, collection, objects):
         self.collection = collection
-        self.objects = objects  # by the id of the fragment
+        self.objects = objects  # by fragment id
 
 
 def check(answer):
-    """Raises FractureError if the answer has too many fragments for Blender. Called before any object is made."""
+    """Raises FractureError if the answer has too many fragments for Blender. Called before any object is created."""
     if len(answer.fragments) > MOST_OBJECTS:
-        raise FractureError("answer-too-large", f"The answer has {len(answer.fragments):,} fragments; at most {MOST_OBJECTS:,} objects "
-                                                "are created in Blender. Ask for fewer fragments.")
+        raise FractureError("answer-too-large", f"The answer has {len(answer.fragments):,} fragments, but the add-on creates at most "
+                                                f"{MOST_OBJECTS:,} objects. Ask for fewer fragments.")
 
 
 def build(context, answer, written, parent, name):
-    """Creates the objects of an answer in a collection in `parent`. They use the scene's materials, but not its meshes."""
+    """Creates an answer's objects in a collection inside `parent`. They share the scene's materials, but not its meshes."""
     frame = Frame.of(context.scene)
     materials = AnswerMaterials(glb.Glb(answer.glb), answer.figures, written)
     root = bpy.data.collections.new(f"{name} fragments")
@@ -45,14 +45,14 @@ def build(context, answer, written, parent, name):
         item.location = frame.point_back(fragment.translation)
         for key, value in (("id", str(fragment.id)), ("volume", fragment.volume), ("mass", fragment.mass), ("area", fragment.area),
                            ("anchored", fragment.anchored), ("part", fragment.part), ("level", fragment.level)):
-            item[f"fracture_{key}"] = value  # the id is a text, because it does not fit into Blender's integers
+            item[f"fracture_{key}"] = value  # the id is text, because it does not fit into Blender's integers
         clusters.get(fragment.parent, root).objects.link(item)
         objects[fragment.id] = item
     return Made(root, objects)
 
 
 def _clusters(answer, root, name):
-    """Creates a collection for each cluster, in that of its parent. Returns them by the cluster's id, coarsest level first."""
+    """Creates a collection for each cluster inside its parent's collection. Returns them by cluster id, coarsest level first."""
     found = {}
     for level in answer.levels:
         parents = level.get("parent", [None] * len(level["id"]))
@@ -66,7 +66,7 @@ def _clusters(answer, root, name):
 
 
 def _mesh(fragment, frame, materials, written):
-    """The mesh of a fragment. Vertices at the same place are merged, because the file has one for each normal and UV."""
+    """A fragment's mesh. Vertices at the same position are merged, because the file has one for each normal and UV."""
     positions = _floats(fragment.positions)
     points = [frame.point_back(point) for point in zip(positions[0::3], positions[1::3], positions[2::3])]
     numbers = {}
@@ -78,7 +78,7 @@ def _mesh(fragment, frame, materials, written):
         indices = _integers(primitive.indices)
         for a, b, c in zip(indices[0::3], indices[1::3], indices[2::3]):
             face = (vertex_of[a], vertex_of[b], vertex_of[c])
-            if len(set(face)) == 3:  # in single precision a sliver can collapse to an edge
+            if len(set(face)) == 3:  # in single precision, a sliver can collapse into an edge
                 faces.append(face)
                 corners += (a, b, c)
                 slots.append(slot)
@@ -104,7 +104,7 @@ def _mesh(fragment, frame, materials, written):
 
 
 def _shade(mesh, normals):
-    """Sets the normals of the file, so that the outside is shaded as before and cut faces have hard edges."""
+    """Sets the file's normals, so that the outside is shaded as before and cut faces have hard edges."""
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     mesh.normals_split_custom_set([(x, 0.0 - z, y) for x, y, z in zip(normals[0::3], normals[1::3], normals[2::3])])
     if hasattr(mesh, "use_auto_smooth"):  # until 4.0
@@ -120,7 +120,7 @@ def _rows(values, width, corners):
 
 
 def _floats(values):
-    """All numbers of a numpy array or memoryview, flat."""
+    """All values of a numpy array or memoryview, flattened."""
     flat = array("f")
     flat.frombytes(values.tobytes())
     return flat
@@ -134,7 +134,7 @@ def _integers(values):
 
 
 def _colors(values):
-    """Colours as floats. The file may have fractions of 255 or 65535 (glTF 2.0, section 3.7.2.1)."""
+    """Colours as floats. The file may store them as fractions of 255 or 65535 (glTF 2.0, section 3.7.2.1)."""
     if values.itemsize == 4:
         return _floats(values)
     most = 255.0 if values.itemsize == 1 else 65535.0
@@ -142,7 +142,7 @@ def _colors(values):
 
 
 def _opaque(values, width):
-    """The colours with four channels; a missing alpha becomes 1."""
+    """The colours with four channels each; a missing alpha becomes 1."""
     if width == 4:
         return values
     count = len(values) // width

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Converts between Blender's frame and that of the interface.
+"""Converts between the coordinate frames (axes and units) of Blender and the interface.
 
-Blender: z is up, a Blender unit is `scale_length` metres. The interface (like glTF): y is up, lengths are in metres.
+Blender: z is up, and a Blender unit is `scale_length` metres. The interface (like glTF): y is up, and lengths are in metres.
 
     x = s X        X = x / s
     y = s Z        Y = -z / s
@@ -13,14 +13,14 @@ import math
 
 
 class Frame:
-    """`scale`: metres in a Blender unit (scene.unit_settings.scale_length)."""
+    """`scale`: metres per Blender unit (scene.unit_settings.scale_length)."""
 
     def __init__(self, scale=1.0):
         self.scale = short(scale)
 
     @classmethod
     def of(cls, scene):
-        """The frame of a scene. In a scene without units, a Blender unit is a metre and its scale is ignored."""
+        """A scene's coordinate frame. If the scene has no units, a Blender unit is a metre, and the scene's scale is ignored."""
         units = scene.unit_settings
         return cls(1.0 if units.system == "NONE" else units.scale_length)
 
@@ -40,12 +40,12 @@ class Frame:
         return (x / self.scale, 0.0 - z / self.scale, y / self.scale)
 
     def box(self, corners):
-        """Lowest and highest corner, sorted again because the rotation reverses one axis."""
+        """The lowest and highest corner, sorted again because the rotation reverses one axis."""
         a, b = (self.point(corner) for corner in corners)
         return [[min(p, q) for p, q in zip(a, b)], [max(p, q) for p, q in zip(a, b)]]
 
     def node_matrix(self, world):
-        """A matrix_world as the 16 numbers (by columns) of a glTF node. It acts on positions that turned() has converted."""
+        """A matrix_world as the 16 numbers (column-major) of a glTF node. It applies to positions converted by turned()."""
         across, depth, height, _ = ([float(value) for value in row] for row in world)
         rows = [across, height, [-value for value in depth]]  # the results are in the frame of the interface
         columns = zip(*((row[0], row[2], -row[1], row[3]) for row in rows))  # the arguments are too
@@ -54,7 +54,7 @@ class Frame:
 
 
 def turned(vector):
-    """A direction of Blender as one of the interface (y up). Its length is unchanged."""
+    """Converts a Blender direction to the interface's axes (y up). Its length is unchanged."""
     x, y, z = vector
     return [x, z, 0.0 - y]
 
@@ -65,7 +65,7 @@ def turned_back(vector):
 
 
 def turned_matrix(rows):
-    """A linear map of Blender's space as one of the interface's: C M C^T with the rotation C."""
+    """Converts a linear map from Blender's space to the interface's: C M C^T with the rotation C."""
     columns = list(zip(*[turned(column) for column in zip(*rows)]))  # C M
     return [turned(row) for row in columns]  # (C M) C^T: each row times C^T is the row turned
 
@@ -76,7 +76,7 @@ def turned_matrix_back(rows):
 
 
 def short(value):
-    """A single-precision number of Blender as it was typed: 0.3, not 0.30000001192092896."""
+    """A single-precision Blender number as it was typed: 0.3, not 0.30000001192092896."""
     if not math.isfinite(value):
         return value
     return float(f"{value:.7g}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The materials of an answer: the objects' own materials, and new ones for the cut faces."""
+"""An answer's materials: the objects' own materials, and new ones for the cut faces."""
 import os
 import tempfile
 
@@ -9,10 +9,10 @@ from .materials_out import media_type
 
 
 class AnswerMaterials:
-    """The Blender material for each material of the file."""
+    """The Blender material for each material in the file."""
 
     def __init__(self, file, figures, written):
-        """`file`: the Glb of the answer. `written`: the file that was sent (writer.Written)."""
+        """`file`: the answer's Glb. `written`: the file that was sent (writer.Written)."""
         self._file = file
         self._own = written.materials
         self.interior = set(figures.get("interior_materials", ()))
@@ -20,7 +20,7 @@ class AnswerMaterials:
         self._images = {}
 
     def of(self, index):
-        """The material with this index; None for None. The server keeps the order of the mesh's materials and appends its own."""
+        """The material with this index; None for None. The server keeps the mesh's materials in order and appends its own."""
         if index is None:
             return None
         if index < len(self._own.blender) and index not in self.interior:
@@ -76,7 +76,7 @@ class AnswerMaterials:
             tree.links.new(normal.outputs["Normal"], principled.inputs["Normal"])
 
     def _texture(self, tree, info, space, height):
-        """A node with the texture; None without a texture."""
+        """A node with the texture; None if there is no texture."""
         if info is None:
             return None
         image = self._image(self._file.item("textures", info["index"]).get("source"), space)
@@ -87,8 +87,8 @@ class AnswerMaterials:
         return node
 
     def _image(self, index, space):
-        """The Blender image of an image of the file. The server passes images on byte for byte, so an image that was sent is the
-        object's own."""
+        """The Blender image for an image in the file. The server returns images unchanged, so for an image that was sent, this is the
+        object's own image."""
         if index is None:
             return None
         document = self._file.item("images", index)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The materials that are sent: the colours or textures for the cut faces.
+"""The materials that are sent, which give the cut faces their colours or textures.
 
-Fragments get the object's own materials with all their nodes. The sent materials only decide the look of the cut faces, so the
-base colour (or one image), metallic, roughness and opacity of the Principled BSDF are enough.
+Fragments get the object's own materials with all their nodes. The sent materials only determine the appearance of the cut faces,
+so the base colour (or one image), metallic, roughness and opacity of the Principled BSDF are enough.
 """
 import os
 import tempfile
@@ -17,10 +17,10 @@ class Materials:
     """Collects the materials and images of a file that is being written."""
 
     def __init__(self):
-        self.blender = []  # materials in the order of the file
+        self.blender = []  # materials in file order
         self.documents = []
-        self.images = []  # (bytes, media type), in the order of the file
-        self.image_of = {}  # bytes: Blender's image
+        self.images = []  # (bytes, media type) in file order
+        self.image_of = {}  # bytes: Blender image
         self._numbers = {}
         self._image_numbers = {}
 
@@ -55,7 +55,7 @@ class Materials:
         return document
 
     def _image(self, image):
-        """The index of an image in the file; None for None and for an image that cannot be read."""
+        """The index of an image in the file; None for None or an unreadable image."""
         if image is None:
             return None
         if image.name not in self._image_numbers:
@@ -73,7 +73,7 @@ def media_type(content):
 
 
 def image_bytes(image):
-    """The image as PNG or JPEG: its packed file, its file on disk, or a PNG that Blender writes. None if it has no pixels."""
+    """The image as PNG or JPEG: its packed file, its file on disk, or a PNG written by Blender. None if it has no pixels."""
     content = None
     if image.packed_file is not None and not image.is_dirty:
         content = bytes(image.packed_file.data)
@@ -91,8 +91,8 @@ def image_bytes(image):
 
 
 def _written(image):
-    """The pixels as PNG, saved from a temporary image, so that the image itself is unchanged. Unsaved painting is included, which
-    Image.copy() would leave out."""
+    """The pixels as PNG, saved from a temporary image, so that the image itself is unchanged. This includes unsaved painting, which
+    Image.copy() would omit."""
     pixels = array("f", bytes(4 * len(image.pixels)))
     image.pixels.foreach_get(pixels)
     width, height = image.size
@@ -125,7 +125,7 @@ def _principled(material):
 
 
 def _image_at(socket):
-    """The image that is linked to a socket, directly or through the colour inputs of at most three nodes (a colour mix, a ramp)."""
+    """The image linked to a socket, directly or through the colour inputs of at most three nodes (such as a colour mix or ramp)."""
     seen = 0
     while socket is not None and socket.is_linked and seen < 4:
         node = socket.links[0].from_node

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operators of the buttons."""
+"""The operators behind the buttons."""
 import bpy
 
 from . import preferences, properties, refusal, run
 from .package import FractureError
 
 LOOK = 0.1  # s between two polls of the thread
-# Events that are allowed while the operator works. All others could change the scene that the answer belongs to.
+# Events that are allowed while the operator works. All others could change the scene to which the answer belongs.
 PASSED = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEMOVE", "TIMER"}
-MOST_SENTENCES = 5  # of one kind
+MOST_SENTENCES = 5  # maximum number shown of each kind
 
 
 def counted(count, thing):
@@ -22,14 +22,14 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
     bl_label = "Fracture (exact)"
     bl_options = {"REGISTER", "UNDO"}
 
-    current = None  # the operator at work in a window; there is one at a time
+    current = None  # the operator that is working in a window; there is one at a time
 
     @classmethod
     def poll(cls, context):
         return cls.current is None and context.mode == "OBJECT"
 
     def execute(self, context):
-        """For scripts and Blender without a window: waits for the result."""
+        """Waits for the result, for scripts and for Blender without a window."""
         try:
             work = run.begin(context)
         except FractureError as error:
@@ -64,7 +64,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return {"PASS_THROUGH"} if event.type in PASSED else {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Called by Blender if the file is closed or another one is opened."""
+        """Called by Blender if the file is closed or another file is opened."""
         self._work.asking.cancel()
         self._end(context)
 
@@ -103,7 +103,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
 
 
 class FRACTURE_OT_describe(bpy.types.Operator):
-    """Update materials, patterns and parameters from the server or program in use"""
+    """Load the current materials, patterns and parameters from the server or program"""
 
     bl_idname = "fracture.describe"
     bl_label = "Update parameters"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels in the sidebar of the 3D view."""
+"""The panels in the 3D view's sidebar."""
 import bpy
 
 from . import preferences
@@ -7,7 +7,7 @@ from .operators import OBJECT_OT_fracture_exact
 from .presets import FRACTURE_PT_presets
 from .properties import Known, usual
 
-FRONT = ("material", "pattern", "fragments", "seed")  # parameters of the first panel, if the server has them
+FRONT = ("material", "pattern", "fragments", "seed")  # parameters in the first panel, if the server has them
 
 
 class Sidebar:
@@ -17,7 +17,7 @@ class Sidebar:
 
 
 class Below(Sidebar):
-    """A panel inside of the first one."""
+    """A panel inside the first one."""
     bl_parent_id = "FRACTURE_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -39,7 +39,7 @@ class FRACTURE_PT_main(Sidebar, bpy.types.Panel):
         row.prop(own, "url" if own.ask == "SERVER" else "program", text="")
         row.operator("fracture.describe", text="", icon="FILE_REFRESH")
         if Known.description is None:
-            layout.label(text="No parameters yet: press Update.", icon="INFO")
+            layout.label(text="No parameters yet: click the arrows above.", icon="INFO")
             layout.operator("fracture.describe")
             return
         draw_parameters(layout, context.scene, FRONT)
@@ -106,7 +106,7 @@ class FRACTURE_PT_result(Below, bpy.types.Panel):
 
 
 def draw_parameters(layout, scene, names):
-    """Draws parameters, each with its switch. If the switch is off, the effective value is shown, greyed out."""
+    """Draws parameters with their checkboxes. If a checkbox is off, the effective value is shown greyed out."""
     group = scene.fracture_parameters
     for name in names:
         parameter = Known.parameters.get(name)

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Converts a parameter of the interface to a value of Blender, and back, by its entry in the server's table.
+"""Converts a parameter of the interface to a Blender value and back, according to its entry in the server's table.
 
-Blender's values are in Blender's frame and units: a length is in Blender units, a vector has z up. The unit and the shape of the
-entry show whether it is a length, a place or a direction; its name is never used for that.
+Blender values use Blender's axes and units: a length is in Blender units, and a vector has z up. The entry's unit and shape, never
+its name, show whether it is a length, a point or a direction.
 """
 import re
 import struct
 
 from .frame import short, turned, turned_back, turned_matrix, turned_matrix_back
 
-MOST_INTEGER = 2 ** 31 - 1  # largest integer of Blender
-LENGTHS = {"m": 1, "m²": 2, "m³": 3, "m/s²": 1}  # unit: power of the length in it
+MOST_INTEGER = 2 ** 31 - 1  # Blender's largest integer
+LENGTHS = {"m": 1, "m²": 2, "m³": 3, "m/s²": 1}  # unit: exponent of the length in it
 COLOR = "^#[0-9a-fA-F]{6}$"
 
 # Parameters that users cannot set, because the add-on could not read the answer with other values.
@@ -19,14 +19,14 @@ OWN = {
     "unit": "the scene's units are applied before sending",
     "up": "z up is converted to y up before sending",
     "pivot": "the origin of each fragment is its centre of mass",
-    "of": "each request is complete and names no earlier answer",
+    "of": "each request is complete and does not refer to an earlier answer",
     "delta": "the add-on needs all fragments",
     "local_new": "it has a meaning only with delta",
 }
 
 
 class Parameter:
-    """`kind`: integer, number, enum, text, color, vector, box, matrix, or list. A list of numbers or vectors is a text."""
+    """`kind`: integer, number, enum, text, color, vector, box, matrix, or list. A list of numbers or vectors is edited as text."""
 
     def __init__(self, entry):
         self.name = entry["name"]
@@ -41,11 +41,11 @@ class Parameter:
 
     @property
     def is_size(self):
-        """True for a vector of side lengths, which cannot be negative, so that its axes are swapped without a sign."""
+        """True for a vector of side lengths. They cannot be negative, so its axes are swapped without changing signs."""
         return self.kind == "vector" and self.entry["items"].get("minimum", -1) >= 0
 
     def to_request(self, value, frame):
-        """Converts a value of Blender to the value that is sent."""
+        """Converts a Blender value to the value that is sent."""
         if self.kind == "number":
             return short(frame.length(short(value), self.power))
         if self.kind == "color":
@@ -64,7 +64,7 @@ class Parameter:
         return value
 
     def to_blender(self, value, frame):
-        """Converts a value of the interface, such as a default or a value of a material, to a value of Blender."""
+        """Converts a value of the interface, such as a default or a material's value, to a Blender value."""
         if self.kind == "number":
             return frame.length_back(value, self.power)
         if self.kind == "integer":
@@ -91,7 +91,7 @@ class Parameter:
         return (x, z, y) if self.is_size else turned_back((x, y, z))
 
     def _list(self, text, frame):
-        """Reads a list of numbers or vectors. A text that cannot be read is sent as it is, and the server reports the error."""
+        """Reads a list of numbers or vectors. Text that cannot be read is sent as is, and the server reports the error."""
         try:
             rows = [[float(entry) for entry in row.split(",")] for row in text.strip().strip(";").split(";")]
         except ValueError:
@@ -106,7 +106,7 @@ class Parameter:
 
 
 def sendable(description):
-    """The parameters that have a property, by name."""
+    """The parameters that become properties, by name."""
     return {name: Parameter(entry) for name, entry in description.parameters.items() if name not in OWN}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hits, kept regions and held regions, from the 3D cursor and from empties, as parameters of the interface."""
+"""Converts the 3D cursor and empties to parameters of the interface: hits, kept regions and held regions."""
 from itertools import product
 
 from mathutils import Matrix, Vector
@@ -9,7 +9,7 @@ from .package import wrong
 
 
 def places(context, description, given):
-    """The parameters that the settings of the scene add to those of the panel. Raises FractureError of type "bad-parameter" if the
+    """The parameters that the scene's settings add to those in the panel. Raises FractureError of type "bad-parameter" if the
     settings use selected empties and none is selected."""
     scene = context.scene
     settings, frame = scene.fracture_settings, Frame.of(scene)
@@ -32,12 +32,12 @@ def places(context, description, given):
 
 
 def radius_of(empty):
-    """The radius of an empty in Blender units: its display size times its scale."""
+    """An empty's radius in Blender units: its display size times its scale."""
     return empty.empty_display_size * max(abs(scale) for scale in empty.matrix_world.to_scale())
 
 
 def box_of(empty):
-    """Lowest and highest corner of the box around a cube empty, which may be rotated."""
+    """The lowest and highest corner of the box around a cube empty, which may be rotated."""
     size = empty.empty_display_size
     corners = [empty.matrix_world @ Vector(corner) for corner in product((-size, size), repeat=3)]
     return [tuple(end(corner[axis] for corner in corners) for axis in range(3)) for end in (min, max)]
@@ -50,15 +50,15 @@ def _hits(context, settings):
         regions = (settings.keep, settings.hold)
         empties = [item for item in context.selected_objects if item.type == "EMPTY" and item not in regions]
         if not empties:
-            raise wrong("'Hit at' is set to the selected empties, but no empty is selected. Select at least one, or choose another "
-                        "'Hit at'.", parameter="impacts")
+            raise wrong("'Hit at' is set to 'Selected empties', but no empty is selected. Select at least one, or choose another "
+                        "option for 'Hit at'.", parameter="impacts")
         empties.sort(key=lambda item: item.name)  # the order changes the result, and a selection has no defined order
         return [(item.matrix_world.translation, radius_of(item)) for item in empties]
     return []
 
 
 def _pattern_of_impacts(description, given):
-    """The pattern of a request with impacts: `impact` if that of the material does not use them (see `impacts`)."""
+    """The pattern for a request with impacts: `impact` if the material's pattern does not use them (see `impacts`)."""
     pattern = description.pattern_of(given)
     if "pattern" in given or "impacts" in description.of_pattern(pattern):
         return pattern

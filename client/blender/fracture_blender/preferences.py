@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The preferences: server or program, and the stored description of the parameters."""
+"""The preferences: server or program, and the stored description of its parameters."""
 import os
 import pathlib
 import urllib.parse
@@ -11,7 +11,7 @@ from . import description
 from .asking import Target
 from .package import Client, FractureError
 
-NAME = __package__  # the name of the add-on; as an extension it has several parts
+NAME = __package__  # the add-on's name, which has several parts if it is an extension
 
 
 class FracturePreferences(bpy.types.AddonPreferences):
@@ -20,17 +20,17 @@ class FracturePreferences(bpy.types.AddonPreferences):
     # A dictionary instead of annotations, because checkers would read the texts of annotations as types.
     __annotations__ = {
         "ask": EnumProperty(name="Use", default="SERVER", items=[
-            ("SERVER", "A server", "A fracture server, on this machine or on another one"),
-            ("PROGRAM", "A program", "The program fracture-server on this machine, started for each fracture")]),
+            ("SERVER", "A server", "A fracture server on this or another machine"),
+            ("PROGRAM", "A program", "The program fracture-server on this machine, which is started for each fracture")]),
         "url": StringProperty(name="Server", default="http://127.0.0.1:8080",
-                              description="Address of the server: http://host:port or https://host:port"),
+                              description="Server address: http://host:port or https://host:port"),
         "token": StringProperty(name="Token", subtype="PASSWORD", options={"SKIP_SAVE"},
-                                description="For a server that needs a token. It is not saved. If this field is empty, the environment "
-                                "variable FRACTURE_TOKEN is used"),
+                                description="Token for a server that requires one. It is not saved. If this field is empty, the "
+                                "environment variable FRACTURE_TOKEN is used"),
         "program": StringProperty(name="Program", subtype="FILE_PATH", default="fracture-server",
-                                  description="The program fracture-server: a path, or a name on the PATH"),
+                                  description="The program fracture-server: a path, or a name that is found on the PATH"),
         "timeout": FloatProperty(name="Timeout", default=300.0, min=1.0, soft_max=3600.0, precision=0,
-                                 description="Seconds that a server may be absent or busy before the fracture fails"),
+                                 description="How many seconds a server may be absent or busy before the fracture fails"),
     }
 
     def draw(self, context):
@@ -46,7 +46,7 @@ def of(context):
 
 
 def target(context):
-    """The server or program of the preferences. Raises FractureError if Blender must stay offline and the server is elsewhere."""
+    """The server or program in the preferences. Raises FractureError if Blender must stay offline and the server is elsewhere."""
     own = of(context)
     if own.ask == "PROGRAM":
         return Target(program=bpy.path.abspath(own.program) if own.program.startswith("//") else own.program)
@@ -58,7 +58,7 @@ def target(context):
 
 
 def ask_description(context):
-    """The description of the server or program in use. It is stored for the next start. Raises FractureError."""
+    """Fetches the description from the server or program in use, and stores it for the next start. Raises FractureError."""
     where = target(context)
     if where.program:
         found = description.of_program(where.program)
@@ -68,12 +68,12 @@ def ask_description(context):
     try:
         description.store(found, _folder(create=True))
     except OSError:
-        pass  # it is asked for again at the next start
+        pass  # it is fetched again at the next start
     return found
 
 
 def kept_description():
-    """The stored description, else that of the packed add-on, else None."""
+    """The stored description, or else the packed add-on's, or else None."""
     return description.load((_folder(create=False), pathlib.Path(__file__).parent))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of the panel, with Blender's own preset system: files in the user's folder."""
+"""Presets for the panel, with Blender's own preset system: files in the user folder."""
 import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
@@ -18,7 +18,7 @@ class FRACTURE_PT_presets(PresetPanel, bpy.types.Panel):
 
 
 class FRACTURE_OT_preset_add(AddPresetBase, bpy.types.Operator):
-    """Add or remove a preset of the fracture panel"""
+    """Add or remove a fracture preset"""
 
     bl_idname = "fracture.preset_add"
     bl_label = "Fracture preset"
@@ -28,7 +28,7 @@ class FRACTURE_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self):
-        """Each value comes before its switch, because setting the value turns the switch on."""
+        """Each value precedes its switch, because setting the value turns the switch on."""
         parameters = [f"parameters.{part}{name}" for name in Known.parameters for part in ("", "use_")]
         return parameters + [f"settings.{name}" for name in FractureSettings.__annotations__ if name not in SCENE_ONLY]
 

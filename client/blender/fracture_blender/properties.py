@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The properties of a scene: one for each parameter that the server describes, and those of the add-on.
+"""A scene's properties: those of the parameters that the server describes, and those of the add-on.
 
 `scene.fracture_parameters` is rebuilt for each new description. Each parameter has two properties: its value, and `use_<name>`,
-which decides whether it is sent. Setting a value turns `use_<name>` on. A parameter that is not sent has the value of the
-material, or its default.
+which decides whether the value is sent. Setting a value turns `use_<name>` on. If a parameter is not sent, the material's value or
+the default applies.
 """
 import zlib
 
@@ -14,12 +14,12 @@ from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorPro
 from .frame import Frame
 from .parameters import MOST_INTEGER, sendable, single
 
-# The parameters of a new scene, if the server has them: 40 ragged chunks.
+# The parameters set in a new scene, if the server has them: 40 ragged chunks.
 FIRST = {"material": "stone", "fragments": 40}
 
 
 class Known:
-    """The description in use, and its parameters by name. Empty until a description is loaded."""
+    """The current description, and its parameters by name. Empty until a description is loaded."""
 
     description = None
     parameters = {}
@@ -27,7 +27,7 @@ class Known:
 
 
 def use(description):
-    """Rebuilds the properties from a description. A scene keeps the values that it has."""
+    """Rebuilds the properties from a description. Scenes keep their values."""
     forget()
     Known.description = description
     Known.parameters = {} if description is None else sendable(description)
@@ -35,7 +35,7 @@ def use(description):
     for parameter in Known.parameters.values():
         annotations[parameter.name] = _property(parameter)
         annotations["use_" + parameter.name] = BoolProperty(
-            name="Send", description=f"Send '{parameter.name}'. If off, the material or the default decides",
+            name="Send", description=f"Send '{parameter.name}'. If off, the material's value or the default applies",
             default=parameter.name in FIRST, update=_filling(parameter))
     Known.group = type("FractureParameters", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
     bpy.utils.register_class(Known.group)
@@ -50,14 +50,14 @@ def forget():
 
 
 def given(scene):
-    """The parameters of the panel that are on, as the values that are sent."""
+    """The parameters ticked in the panel, with the values to send."""
     group, frame = scene.fracture_parameters, Frame.of(scene)
     return {name: parameter.to_request(getattr(group, name), frame) for name, parameter in Known.parameters.items()
             if getattr(group, "use_" + name)}
 
 
 def usual(scene, parameter):
-    """The effective value of a parameter that is not sent, as a value of Blender; None if it has no default."""
+    """The effective value of a parameter that is not sent, as a Blender value; None if it has no default."""
     group = scene.fracture_parameters
     material = getattr(group, "material", "") if getattr(group, "use_material", False) else ""
     value = Known.description.usual(parameter.name, {"material": material})
@@ -65,7 +65,7 @@ def usual(scene, parameter):
 
 
 def _filling(parameter):
-    """When a parameter is switched on, it starts with the value that was effective before."""
+    """When a parameter is switched on, it starts with the previously effective value."""
     def update(group, context):
         if getattr(group, "use_" + parameter.name) and not group.is_property_set(parameter.name):
             value = usual(group.id_data, parameter)
@@ -96,7 +96,7 @@ def _property(parameter):
                            max=min(MOST_INTEGER, int(parameter.most or MOST_INTEGER)), **words)
     if parameter.kind == "number":
         unit = {1: "LENGTH", 3: "VOLUME"}.get(parameter.power, "NONE")
-        # A length has no range here, because the scale of a scene changes it. The server checks the range.
+        # A length has no range here, because the range depends on the scene's scale. The server checks it.
         ends = {} if parameter.power else {key: single(end) for key, end in (("min", parameter.least), ("max", parameter.most))
                                            if end is not None}
         return FloatProperty(default=default or 0.0, unit=unit, precision=3, **ends, **words)
@@ -110,7 +110,7 @@ def _property(parameter):
 
 
 def _number(name):
-    """The number of an enumeration's item in a .blend file. It is made from the name, so that a new material of the server does not
+    """The number of an enumeration's item in a .blend file. It is derived from the name, so that new materials on the server do not
     change old scenes."""
     return zlib.crc32(name.encode("utf-8")) & MOST_INTEGER
 
@@ -132,43 +132,43 @@ def _tooltip(parameter):
 
 
 class FractureSettings(bpy.types.PropertyGroup):
-    """Settings of the add-on that are not parameters: hits, regions, paint, and the result."""
+    """The add-on's settings that are not parameters: hits, regions, paint, and the result."""
 
-    # A dictionary instead of annotations, because checkers would read the texts of annotations as types.
+    # A dictionary instead of annotations, because checkers would read strings in annotations as types.
     __annotations__ = {
         "together": BoolProperty(
             name="Together", description="Break all selected objects as one, with a shared number of fragments. If off, each object "
-            "is broken separately", default=False),
+            "breaks separately", default=False),
         "hits": EnumProperty(name="Hit at", default="NONE", items=[
             ("NONE", "Nothing", "No hits, unless a parameter sets them"),
             ("CURSOR", "3D cursor", "One hit at the 3D cursor"),
-            ("EMPTIES", "Selected empties", "A hit at each selected empty; its display size is the radius")]),
+            ("EMPTIES", "Selected empties", "A hit at each selected empty, with its display size as the radius")]),
         "hit_kind": EnumProperty(name="Breaks", default="IMPACT", items=[
-            ("IMPACT", "Everything", "The whole object breaks, with smaller pieces around the hits (impacts)"),
-            ("LOCAL", "Near the hits", "Only the part within the radius of a hit breaks (local_point)")]),
+            ("IMPACT", "Everything", "The whole object breaks, into smaller pieces near the hits (impacts)"),
+            ("LOCAL", "Near the hits", "Only what is within the radius of a hit breaks (local_point)")]),
         "hit_radius": FloatProperty(name="Radius", description="Radius of a hit at the 3D cursor", default=0.25, min=1e-6,
                                     unit="LENGTH"),
         "keep": PointerProperty(name="Keep", type=bpy.types.Object, poll=lambda self, item: item.type == "EMPTY",
-                                description="An empty in which nothing is cut: a cube keeps the box around it, other types a sphere"),
+                                description="An empty; nothing inside it is cut. A cube keeps the box around it, other types a sphere"),
         "hold": PointerProperty(name="Hold", type=bpy.types.Object, poll=lambda self, item: item.type == "EMPTY",
-                                description="An empty that holds the fragments that it touches: a cube holds those in its box, a single "
-                                "arrow those on its plane, other types the one at its point"),
+                                description="An empty that keeps fragments from falling: a cube holds those in its box, a single arrow "
+                                "those on its plane, other types the one at its point"),
         "paint": EnumProperty(name="Painted by", default="NONE", items=[
             ("NONE", "Nothing", "The pattern alone decides the sizes of fragments"),
-            ("GROUP", "Vertex group", "Most fragments at weight 1, fewest at weight 0"),
-            ("COLOR", "Colour attribute", "Most fragments at white, fewest at black")]),
+            ("GROUP", "Vertex group", "Fragments are densest at weight 1, sparsest at weight 0"),
+            ("COLOR", "Colour attribute", "Fragments are densest at white, sparsest at black")]),
         "paint_name": StringProperty(name="Name", description="Name of the vertex group or colour attribute"),
-        "bodies": BoolProperty(name="Rigid bodies", default=True, description="Make each fragment a rigid body"),
+        "bodies": BoolProperty(name="Rigid bodies", default=True, description="Turn each fragment into a rigid body"),
         "shape": EnumProperty(name="Shape", default="CONVEX_HULL", items=[
-            ("CONVEX_HULL", "Convex hull", "Fast; larger than the fragment if that is ragged"),
+            ("CONVEX_HULL", "Convex hull", "Fast; larger than the fragment if the fragment is ragged"),
             ("MESH", "Mesh", "The exact shape of the fragment; slow")]),
         "constraints": BoolProperty(name="Breakable constraints", default=True,
-                                    description="Add a fixed constraint for each bond, which breaks under too much load"),
+                                    description="Add a fixed constraint for each bond. It breaks under too much load"),
         "strength": FloatProperty(name="Strength", default=1.0, min=0.0, soft_max=10.0, precision=4,
-                                  description="Factor for the strength of bonds, which comes from material and area"),
+                                  description="Factor applied to each bond's strength, which depends on material and area"),
         "hide": BoolProperty(name="Hide the original", default=True,
                              description="Hide the original in the viewport and in renders. It is never deleted"),
-        "search": StringProperty(name="Search", description="Show the parameters with this text in their name or description",
+        "search": StringProperty(name="Search", description="Show parameters whose name or description contains this text",
                                  options={"TEXTEDIT_UPDATE", "SKIP_SAVE"}),
     }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The text of an error, and the place in the mesh that it names."""
+"""An error's text, and the location of the error in the mesh."""
 import textwrap
 
 import bmesh
@@ -8,23 +8,22 @@ from mathutils import Vector
 
 from .frame import Frame
 
-NEAR = 1e-4  # fraction of the object's size; a vertex within this distance of the place is the one that the error names
-LINE = 110  # characters of a line in the popup
+NEAR = 1e-4  # fraction of the object's size; a vertex within this distance of the location is the one that the error means
+LINE = 110  # characters per line in the popup
 
 
 def words(error):
-    """The lines of an error for people: title, details and type. They are wrapped here, because Blender's popup does not wrap
-    lines."""
+    """An error as lines of text: title, details and type. They are wrapped here, because Blender's popup does not wrap lines."""
     lines = [error.title] if error.title and error.title != error.detail else []
     lines += [*error.details, f"({error.type}" + (f", HTTP {error.status})" if error.status else ")")]
     return [part for line in lines for part in textwrap.wrap(line, LINE)]
 
 
 def show_place(context, error, names):
-    """Shows the place that an error names: selects the open edges in edit mode, or adds an empty if the mesh has no such edge (if a
-    modifier made it). `names`: the objects of the request. Returns a sentence about it; "" if nothing is shown."""
+    """Shows the location of an error: selects the open edges in edit mode, or adds an empty if the mesh has no such edge (because a
+    modifier created it). `names`: the objects of the request. Returns a sentence about it; "" if nothing is shown."""
     places = [Vector(Frame.of(context.scene).point_back(point)) for point in _points(error.problem)]
-    if not places and error.type != "mesh-not-closed":  # `bake` names no place for this error, but there are open edges to show
+    if not places and error.type != "mesh-not-closed":  # `bake` gives no location for this error, but there are open edges to show
         return ""
     for name in names:
         item = context.scene.objects.get(name)
@@ -38,19 +37,19 @@ def show_place(context, error, names):
                                           if name in context.scene.objects), default=1.0)
     mark.show_in_front = True
     context.scene.collection.objects.link(mark)
-    return f"The empty '{mark.name}' marks the place."
+    return f"The empty '{mark.name}' marks the location."
 
 
 def _points(problem):
-    """The points that a problem document names: its `edge`, or else its `sample`."""
+    """The points in a problem document: its `edge`, or else its `sample`."""
     edge, sample = problem.get("edge"), problem.get("sample")
     points = edge if isinstance(edge, list) else [sample]
     return [point for point in points if isinstance(point, list) and len(point) == 3]
 
 
 def _select(context, item, places):
-    """Selects all edges that do not have two faces, in edit mode, and returns whether it did. It does so only if one of them has its
-    ends at the places (or one end, for one place). Without places any such edge counts."""
+    """Selects all edges that do not have exactly two faces, in edit mode, if the ends of one of them are at `places` (one end, if
+    there is a single place). If there are no places, any such edge will do. Returns whether it selected them."""
     near = NEAR * max(*item.dimensions, 1e-9)
     world = item.matrix_world
     mesh = bmesh.new()

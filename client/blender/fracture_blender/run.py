@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One fracture from the selection to the collections, without a user interface: begin(), wait or poll, finish()."""
+"""A fracture from the selection to the collections, without a user interface: begin(), wait or poll, finish()."""
 from . import bodies, fragments, places, preferences, properties, writer
 from .asking import Asking, Request
 from .package import wrong
 
 
 class Run:
-    """One fracture in progress: `asking` works since begin(). Only the main thread may call these methods."""
+    """A fracture in progress; begin() starts its thread, `asking`. Only the main thread may call these methods."""
 
     def __init__(self, asking, written):
         self.asking = asking
-        self._written = written  # the files that were sent, one for each answer
+        self._written = written  # the files that were sent, one per answer
 
     @property
     def failed_names(self):
-        """The names of the objects whose request failed."""
+        """The names of the objects in the request that failed."""
         number = self.asking.failed
         return self._written[number].objects if number is not None and number < len(self._written) else []
 
     def finish(self, context):
         """Creates the fragments of all answers and hides the originals. Returns a list of fragments.Made, the warnings and the
-        notes. Raises the FractureError of the run; then nothing was created."""
+        notes. If the run failed, raises its FractureError and creates nothing."""
         if self.asking.error is not None:
             raise self.asking.error
         for answer in self.asking.answers:
@@ -35,12 +35,12 @@ class Run:
 
 
 def begin(context):
-    """Writes the selected objects and starts to ask. Raises FractureError."""
+    """Writes the selected objects and starts the requests. Raises FractureError."""
     chosen = [item for item in context.selected_objects if item.type in writer.MESH_TYPES]
     if not chosen:
         raise wrong("No object with a surface is selected. Select the objects to break.")
     if context.mode != "OBJECT":
-        raise wrong("The object is in edit mode, so its changes are not in the object yet. Leave edit mode (Tab) first.")
+        raise wrong("The object is in edit mode, so its latest changes are not applied yet. Leave edit mode (Tab) first.")
     chosen.sort(key=lambda item: item.name)
     if properties.Known.description is None:
         properties.use(preferences.ask_description(context))
@@ -82,6 +82,6 @@ def _select(context, made):
     for item in context.selected_objects:
         item.select_set(False)
     for item in (item for entry in made for item in entry.objects.values()):
-        if item.visible_get():  # the collection of the original may be hidden
+        if item.visible_get():  # the original's collection may be hidden
             item.select_set(True)
             context.view_layer.objects.active = item

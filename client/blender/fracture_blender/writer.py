@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes objects as the GLB that is sent.
+"""Writes objects to the GLB that is sent.
 
-Blender's own exporter is not used for four reasons. It needs numpy, which some packages of Blender do not have. Its bytes change
-between releases, so a mesh that the server has would be sent again. It ignores a scene's unit scale. It changes materials, but
+Blender's own exporter is not used for four reasons. It needs numpy, which some Blender packages lack. Its bytes change between
+releases, so a mesh that the server already has would be sent again. It ignores a scene's unit scale. It changes materials, but
 fragments need the object's own. This writer keeps vertices unchanged in single precision and puts the whole transform into the
 node, so nothing is rounded.
 """
@@ -15,23 +15,23 @@ from .package import glb, wrong
 MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 FLOAT, UNSIGNED_INT = 5126, 5125
-PAINT = "COLOR_0"  # what density_from names
+PAINT = "COLOR_0"  # the attribute that density_from refers to
 
 
 class Written:
-    """A written file, with the names of objects, materials and layers that fragments need."""
+    """A written file, with the names of the objects, materials and layers that the fragments need."""
 
     def __init__(self, content, objects, materials, uv_names, color_names):
         self.glb = content
         self.objects = [item.name for item in objects]
         self.materials = materials
         self.uv_names = uv_names  # of TEXCOORD_0, 1, …
-        self.color_names = color_names  # of COLOR_0, 1, …; None for a layer that was only paint
+        self.color_names = color_names  # of COLOR_0, 1, …; None for a layer that only contained the paint
 
 
 def write(context, objects, paint="NONE", paint_name=""):
-    """Writes the objects with their modifiers, in the frame of the interface. Raises FractureError if they have no faces, or if no
-    object has the paint."""
+    """Writes the objects with their modifiers, in the interface's frame. Raises FractureError if they have no faces or no object has
+    the paint."""
     file = _File(Frame.of(context.scene))
     graph = context.evaluated_depsgraph_get()
     painted = False
@@ -47,7 +47,7 @@ def write(context, objects, paint="NONE", paint_name=""):
         raise wrong("The selected objects have no faces, so there is nothing to break. Select objects with a surface.")
     if paint != "NONE" and not painted:
         what = "vertex group" if paint == "GROUP" else "colour attribute"
-        raise wrong(f"'Painted by' names the {what} '{paint_name}', which no selected object has. Choose another name, or 'Nothing'.",
+        raise wrong(f"'Painted by' uses the {what} '{paint_name}', which no selected object has. Choose another name, or 'Nothing'.",
                     parameter="density_from")
     return Written(file.finish(), objects, file.materials, file.uv_names, file.color_names)
 
@@ -61,7 +61,7 @@ class _File:
         self.uv_names, self.color_names = [], []
 
     def add(self, item, evaluated, mesh, paint, paint_name):
-        """Adds an object; returns whether it has the paint."""
+        """Adds an object. Returns whether it has the paint."""
         mesh.calc_loop_triangles()
         corners = len(mesh.loops)
         vertices = array("i", bytes(4 * corners))
@@ -99,7 +99,7 @@ class _File:
         return painted
 
     def _triangles(self, item, evaluated, mesh, vertex_of):
-        """The indices of the triangles by the number of their material, in the order of the slots."""
+        """The triangle indices, grouped by material index, in slot order."""
         count = len(mesh.loop_triangles)
         corners, slots = array("i", bytes(12 * count)), array("i", bytes(4 * count))
         mesh.loop_triangles.foreach_get("loops", corners)
@@ -164,7 +164,7 @@ def _normals(mesh, corners):
 
 
 def _materials(item, mesh):
-    """The materials of the slots. The mesh has those that modifiers add; only the object's slots have those linked to the object."""
+    """The materials in the slots. Those added by modifiers are only in the mesh; those linked to the object only in its slots."""
     materials = [None if material is None else material.original for material in mesh.materials]
     for number, slot in enumerate(item.material_slots):
         if slot.link == "OBJECT" or number >= len(materials):
@@ -173,7 +173,7 @@ def _materials(item, mesh):
 
 
 def _colors(mesh, evaluated, vertices, paint, paint_name):
-    """(colours of each corner, their names, whether the first one is the paint)."""
+    """(the colour layers' values per corner, the layers' names, whether the first layer is the paint)."""
     columns, names = [], []
     layers = [layer for layer in mesh.color_attributes if layer.data]
     if paint == "GROUP":
@@ -196,7 +196,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
 
 
 def _turned(values):
-    """Positions or normals with z up as (x, z, -y), with y up."""
+    """Converts positions or normals from z up to y up: (x, z, -y)."""
     turned = array("f", values)
     turned[1::3] = values[2::3]
     turned[2::3] = array("f", [0.0 - value for value in values[1::3]])
@@ -204,7 +204,7 @@ def _turned(values):
 
 
 def _flipped(values):
-    """UVs with v reversed: Blender's v points up, that of glTF down."""
+    """UVs with v reversed, because v points up in Blender and down in glTF."""
     values[1::2] = array("f", [1.0 - value for value in values[1::2]])
     return values
 
@@ -215,7 +215,7 @@ def _chunks(values, width):
 
 
 def _picked(values, width, order):
-    """The rows with these numbers."""
+    """The rows with these indices."""
     content, size = values.tobytes(), 4 * width
     picked = array("f")
     picked.frombytes(b"".join([content[size * row:size * row + size] for row in order]))

@@ -1,5 +1,5 @@
-// The game of ../web with Babylon and Havok. Click: a ball flies at what is under the pointer; while it flies the service breaks the ring
-// where it will be hit, and the fragments take its place in the air. ?server=http://… for another one; ?fragments=60
+// The same game as ../web, with Babylon and Havok. A click throws a ball at the pointer. While it flies, the server breaks the ring where
+// the ball will hit it, and the fragments replace the ring in the air. Options: ?server=http://…, ?fragments=60
 import { Color3, Color4, CreateBox, CreateSphere, CreateTorusVertexData, DirectionalLight, Engine, FreeCamera, HavokPlugin, HemisphericLight,
   Material, Matrix, Mesh, MultiMaterial, PhysicsAggregate, PhysicsBody, PhysicsMotionType, PhysicsShapeContainer, PhysicsShapeConvexHull,
   PhysicsShapeType, Quaternion, Scene, StandardMaterial, SubMesh, TransformNode, Vector3, VertexData } from '@babylonjs/core';
@@ -29,7 +29,7 @@ function meshOf(name, parent, data) {
   Object.assign(new VertexData(), data).applyToMesh(mesh);
   return mesh;
 }
-/** Fragments as one body, whose frame is that of the mesh, at this place of the world. */
+/** Fragments as a single body whose frame is the mesh's frame, at this position in the world. */
 function bodyOf(parts, at, turn) {
   const node = new TransformNode('body', scene), shape = new PhysicsShapeContainer(scene);
   [node.position, node.rotationQuaternion] = [Vector3.FromArray(at), Quaternion.FromArray(turn)];
@@ -42,7 +42,7 @@ function bodyOf(parts, at, turn) {
       const drawn = meshOf('hull', null, { positions, indices }), hull = new PhysicsShapeConvexHull(drawn, scene);
       drawn.dispose();
       hull.material = { friction: surface.friction, restitution: surface.restitution };
-      // Pieces of one cell, which overlap, are not for one another; Havok has 32 groups.
+      // Pieces of the same cell overlap, so they must not collide with each other; Havok has 32 groups.
       if (system !== undefined) hull.filterCollideMask = ~(hull.filterMembershipMask = 1 << 1 + system % 31);
       shape.addChild(hull, mesh.position);
     }
@@ -57,7 +57,7 @@ function bodyOf(parts, at, turn) {
 const poseOf = ({ node }) => [node.position.asArray(), node.rotationQuaternion.asArray()];
 const moving = thing => ({ ...placed(thing.own, ...poseOf(thing)),
   velocity: thing.body.getLinearVelocity().asArray(), spin: thing.body.getAngularVelocity().asArray() });
-/** The fragments of an answer in the place of a body, as it moves now. */
+/** Replaces a body with the fragments of an answer, which continue its motion. */
 function swap(old, { fragments: made }) {
   const was = moving(old), before = momentumOf([was]), parts = made.map(fragment => bodyOf([fragment], ...poseOf(old)));
   inherit(was, parts.map(part => placed(part.own, ...poseOf(part)))).forEach(({ velocity, spin }, k) => {
@@ -70,14 +70,14 @@ function swap(old, { fragments: made }) {
   return parts;
 }
 
-// The mesh, made here, goes to the service once. In one piece it has the mass and the hulls of what it will break into.
+// The mesh is created here and sent to the server once. Unbroken, it has the mass and hulls of the fragments it will break into.
 const { positions: p, indices: t } = CreateTorusVertexData({ diameter: 2.2, thickness: 0.8, tessellation: 48 }), text = [];
 for (let k = 0; k < p.length; k += 3) text.push(`v ${p[k]} ${p[k + 2]} ${-p[k + 1]}`);
 for (let k = 0; k < t.length; k += 3) text.push(`f ${t[k] + 1} ${t[k + 2] + 1} ${t[k + 1] + 1}`);
 const mesh = await client.put({ name: 'ring.obj', data: new Blob([text.join('\n')]) }, { ask: false });
 const whole = await mesh.fracture({ ...look, sites: 8 });
 let stone = [bodyOf(whole.fragments, [0, 2, 0], [0, 0, 0, 1])], asked = false;
-stone[0].body.setGravityFactor(0);  // it floats until a ball comes
+stone[0].body.setGravityFactor(0);  // it floats until a ball arrives
 stone[0].body.setAngularVelocity(new Vector3(0.1, 0.5, 0));
 
 async function throwBall({ clientX, clientY }) {
@@ -87,7 +87,7 @@ async function throwBall({ clientX, clientY }) {
   const { hit, pickedPoint, distance } = scene.pick(clientX, clientY, ({ name }) => name.startsWith('fragment'));
   if (!hit || asked) return;
   asked = true;
-  stone[0].body.setGravityFactor(1);  // tossed up, so that it is back where it was when the ball is there
+  stone[0].body.setGravityFactor(1);  // tossed up, so that it is back in place when the ball arrives
   stone[0].body.setLinearVelocity(new Vector3(0, 9.81 / 2 * distance / 14, 0));
   const impact = Vector3.TransformCoordinates(pickedPoint, Matrix.Invert(stone[0].node.computeWorldMatrix(true))).asArray();
   const answer = await mesh.fracture({ ...look, fragments, impacts: [impact] }, { realtime: true });

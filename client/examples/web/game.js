@@ -1,5 +1,5 @@
-// Click: a ball flies at what is under the pointer. While it flies the service fractures the stone where it will be hit, and
-// the fragments take the stone's place in the air. ?server=http://… for another one than 127.0.0.1:8080; ?fragments=60
+// A click throws a ball at the pointer. While it flies, the server fractures the stone where the ball will hit it, and the fragments
+// replace the stone in the air. Options: ?server=http://… (default: 127.0.0.1:8080), ?fragments=60
 import RAPIER from '@dimforge/rapier3d-compat';
 import * as THREE from 'three';
 import { Client, packGlb } from 'fracture-client';
@@ -9,7 +9,7 @@ const query = new URLSearchParams(location.search), says = document.getElementBy
 const client = new Client(query.get('server') ?? 'http://127.0.0.1:8080');
 const look = { material: 'concrete', max_hulls: 2 }, fragments = Number(query.get('fragments') ?? 200);
 
-// A scene with a floor, light from above and the physics of it.
+// A scene with a floor and light from above, and its physics.
 await RAPIER.init();
 const world = new RAPIER.World({ x: 0, y: -9.81, z: 0 }), events = new RAPIER.EventQueue(true);
 world.createCollider(RAPIER.ColliderDesc.cuboid(30, 0.5, 30).setTranslation(0, -0.5, 0));
@@ -28,7 +28,7 @@ renderer.setSize(innerWidth, innerHeight);
 camera.aspect = innerWidth / innerHeight;
 camera.updateProjectionMatrix();
 
-// The mesh, made here, goes to the service once. In one piece it has the mass and the hulls of what it will break into.
+// The mesh is created here and sent to the server once. Unbroken, it has the mass and hulls of the fragments it will break into.
 const { index, attributes: { position, normal } } = new THREE.TorusKnotGeometry(0.9, 0.32, 96, 12), arrays = [position, normal, index];
 const binary = new Uint8Array(await new Blob(arrays.map(({ array }) => array)).arrayBuffer());
 const views = arrays.map(({ array: { byteLength } }, k) => ({ buffer: 0, byteLength, byteOffset: k * position.array.byteLength }));
@@ -41,7 +41,7 @@ const mesh = await client.put(packGlb({
 const whole = await mesh.fracture({ ...look, sites: 8 });
 const setup = { rapier: RAPIER, world, parent: scene, materials: await materialsOf(whole) };
 let stone = place(whole, setup, { whole: true, position: [0, 2, 0] });
-stone.rigidBodies[0].setGravityScale(0, true);  // it floats until a ball comes
+stone.rigidBodies[0].setGravityScale(0, true);  // it floats until a ball arrives
 stone.rigidBodies[0].setAngvel({ x: 0.1, y: 0.7, z: 0 }, true);
 const balls = [];
 let asked = 0;
@@ -56,12 +56,12 @@ async function throwBall({ clientX, clientY }) {
   balls.push({ body, shape });
   scene.add(shape);
   if (!aim || asked++) return;
-  stone.rigidBodies[0].setGravityScale(1, true);  // tossed up, so that it is back where it was when the ball is there
+  stone.rigidBodies[0].setGravityScale(1, true);  // tossed up, so that it is back in place when the ball arrives
   stone.rigidBodies[0].setLinvel({ x: 0, y: 9.81 / 2 * aim.distance / 14, z: 0 }, true);
   const impact = stone.pointOf(aim.object.userData.fragment, aim.point.toArray());
   const answer = await mesh.fracture({ ...look, fragments, impacts: [impact] }, { realtime: true });
   performance.mark('answer');
-  stone = swap(stone, answer, setup, { bonded: true });  // it holds together until the ball is there
+  stone = swap(stone, answer, setup, { bonded: true });  // it stays together until the ball arrives
   performance.measure('swap', 'answer');
   stone.meshes.forEach(fragment => (fragment.castShadow = fragment.receiveShadow = true));
   says.textContent = `${answer.fragments.length} fragments, in ${Math.round(answer.head.timing.work)} ms`;

@@ -1,4 +1,4 @@
-// The page: canvas and panels around one App.
+// The page: canvas and panels around a single App.
 import { Color } from 'three';
 import { render } from 'lit';
 import { App } from './app/app';
@@ -22,7 +22,7 @@ const app = new App(() => {
   drawing ||= requestAnimationFrame(() => {
     drawing = 0;
     render(shell(app, canvas), root);
-    // Browsers refuse an address that changes a hundred times in half a minute: it follows when all is quiet.
+    // Browsers refuse to change the address a hundred times in half a minute, so it is updated once nothing changes.
     if (app.state.shown && app.state.inFlight === 0) later();
   });
 });
@@ -43,7 +43,7 @@ function colours(): void {
 }
 
 takeTheme();
-// It answers while the renderer is made.
+// It answers while the renderer is created.
 void app.service.start();
 render(shell(app, canvas), root);
 try {
@@ -85,5 +85,5 @@ addEventListener('hashchange', () => {
   if (location.hash !== written) app.whenReady(open);
 });
 app.whenReady(open);
-// For the tests, and for who is curious.
+// For the tests, and for curious users.
 Object.assign(globalThis, { fracture: app });

@@ -1,4 +1,4 @@
-"""Breaks meshes with a fracture server: exact, watertight fragments, in Python's standard library.
+"""Breaks meshes into exact, watertight fragments with a fracture server. Needs only the standard library.
 
     from fracture_client import Client
 
@@ -8,7 +8,7 @@
         answer.save("broken.glb")
         after = answer.hit([0.2, 0.9, 0], 0.3)
 
-client/python/README.md has the first steps, and `help(Client)` describes the calls. AsyncClient has the same calls for asyncio.
+client/python/README.md shows the first steps, and `help(Client)` describes the calls. AsyncClient offers the same calls for asyncio.
 """
 from .admin import Admin
 from .aio import AsyncAnswer, AsyncClient, AsyncJob, AsyncMesh

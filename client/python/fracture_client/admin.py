@@ -1,4 +1,4 @@
-"""The admin port of a server: health probes and metrics. It is a separate port and does not ask for a token."""
+"""A server's admin port, with health probes and metrics. It is a separate port and requires no token."""
 from __future__ import annotations
 
 from typing import Optional
@@ -12,10 +12,10 @@ from .pool import Settings
 
 
 class Admin(Caller):
-    """A client of the admin port. `with Admin("http://127.0.0.1:8081") as admin: admin.is_ready()`"""
+    """A client for the admin port. `with Admin("http://127.0.0.1:8081") as admin: admin.is_ready()`"""
 
     def __init__(self, url: str, timeout: Optional[float] = 10.0, *, settings: Settings = Settings()) -> None:
-        """`timeout`: s for each call; None: no limit. Raises FractureError of type "bad-url"."""
+        """`timeout`: seconds for each call; None: no limit. Raises FractureError of type "bad-url"."""
         super().__init__(url, None, timeout, False, None, settings)
 
     def __enter__(self) -> "Admin":
@@ -29,16 +29,16 @@ class Admin(Caller):
         return self._probe("/livez", timeout, cancel)
 
     def is_ready(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Whether the server takes requests (/readyz). False if it is shutting down or does not answer. Raises FractureError."""
+        """Whether the server accepts requests (/readyz). False if it is shutting down or does not answer. Raises FractureError."""
         return self._probe("/readyz", timeout, cancel)
 
     def metrics(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> str:
-        """The server's metrics in the text format of Prometheus. Raises FractureError."""
+        """The server's metrics in Prometheus text format. Raises FractureError."""
         response = self._ask("GET", "/metrics", b"", {}, asking.check_nothing, timeout, cancel)
         return response.body.decode("utf-8", "replace")
 
     def _probe(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """Sends one request, without retries, because a probe reports the state of this moment."""
+        """Sends a single request without retries, because a probe reports the current state."""
         try:
             with self._call(timeout, cancel, f"GET {path}") as call:
                 once = Settings(**{**vars(self.settings), "tries": 1})

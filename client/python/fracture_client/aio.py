@@ -1,5 +1,5 @@
-"""The client for asyncio. Its calls run in threads. If a task is cancelled, its connection is closed at once, so the server stops
-the work."""
+"""The asyncio client. Its calls run in threads. If a task is cancelled, its connection closes at once, so the server stops
+working on it."""
 from __future__ import annotations
 
 import asyncio
@@ -19,27 +19,27 @@ from .pool import Settings
 from .upload import Content, Files, Path
 
 T = TypeVar("T")
-THREADS = 64  # maximum; they wait for one of the few connections, or for the progress of a job
+THREADS = 64  # maximum; most of them wait for one of the few connections or for job progress
 
 
 class _Runner:
-    """Runs calls of the client in its own threads."""
+    """Runs the client's calls in its own threads."""
 
     def __init__(self) -> None:
         self._threads = concurrent.futures.ThreadPoolExecutor(THREADS, "fracture_client")
 
     async def run(self, work: Callable[..., T], *args: Any, **options: Any) -> T:
-        """Runs work(*args, cancel=…, **options) in a thread. If the task is cancelled, the call is cancelled too."""
+        """Runs work(*args, cancel=…, **options) in a thread. Cancelling the task also cancels the call."""
         token = Cancel()
         running = self._threads.submit(functools.partial(work, *args, cancel=token, **options))
         try:
             return await asyncio.wrap_future(running)
         except asyncio.CancelledError:
-            token.cancel()  # a call that has not begun ends as soon as it begins
+            token.cancel()  # a call that has not started yet ends as soon as it starts
             raise
 
     async def each(self, items: Iterator[T], token: Cancel) -> AsyncIterator[T]:
-        """The items of an iterator, one after the other. `token`: the Cancel that the iterator was created with."""
+        """Yields the items of an iterator. `token`: the Cancel with which the iterator was created."""
         end = object()
         try:
             while True:
@@ -153,7 +153,7 @@ class AsyncJob:
 
 
 class AsyncClient:
-    """Client for asyncio: the same calls as coroutines. A cancelled task closes its connection. `sync` is the Client.
+    """Client for asyncio: the same calls as coroutines. Cancelling a task closes its connection. `sync` is the Client.
 
         async with AsyncClient("http://127.0.0.1:8080") as client:
             mesh = await client.put("barrel.glb")
@@ -173,7 +173,7 @@ class AsyncClient:
         await self.close()
 
     async def close(self) -> None:
-        """Cancels the calls that are running, and closes the connections."""
+        """Cancels all running calls and closes the connections."""
         self.sync.close()
         await self._runner.close()
 
@@ -254,6 +254,6 @@ class AsyncClient:
 
 
 def _of_answer(runner: _Runner, answer: Answer) -> AsyncAnswer:
-    made = AsyncAnswer.__new__(AsyncAnswer)  # without __init__(), which would parse the file again
+    made = AsyncAnswer.__new__(AsyncAnswer)  # skips __init__(), which would parse the file again
     made.__dict__.update(answer.__dict__, _runner=runner)
     return made

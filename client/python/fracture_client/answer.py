@@ -1,4 +1,4 @@
-"""The fragments that the server returns, and the calls that save or hit them."""
+"""The fragments that the server returns, with calls to save them or hit them again."""
 from __future__ import annotations
 
 import contextlib
@@ -23,13 +23,13 @@ Point = Sequence[float]  # x, y, z in metres, y up
 
 
 class Answer:
-    """One GLB with its figures. Immutable: hit() returns a new answer."""
+    """A GLB with fragments, and the data about them. Immutable: hit() returns a new answer."""
 
     def __init__(self, content: bytes, mesh: Optional["Mesh"] = None, headers: Optional[Mapping[str, str]] = None) -> None:
         """content  the bytes of a GLB
         mesh     the mesh that was fractured; hit() needs it
-        headers  the fields of the HTTP answer, names in lower case
-        Raises FractureError of type "damaged" if `content` is not a GLB of a fracture server.
+        headers  the header fields of the HTTP answer, with lower-case names
+        Raises FractureError of type "damaged" if `content` is not a GLB from a fracture server.
         """
         self._file = glb_file.Glb(content)
         self._figures = figures_of(self._file)
@@ -40,7 +40,7 @@ class Answer:
 
     @classmethod
     def load(cls, path: Path) -> "Answer":
-        """Reads a GLB file of a fracture server. hit() does not work on such an answer, because its mesh is not known.
+        """Reads a GLB file from a fracture server. hit() does not work on such an answer, because its mesh is unknown.
         Raises OSError, and FractureError of type "damaged"."""
         return cls(pathlib.Path(path).read_bytes())
 
@@ -56,40 +56,40 @@ class Answer:
 
     @property
     def parameters(self) -> Dict[str, Any]:
-        """The parameters as the server understood them. The same mesh with these parameters gives the same answer."""
+        """The parameters as the server understood them. Fracturing the same mesh with them gives the same answer."""
         return self._figures.get("parameters", {})
 
     @property
     def report(self) -> Dict[str, Any]:
-        """The repairs of the mesh, the sizes of the fragments, and the warnings."""
+        """The mesh repairs, the fragment sizes, and the warnings."""
         return self._figures.get("report", {})
 
     @property
     def warnings(self) -> List[str]:
-        """Sentences of the report to act on: what happened, what it means for the result, and what to do. [] if there are none."""
+        """Sentences of the report to act on: what happened, how it affects the result, and what to do. [] if there are none."""
         return list(self.report.get("warnings", []))
 
     @property
     def notes(self) -> List[str]:
-        """Sentences of the report on what was done. They ask for nothing. [] if there are none, and from servers of algorithm 22
-        or less, which have notes among the warnings."""
+        """Sentences of the report about what was done. They need no action. [] if there are none, or if the server's algorithm is 22
+        or older: such servers put notes among the warnings."""
         return list(self.report.get("notes", []))
 
     @property
     def certificate(self) -> Dict[str, Any]:
-        """The figures that prove the answer: open edges (0), volumes in and out (m³), number of fragments, …"""
+        """The numbers that prove the answer: open edges (0), volumes in and out (m³), number of fragments, …"""
         return self._figures["certificate"]  # type: ignore[no-any-return]
 
     @property
     def fragments(self) -> List[Fragment]:
-        """The fragments in the order of the file. The first use reads them. Raises FractureError of type "damaged"."""
+        """The fragments in file order. They are read on first use. Raises FractureError of type "damaged"."""
         if self._fragments is None:
             self._fragments = read_fragments(self._file)
         return self._fragments
 
     @property
     def bonds(self) -> List[Bond]:
-        """The connections between fragments. The first use reads them. Raises FractureError of type "damaged"."""
+        """The connections between fragments. They are read on first use. Raises FractureError of type "damaged"."""
         if self._bonds is None:
             self._bonds = read_bonds(self._figures.get("bonds", {}))
         return self._bonds
@@ -101,14 +101,14 @@ class Answer:
 
     @property
     def delta(self) -> Optional[Delta]:
-        """The changes of the last hit. None without a hit, and after a hit with delta="none"."""
+        """The changes made by the last hit. None if there was no hit, or if it had delta="none"."""
         said = self._figures.get("delta")
         return None if said is None else Delta(*(tuple(said[key]) for key in ("new", "changed", "gone")))
 
     @property
     def location(self) -> str:
-        """The address of the answer for Client.answer(): "/fractures/sha256:…". It works while the server has the answer in its
-        cache. After a hit it is the address of the changes. "" for a file."""
+        """The address for Client.answer(): "/fractures/sha256:…". It works while the answer is in the server's cache. After a hit it
+        is the address of the changes. "" for an answer from a file."""
         return self._headers.get("content-location", "")
 
     @property
@@ -118,12 +118,12 @@ class Answer:
 
     @property
     def algorithm(self) -> int:
-        """The version of the algorithm. Equal requests give equal bytes while this version stays the same."""
+        """The version of the algorithm. Identical requests give identical bytes as long as this version stays the same."""
         return int(self._figures.get("algorithm", 0))
 
     @property
     def timing(self) -> Dict[str, float]:
-        """Milliseconds that the server took for each step (Server-Timing). Entries that cannot be read are left out."""
+        """Milliseconds that the server needed for each step (Server-Timing). Unreadable entries are omitted."""
         times: Dict[str, float] = {}
         for entry in self._headers.get("server-timing", "").split(","):
             name, *parameters = (part.strip() for part in entry.split(";"))
@@ -137,28 +137,28 @@ class Answer:
 
     @property
     def headers(self) -> Dict[str, str]:
-        """All fields of the HTTP answer, names in lower case."""
+        """All header fields of the HTTP answer, with lower-case names."""
         return dict(self._headers)
 
     @property
     def mesh(self) -> Optional["Mesh"]:
-        """The mesh that was fractured; None for a file."""
+        """The mesh that was fractured; None for an answer from a file."""
         return self._mesh
 
     def of_mesh(self, mesh: "Mesh") -> "Answer":
-        """A copy of this answer with this mesh, so that hit() works."""
+        """A copy of this answer that knows its mesh, so that hit() works."""
         same = copy.copy(self)
         same._mesh = mesh
         return same
 
     def save(self, path: Path) -> pathlib.Path:
-        """Writes a file; its ending chooses the format, and the path is returned.
+        """Writes a file in the format of its extension, and returns the path.
 
-        .glb or no ending  GLB
-        .gltf              glTF as one JSON text
-        .json              only the figures
-        An existing file is replaced. If writing fails, the existing file is unchanged.
-        Raises FractureError of type "bad-parameter" for any other ending, and OSError.
+        .glb or no extension  GLB
+        .gltf                 glTF as a single JSON document
+        .json                 only the data, without geometry
+        Replaces an existing file. If writing fails, the existing file is unchanged.
+        Raises OSError, and FractureError of type "bad-parameter" for any other extension.
         """
         path = pathlib.Path(path)
         kind = kind_of_file(path)
@@ -173,22 +173,22 @@ class Answer:
     def hit(self, point: Union[Point, Sequence[Point]], radius: Union[float, Sequence[float]],
             sites: Union[int, Sequence[int], None] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **parameters: Any) -> "Answer":
-        """The answer after one more hit, or several hits. It has all fragments, and `delta` lists the changes.
+        """The answer after one or more further hits. It contains all fragments, and its `delta` lists the changes.
 
-        point       centre of the hit in the frame of the answer (m, y up): (x, y, z), or a list of them for several hits
-        radius      reach of the hit (m); one number for all hits, or a list with one for each
-        sites       number of cells that the hit adds (the server's default: 30); one for all hits, or a list
-        timeout     s for everything, retries included; None: the client's
-        realtime    the request goes before batch work; None: the client's
-        parameters  `gravity` and `broken`; with delta="none" also the parameters that decide neither mesh nor cells
+        point       centre of the hit in the answer's frame (m, y up): (x, y, z), or a list of such points for several hits
+        radius      reach of the hit (m): one number for all hits, or a list with one per hit
+        sites       number of cells that the hit adds (server default: 30): one number for all hits, or a list with one per hit
+        timeout     seconds for everything, retries included; None: the client's
+        realtime    whether the request is served before batch work; None: the client's setting
+        parameters  `gravity` and `broken`; with delta="none" also parameters that affect neither the mesh nor the cells
 
-        The server sends only the changes, and the client merges them with this answer. If the server has forgotten this answer,
-        the client asks for the same result by its parameters.
-        Raises FractureError; its type is "bad-parameter" for an answer that load() read from a file.
+        The server sends only the changes, and the client merges them into this answer. If the server has forgotten this answer,
+        the client requests the same result by its parameters.
+        Raises FractureError, of type "bad-parameter" for an answer that load() read from a file.
         """
         if self._mesh is None:
-            raise FractureError("bad-parameter", "This answer was read from a file, so its mesh is not known and it cannot be hit. "
-                                                 "Call fracture() with the mesh and `parameters` of the answer, and hit that answer.")
+            raise FractureError("bad-parameter", "This answer was read from a file, so its mesh is unknown and it cannot be hit. Call "
+                                                 "fracture() with the mesh and this answer's `parameters`, and hit that answer.")
         hits: Dict[str, Any] = {"local_point": point, "local_radius": radius, "local_sites": sites}
         wanted = {"delta": "only" if self._can_be_merged() else "stated", **hits, **parameters}
         options: Dict[str, Any] = {"timeout": timeout, "cancel": cancel, "realtime": realtime}
@@ -206,14 +206,14 @@ class Answer:
         return Answer(merge(self._file, after._file), self._mesh, after._headers)
 
     def _can_be_merged(self) -> bool:
-        """Whether delta="only" works. Not with levels and anchors, because a hit can change them in all fragments. Not with the
-        relief of cut faces, because the server sends it only with the whole answer."""
+        """Whether delta="only" works. It does not work with levels or anchors, because a hit can change them in all fragments, nor
+        with interior detail, because the server sends the cut faces' relief only with the whole answer."""
         about_all = ("levels", "anchor_plane", "anchor_box", "anchor_points")
         return not any(name in self.parameters for name in about_all) and \
             self.parameters.get("interior_detail", "none") == "none"
 
     def _spelt_out(self, wanted: Mapping[str, Any]) -> Dict[str, Any]:
-        """The same request without `of`: the parameters of this answer, with the new hits appended to its own."""
+        """The same request without `of`: this answer's parameters, with the new hits appended to its own hits."""
         given: Dict[str, Any] = json.loads(json_text(wanted))
         before = {name: value for name, value in self.parameters.items() if name not in ("delta", "local_new", "format")}
         points = given.pop("local_point")
@@ -232,18 +232,18 @@ class Answer:
 
 
 def kind_of_file(path: pathlib.Path) -> str:
-    """The format that save() writes to a path: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for
-    another ending: a GLB in a file named .obj would fail only when another program reads it."""
+    """The format that save() writes to a path: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for any
+    other extension, because a GLB saved as .obj would fail only later, when another program reads it."""
     kind = path.suffix.lower() or ".glb"
     if kind not in (".glb", ".gltf", ".json"):
-        raise FractureError("bad-parameter", f"'{path}': the format '{path.suffix}' cannot be written. Name a file that ends in .glb, "
-                                             ".gltf (one JSON text) or .json (the figures), or that has no ending (GLB). "
+        raise FractureError("bad-parameter", f"'{path}': the format '{path.suffix}' cannot be written. Use the extension .glb, .gltf "
+                                             "(a single JSON document) or .json (data without geometry), or no extension (GLB). "
                                              "`fracture-server bake` writes .obj, .ply and .stl.")
     return kind
 
 
 def write_whole(path: pathlib.Path, content: bytes) -> None:
-    """Writes to a temporary file in the same folder and renames it, so that no program reads half a file. Raises OSError."""
+    """Writes a temporary file in the same folder and renames it, so that no program reads an incomplete file. Raises OSError."""
     beside = path.with_name(f"{path.name}.{secrets.token_hex(4)}.tmp")
     try:
         with open(beside, "xb") as file:
@@ -253,5 +253,5 @@ def write_whole(path: pathlib.Path, content: bytes) -> None:
         with contextlib.suppress(OSError):
             os.unlink(beside)
         if isinstance(error, OSError):
-            error.filename, error.filename2 = str(path), None  # the name that the caller knows, not that of the temporary file
+            error.filename, error.filename2 = str(path), None  # the name the caller knows instead of the temporary one
         raise

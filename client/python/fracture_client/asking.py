@@ -1,11 +1,11 @@
-"""Sends a request until there is an answer, within the number of tries and the time of the call.
+"""Sends a request until an answer arrives, within the tries and the time of the call.
 
-- If the server is absent, it asks again with growing pauses.
-- If the server is busy, it asks again after the server's Retry-After.
-- If the server has forgotten the mesh, it sends the mesh with PUT and asks again.
-- If an answer is cut off or its digest is wrong, it asks again at once.
+- If the server is absent, it retries after growing pauses.
+- If the server is busy, it retries after the server's Retry-After.
+- If the server has forgotten the mesh, it sends the mesh with PUT and retries.
+- If an answer is cut off or its digest is wrong, it retries at once.
 
-All requests can be repeated, because the same request gives the same bytes. client/protocol/client.hpp has the same rules.
+All requests can be repeated safely, because identical requests give identical bytes. client/protocol/client.hpp has the same rules.
 """
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from .http1 import Request, Response, Trouble
 from .pool import Pool, Settings
 from .problems import Reaction, reaction_to
 
-DONE = (200, 201, 202, 204, 206, 304)  # 304 and 206 come only if the request asked for them
-LONGEST_RETRY_AFTER = 86_400  # s; a longer value is ignored
+DONE = (200, 201, 202, 204, 206, 304)  # 304 and 206 occur only if the request asked for them
+LONGEST_RETRY_AFTER = 86_400  # s; longer values are ignored
 WRONG_DIGEST = "The bytes of the answer do not match its Repr-Digest: they were changed on the way."
 
-# Returns the fault of an answer of 200; "" if it is sound.
+# Returns what is wrong with a successful answer; "" if it is sound.
 Check = Callable[[Response], str]
 
 
@@ -34,8 +34,8 @@ def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Che
         put: Optional[Callable[[float], bool]] = None) -> Response:
     """Raises FractureError.
 
-    `put`: called if the server does not have the mesh, with the time of the request (time.monotonic()). It sends the mesh,
-    once for all calls that need it, and returns whether to ask again.
+    `put`: called with the time of the request (time.monotonic()) if the server does not have the mesh. It sends the mesh, once
+    for all calls that need it, and returns whether to retry.
     """
     pause, damaged, tries = settings.first_pause, 0, 0
     while True:
@@ -65,7 +65,7 @@ def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Che
                     after = retry_after(response)
                     wait = pause if after is None else after
                 elif reaction is Reaction.PUT and response.status == 404 and put is not None and put(sent):
-                    wait, tries = 0.0, tries - 1  # the server has the mesh now, so this does not count as a failed try
+                    wait, tries = 0.0, tries - 1  # the server has the mesh now, so this was not a failed try
                 else:
                     raise failure
         left = call.remaining()
@@ -94,7 +94,7 @@ def refusal(response: Response, request: Request) -> FractureError:
     document = json_object(response.body)
     if document is not None and isinstance(document.get("type"), str) and document["type"].startswith("/problems/"):
         return FractureError.of_problem(document, response.status)
-    said = re.sub(r"<[^>]*>", " ", response.body[:2000].decode("utf-8", "replace"))  # pages of proxies
+    said = re.sub(r"<[^>]*>", " ", response.body[:2000].decode("utf-8", "replace"))  # proxies send HTML pages
     said = " ".join(said.split())[:200]
     where = response.headers.get("location")
     detail = (f"{request.what}: the answer is HTTP {response.status} without the problem document of a fracture server. "
@@ -108,7 +108,7 @@ def refusal(response: Response, request: Request) -> FractureError:
 
 
 def retry_after(response: Response) -> Optional[float]:
-    """Seconds (RFC 9110, section 10.2.3); None for a date, for a value that is not a number, and for more than a day."""
+    """Seconds (RFC 9110, section 10.2.3); None for a date, a value that is not a number, or more than a day."""
     text = response.headers.get("retry-after", "").strip()
     if not re.fullmatch(r"[0-9]{1,9}", text) or int(text) > LONGEST_RETRY_AFTER:
         return None
@@ -116,7 +116,7 @@ def retry_after(response: Response) -> Optional[float]:
 
 
 def digest_matches(field: str, content: bytes) -> bool:
-    """Whether a Repr-Digest (RFC 9530) has the SHA-256 of this content. False for a field without sha-256."""
+    """Whether a Repr-Digest (RFC 9530) contains the SHA-256 of this content. False for a field without sha-256."""
     for entry in field.split(","):
         entry = entry.strip()
         if entry.startswith("sha-256="):
@@ -128,7 +128,7 @@ def digest_matches(field: str, content: bytes) -> bool:
 def check_digest(response: Response) -> str:
     """The check for answers with fragments."""
     if response.status in (204, 206, 304):
-        return ""  # without a body, or with a part of it, whose digest is that of the whole
+        return ""  # there is no body, or only a part of it, and the digest is that of the whole
     field = response.headers.get("repr-digest", "")
     if not field:
         return "The answer has no Repr-Digest, so it cannot be checked."
@@ -138,7 +138,7 @@ def check_digest(response: Response) -> str:
 
 
 def check_json(response: Response) -> str:
-    """The check for answers that are one JSON object."""
+    """The check for answers that are a JSON object."""
     if "repr-digest" in response.headers and not digest_matches(response.headers["repr-digest"], response.body):
         return WRONG_DIGEST
     return "" if json_object(response.body) is not None else "The answer is not a JSON object."
@@ -153,7 +153,7 @@ def check_digest_if_any(response: Response) -> str:
 
 
 def check_nothing(response: Response) -> str:
-    """The check for texts and empty answers: accepts everything."""
+    """The check for text and empty answers: accepts everything."""
     return ""
 
 

@@ -1,4 +1,4 @@
-"""Copies meshes of several GLB files into the buffers of one."""
+"""Copies meshes from several GLB files into the buffers of a single file."""
 from __future__ import annotations
 
 import copy
@@ -11,14 +11,14 @@ _SHORT = (5120, 5121, 5122, 5123)  # component types of less than four bytes
 
 
 class Buffers:
-    """The bufferViews and accessors of a new file: one view for each use ("POSITION", indices, …), as the server writes them."""
+    """The bufferViews and accessors of a new file: one view per use ("POSITION", indices, …), as the server writes them."""
 
     def __init__(self) -> None:
-        self._views: Dict[str, Tuple[Json, bytearray]] = {}  # in the order in which they get their first byte
+        self._views: Dict[str, Tuple[Json, bytearray]] = {}  # in order of first use
         self._accessors: List[Json] = []
 
     def add_mesh(self, glb: Glb, index: int) -> Json:
-        """A copy of the mesh whose accessors refer to these buffers. Raises FractureError of type "damaged"."""
+        """Returns a copy of the mesh with accessors that refer to these buffers. Raises FractureError of type "damaged"."""
         mesh: Json = copy.deepcopy(glb.item("meshes", index))
         spans = _Spans(glb)
         uses = list(_uses(glb, mesh))
@@ -35,7 +35,7 @@ class Buffers:
         return mesh
 
     def add_image(self, glb: Glb, image: Json) -> Json:
-        """A copy of the image whose bytes are in these buffers. Raises FractureError of type "damaged"."""
+        """Returns a copy of the image with its bytes in these buffers. Raises FractureError of type "damaged"."""
         if "bufferView" not in image:
             return image
         name = f"image {len(self._views)}"
@@ -43,7 +43,7 @@ class Buffers:
         return {**image, "bufferView": len(self._views) - 1}
 
     def finish(self, document: Json) -> bytes:
-        """Writes the members `accessors` and `bufferViews` of the document and returns the buffer."""
+        """Writes the document's members `accessors` and `bufferViews`, and returns the buffer."""
         binary, views = bytearray(), []
         for properties, content in self._views.values():
             at = {"byteOffset": len(binary)} if binary else {}
@@ -56,7 +56,7 @@ class Buffers:
         return bytes(binary)
 
     def _append(self, glb: Glb, view: int, span: "_Span") -> Tuple[int, int]:
-        """(index of the new view, bytes by which the content has moved)."""
+        """(index of the new view, number of bytes by which the content has moved)."""
         source = glb.item("bufferViews", view)
         properties = {key: source[key] for key in ("byteStride", "target") if key in source}
         _, content = self._views.setdefault(span.use, (properties, bytearray()))
@@ -72,7 +72,7 @@ class _Span:
 
 
 class _Spans:
-    """The range of bytes that a mesh uses in each bufferView. No other mesh uses bytes of this range."""
+    """The byte range that a mesh uses in each bufferView. No other mesh uses bytes in this range."""
 
     def __init__(self, glb: Glb) -> None:
         self._glb = glb
@@ -100,7 +100,7 @@ class _Spans:
 
 
 def _uses(glb: Glb, mesh: Json) -> Iterator[Tuple[Json, str, str]]:
-    """(object, key, use) for each reference of the mesh to an accessor, in the order in which the server writes them."""
+    """(object, key, use) for each accessor that the mesh refers to, in the order in which the server writes them."""
     def of_indices(holder: Json) -> str:
         return "indices16" if glb.item("accessors", holder["indices"])["componentType"] in _SHORT else "indices32"
 

@@ -1,4 +1,4 @@
-"""The base of Client and Admin: connections, deadlines, retries and close()."""
+"""The base class of Client and Admin: connections, deadlines, retries and close()."""
 from __future__ import annotations
 
 import contextlib
@@ -17,7 +17,7 @@ from .pool import Address, Pool, Settings
 from .puts import PutOnce
 from .version import VERSION
 
-STALL = 30.0  # s without a byte after which a stream of events counts as broken; the server sends a comment every 10 s
+STALL = 30.0  # s without a byte, after which an event stream is considered broken; the server sends a comment every 10 s
 
 
 class Caller:
@@ -30,8 +30,8 @@ class Caller:
         self.realtime = realtime
         self.settings = settings
         if token is not None and not re.fullmatch(r"[\x21-\x7e]+", token):
-            raise FractureError("bad-parameter", "The token has characters that HTTP cannot send. Only printable ASCII without spaces "
-                                                 "is allowed; check for a line break at its end.", parameter="token")
+            raise FractureError("bad-parameter", "The token contains characters that HTTP cannot send. Only printable ASCII without "
+                                                 "spaces is allowed; check for a line break at its end.", parameter="token")
         self._headers = {"User-Agent": f"fracture-client-python/{VERSION}"}
         if token is not None:
             self._headers["Authorization"] = f"Bearer {token}"
@@ -52,7 +52,7 @@ class Caller:
 
     @contextlib.contextmanager
     def _call(self, timeout: Optional[float], cancel: Optional[Cancel], what: str, forever: bool = False) -> Iterator[Call]:
-        """`forever`: without a timeout of its own, the call does not take the timeout of the client."""
+        """`forever`: the call has no timeout unless it sets its own; the client's timeout does not apply."""
         call = Call(self.timeout if timeout is None and not forever else timeout, what)
         with self._lock:
             if self._closed:
@@ -70,7 +70,7 @@ class Caller:
 
     def _ask(self, method: str, path: str, body: bytes, headers: Mapping[str, str], check: asking.Check,
              timeout: Optional[float], cancel: Optional[Cancel], mesh: Optional[Mesh] = None) -> Response:
-        """`mesh`: the mesh that the path names; it is sent again if the server has forgotten it."""
+        """`mesh`: the mesh in the path; it is sent again if the server has forgotten it."""
         request = Request(method, path, dict(headers), body)
         with self._call(timeout, cancel, request.what) as call:
             return self._send(call, request, check, None if mesh is None else self._putting(mesh, call))
@@ -82,12 +82,12 @@ class Caller:
     def _complete(self, request: Request) -> Request:
         target = self._pool.address.path + request.target
         if re.search(r"[^\x21-\x7e]", target):
-            raise FractureError("bad-parameter", f"The path {target!r} has spaces or characters outside of ASCII. Quote them with "
+            raise FractureError("bad-parameter", f"The path {target!r} contains spaces or non-ASCII characters. Quote them with "
                                                  "urllib.parse.quote().")
         return Request(request.method, target, {**self._headers, **request.headers}, request.body)
 
     def _putting(self, mesh: Mesh, call: Call) -> Callable[[float], bool]:
-        done = False  # one PUT for each call: a 404 after it is an error
+        done = False  # one PUT per call: another 404 after it is an error
 
         def put(sent: float) -> bool:
             nonlocal done
@@ -121,12 +121,13 @@ class Caller:
         return True
 
     def _urgency(self, realtime: Optional[bool]) -> Dict[str, str]:
-        """The Priority field (RFC 9218). It is always sent, because fractures of stored meshes are realtime work by default."""
+        """The Priority field (RFC 9218). It is always sent, because the server treats fractures of stored meshes as realtime work by
+        default."""
         return {"Priority": "u=1" if (self.realtime if realtime is None else realtime) else "u=3"}
 
 
 def query_of(parameters: Mapping[str, Any]) -> str:
-    """The query "?name=value&…" of the interface: vectors as x,y,z and lists of vectors as x,y,z;x,y,z. None is left out."""
+    """The query "?name=value&…": vectors as x,y,z and lists of vectors as x,y,z;x,y,z. Values that are None are omitted."""
     pairs = [(name, query_value(value)) for name, value in parameters.items() if value is not None]
     return "?" + urllib.parse.urlencode(pairs, quote_via=urllib.parse.quote, safe=",;:") if pairs else ""
 

@@ -1,4 +1,4 @@
-"""The deadline of a call, and how another thread cancels it."""
+"""A call's deadline, and its cancellation by another thread."""
 from __future__ import annotations
 
 import contextlib
@@ -12,8 +12,8 @@ from .errors import FractureError
 class Cancel:
     """Cancels calls from another thread: `mesh.fracture(…, cancel=token)`, then `token.cancel()`.
 
-    The connection is closed at once, so the server stops the computation, unless another client waits for the same answer. The
-    call raises FractureError of type "cancelled". Several calls can share a token. A cancelled token stays cancelled.
+    The connection closes at once, so the server stops computing unless another client is waiting for the same answer. The call
+    raises FractureError of type "cancelled". Several calls can share a token. A cancelled token stays cancelled.
     """
 
     def __init__(self) -> None:
@@ -23,7 +23,7 @@ class Cancel:
         self._next = 0
 
     def cancel(self) -> None:
-        """Cancels the calls that have this token. Any thread may call it, also more than once."""
+        """Cancels the calls that use this token. Any thread may call this, even more than once."""
         with self._lock:
             self._event.set()
             callbacks = list(self._callbacks.values())
@@ -36,12 +36,12 @@ class Cancel:
         return self._event.is_set()
 
     def wait(self, seconds: float) -> bool:
-        """Waits until cancel() is called, but at most this time. Returns whether it was called."""
+        """Waits until cancel() is called, but no longer than this. Returns whether it was called."""
         return self._event.wait(seconds)
 
     @contextlib.contextmanager
     def calling(self, callback: Callable[[], None]) -> Iterator[None]:
-        """Within this, cancel() calls `callback`; a token that is already cancelled calls it at once."""
+        """While this context is active, cancel() calls `callback`. If the token is already cancelled, calls it at once."""
         with self._lock:
             key, self._next = self._next, self._next + 1
             self._callbacks[key] = callback
@@ -56,14 +56,14 @@ class Cancel:
 
 
 class OutOfTime(Exception):
-    """The time of one exchange is over."""
+    """An exchange timed out."""
 
 
 class Call:
-    """One call of the client with its retries: its deadline, and how to end its present wait."""
+    """A call of the client, including its retries: its deadline, and how to interrupt its current wait."""
 
     def __init__(self, seconds: Optional[float], what: str) -> None:
-        """`seconds`: None for no limit. `what`: the request as messages name it, "POST /fracture"."""
+        """`seconds`: None for no limit. `what`: the request as it appears in messages, such as "POST /fracture"."""
         self.what = what
         self.seconds = seconds
         self._end = None if seconds is None else time.monotonic() + max(0.0, seconds)
@@ -74,7 +74,7 @@ class Call:
         self._wake: Optional[Callable[[], None]] = None
 
     def cancel(self, why: str = "The call was cancelled.") -> None:
-        """Ends the call and its present wait. Any thread may call it."""
+        """Ends the call and interrupts its current wait. Any thread may call this."""
         with self._lock:
             if not self._over.is_set():
                 self._why = why
@@ -89,7 +89,7 @@ class Call:
 
     @contextlib.contextmanager
     def waking(self, wake: Callable[[], None]) -> Iterator[None]:
-        """Within this, cancel() calls `wake` to end the present wait. `wake` must not wait itself."""
+        """While this context is active, cancel() calls `wake` to interrupt the current wait. `wake` must not block."""
         with self._lock:
             before, self._wake = self._wake, wake
         try:
@@ -101,7 +101,7 @@ class Call:
 
     @contextlib.contextmanager
     def at_most(self, seconds: Optional[float]) -> Iterator[None]:
-        """Within this, left() also counts to the end of one exchange, `seconds` from now."""
+        """While this context is active, left() also respects the deadline of one exchange, `seconds` from now."""
         before = self._limit
         if seconds is not None:
             limit = time.monotonic() + seconds
@@ -128,6 +128,6 @@ class Call:
         return left
 
     def pause(self, seconds: float) -> None:
-        """Waits. Raises FractureError of type "cancelled"."""
+        """Waits for `seconds`. Raises FractureError of type "cancelled"."""
         self._over.wait(seconds)
         self.check()

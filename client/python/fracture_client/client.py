@@ -1,4 +1,4 @@
-"""The client of one server: one method for each operation of the interface."""
+"""The client for a server, with a method for each operation of the interface."""
 from __future__ import annotations
 
 import re
@@ -21,28 +21,28 @@ AnyMesh = Union[Mesh, Path, Content]
 
 
 class Client(Caller):
-    """The client of one server. Thread-safe: use one client for a whole program; its threads share the connections.
+    """A client for one server. It is thread-safe, so one per program is enough; all threads share its connections.
 
         with Client("http://127.0.0.1:8080") as client:
             mesh = client.put("barrel.glb")
             answer = mesh.fracture(material="wood", fragments=40)
             answer.save("broken.glb")
 
-    Every call takes `timeout` (s, retries included; None: the client's) and `cancel` (a Cancel, with which another thread ends
-    the call). The client repeats a request if the server is busy or the connection breaks. If that does not help, and for every
+    Every call takes `timeout` (in seconds, retries included; None: the client's) and `cancel` (a Cancel that lets another thread
+    end the call). The client repeats a request if the server is busy or the connection breaks. If that does not help, or for any
     other error, it raises FractureError.
     """
 
     def __init__(self, url: str, token: Optional[str] = None, timeout: Optional[float] = 300.0, *, realtime: bool = False,
                  tls: Optional[ssl.SSLContext] = None, settings: Settings = Settings()) -> None:
         """
-        url       "http://127.0.0.1:8080"; with https the certificate is checked
+        url       such as "http://127.0.0.1:8080"; with https, the certificate is checked
         token     sent as `Authorization: Bearer …`
-        timeout   s for each call, retries included; None: until the tries of `settings` are used up
-        realtime  fractures go before batch work and have the server's short deadline (2 s by default), as games need it
+        timeout   seconds for each call, retries included; None: only the tries in `settings` limit a call
+        realtime  for games: fractures are served before batch work, with the server's short deadline (2 s by default)
         tls       the certificates to trust; None: those of this system
-        settings  times, number of tries, number of connections
-        Does not connect yet. Raises FractureError of type "bad-url", or "bad-parameter" for a token that cannot be sent.
+        settings  timeouts, number of tries, number of connections
+        The client does not connect yet. Raises FractureError of type "bad-url", or "bad-parameter" if the token cannot be sent.
         """
         super().__init__(url, token, timeout, realtime, tls, settings)
 
@@ -56,14 +56,14 @@ class Client(Caller):
 
     def put(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
             timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Mesh:
-        """Stores a mesh on the server. A mesh that the server already has is not sent again.
+        """Stores a mesh on the server, unless the server already has it.
 
         mesh         a path, or the bytes of a file
-        files        the files that the mesh names (.bin, .mtl, textures): {name: path or bytes}, or a list of paths. None: with a
-                     path, the files that it names in its folder and below; () for no files
-        format       "glb", "obj", …; needed only if the file's ending and first bytes do not show it
-        preparation  parameters that decide the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …). The server
-                     prepares the mesh with them. They are the defaults of the fractures of this mesh.
+        files        the files that the mesh references (.bin, .mtl, textures): {name: path or bytes}, or a list of paths. None:
+                     if `mesh` is a path, the referenced files in its folder and subfolders; (): no files
+        format       "glb", "obj", …; needed only if neither the file extension nor the first bytes show it
+        preparation  parameters that shape the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …). The server
+                     prepares the mesh with them. They are also the defaults for every fracture of this mesh.
         Raises FractureError, and OSError for a file that cannot be read.
         """
         upload = Upload.of(mesh, files, format)
@@ -79,18 +79,18 @@ class Client(Caller):
         return made
 
     def mesh(self, id: str) -> Mesh:
-        """A mesh that is stored on the server, by its id ("sha256:…"). Sends no request. If the server forgets the mesh, the client
-        cannot send it again. Raises FractureError of type "bad-parameter" for a malformed id."""
+        """The stored mesh with this id ("sha256:…"). Sends no request. If the server forgets the mesh, the client cannot send it
+        again. Raises FractureError of type "bad-parameter" for a malformed id."""
         if not re.fullmatch(r"sha256:[0-9a-f]{64}", id):
-            raise FractureError("bad-parameter", f"'{id}' is not the id of a mesh: an id is 'sha256:' and 64 hex digits in lower "
-                                                 "case.", parameter="id")
+            raise FractureError("bad-parameter", f"'{id}' is not the id of a mesh: an id is 'sha256:' followed by 64 lower-case hex "
+                                                 "digits.", parameter="id")
         return Mesh(self, id)
 
     def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Dict[str, Any]:
-        """The report on a mesh, without fracturing it: verdict, solid, frame, nodes, materials, images, warnings, notes. The mesh is
-        sent, prepared with `preparation`, and stored. The arguments are those of put(). Raises FractureError, also if the mesh
-        cannot be fractured, and OSError."""
+        """Reports on a mesh without fracturing it: verdict, solid, frame, nodes, materials, images, warnings, notes. The mesh is
+        sent, prepared with `preparation`, and stored. The arguments are those of put(). Raises OSError, and FractureError, for
+        example if the mesh cannot be fractured."""
         upload = Upload.of(mesh, files, format)
         kind, body = upload.body()
         target = "/meshes" + query_of({**upload.query, **preparation})
@@ -102,7 +102,7 @@ class Client(Caller):
     def fracture(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, files: Optional[Files] = None,
                  format: Optional[str] = None, timeout: Optional[float] = None, cancel: Optional[Cancel] = None,
                  realtime: Optional[bool] = None, **more: Any) -> Answer:
-        """Sends mesh and parameters in one request. Use it for a mesh that is fractured once. A Mesh is fractured by Mesh.fracture().
+        """Sends mesh and parameters in one request, for a mesh that is fractured only once. For a Mesh, it calls Mesh.fracture().
 
         mesh, files, format   as for put()
         parameters, realtime  as for Mesh.fracture()
@@ -121,8 +121,8 @@ class Client(Caller):
     def answer(self, location: str, *, unless: Optional[str] = None, timeout: Optional[float] = None,
                cancel: Optional[Cancel] = None) -> Optional[Answer]:
         """Fetches an answer again by its address (Answer.location), while it is in the server's cache. `unless`: the etag of an
-        answer that you have; if it is still current, the result is None. Raises FractureError; its type is "not-found" if the
-        answer is no longer in the cache."""
+        answer that you already have; if it is still current, the result is None. Raises FractureError, of type "not-found" if
+        the answer is no longer in the cache."""
         target = "/fractures/" + urllib.parse.quote(location.rsplit("/", 1)[-1], safe=":")
         headers = {"Accept": "model/gltf-binary", **({"If-None-Match": unless} if unless else {})}
         response = self._ask("GET", target, b"", headers, asking.check_digest, timeout, cancel)
@@ -136,20 +136,20 @@ class Client(Caller):
     def job(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, **more: Any) -> Job:
         """Starts a fracture as background work and returns at once; see Mesh.job(). If the connection breaks before the server
-        answers, a second job is started, which shares the computation of the first. Raises FractureError, and OSError."""
+        answers, this starts a second job that shares the first one's computation. Raises FractureError and OSError."""
         if not isinstance(mesh, Mesh):
             mesh = self.put(mesh, timeout=timeout, cancel=cancel)
         response = mesh._ask(parameters, more, "model/gltf-binary", asking.check_json, timeout, cancel, False, {"Prefer": "respond-async"})
         return Job(self, JobState.of(asking.json_object(response.body) or {}), mesh)
 
     def find_job(self, id: str, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Job:
-        """A job that was started earlier, also by another program. Raises FractureError of type "not-found" for an unknown id."""
+        """A job that was started earlier, possibly by another program. Raises FractureError of type "not-found" for an unknown id."""
         return Job(self, JobState.of(self._json("GET", "/jobs/" + urllib.parse.quote(id, safe=""), timeout, cancel)))
 
     def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None,
              cancel: Optional[Cancel] = None) -> Iterator[Job]:
-        """Your jobs, the newest first. `state`: only those "queued", "running", "done", "failed" or "cancelled". The iterator fetches
-        them in pages of 100. Raises FractureError."""
+        """Your jobs, newest first. `state`: only jobs in this state ("queued", "running", "done", "failed" or "cancelled"). The
+        iterator fetches them in pages of 100. Raises FractureError."""
         target = "/jobs" + query_of({"state": state, "limit": 100})
         while target:
             page = self._json("GET", target, timeout, cancel)
@@ -164,24 +164,24 @@ class Client(Caller):
         return self._json("GET", "/", timeout, cancel)
 
     def version(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """`name` and `version` of the server, and `algorithm`, the version of the algorithm. Raises FractureError."""
+        """The server's `name` and `version`, and its `algorithm` version. Raises FractureError."""
         return self._json("GET", "/version", timeout, cancel)
 
     def limits(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """Limits of size and time, formats, and every parameter with its type, unit, range and default. Raises FractureError."""
+        """Size and time limits, formats, and every parameter with its type, unit, range and default. Raises FractureError."""
         return self._json("GET", "/limits", timeout, cancel)
 
     def patterns(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The `patterns` and `materials` of the server, and the `parameters` that they take. Raises FractureError."""
+        """The server's `patterns` and `materials`, and the `parameters` that they take. Raises FractureError."""
         return self._json("GET", "/patterns", timeout, cancel)
 
     def openapi(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The description of the interface in OpenAPI 3.1. Raises FractureError."""
+        """The OpenAPI 3.1 description of the interface. Raises FractureError."""
         return self._json("GET", "/openapi.json", timeout, cancel)
 
     def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None) -> str:
-        """A text for people: the meaning of a type of error, and what to do. Raises FractureError."""
+        """A text for people that explains an error type and what to do about it. Raises FractureError."""
         name = problem.type if isinstance(problem, FractureError) else problem.rsplit("/", 1)[-1]
         target = "/problems/" + urllib.parse.quote(name, safe="")
         response = self._ask("GET", target, b"", {"Accept": "text/plain"}, asking.check_nothing, timeout, cancel)
@@ -189,7 +189,7 @@ class Client(Caller):
 
     def request(self, method: str, path: str, *, body: bytes = b"", headers: Optional[Mapping[str, str]] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Response:
-        """Sends any other request of the interface (the Range of a result, another Accept), with the same retries. `path`
-        includes the query. The Repr-Digest of a whole answer is checked, if there is one. Raises FractureError."""
+        """Sends any other request of the interface (such as a Range of a result, or another Accept) with the same retries. `path`
+        includes the query. If a complete answer has a Repr-Digest, it is checked. Raises FractureError."""
         check = asking.check_nothing if method == "HEAD" else asking.check_digest_if_any
         return self._ask(method, path, body, headers or {}, check, timeout, cancel)

@@ -1,4 +1,4 @@
-"""The command line: breaks one mesh and writes one file."""
+"""The command line: breaks a mesh and writes the result to a file."""
 from __future__ import annotations
 
 import argparse
@@ -31,11 +31,11 @@ exits with:
   130  interrupted"""
 
 DONE, UNREACHABLE, USAGE, REFUSED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
-AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # errors without an answer of the server
+AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # errors without an answer from the server
 
 
 def main(arguments: List[str]) -> int:
-    """Returns the exit code. The result is printed to standard output; warnings, progress and errors to standard error."""
+    """Returns the exit code. Prints the result to standard output, and warnings, progress and errors to standard error."""
     parser = _parser()
     options = parser.parse_intermixed_args(arguments)
     query = _query(parser, options.parameters)
@@ -44,8 +44,8 @@ def main(arguments: List[str]) -> int:
     except FractureError as error:
         parser.error(error.detail)
     token = _token(parser, options.token_file)
-    if not options.out.parent.is_dir():  # before a minute of work
-        print(f"fracture_client: {options.out}: the folder {options.out.parent} does not exist. Create it, or name another file.",
+    if not options.out.parent.is_dir():  # checked now, because the work may take a minute
+        print(f"fracture_client: {options.out}: the folder {options.out.parent} does not exist. Create it, or choose another file.",
               file=sys.stderr)
         return UNREACHABLE
     try:
@@ -76,7 +76,7 @@ def main(arguments: List[str]) -> int:
 
 
 def _say_remarks(quiet: bool, of: str, report: Mapping[str, Any], said: Mapping[str, Any]) -> None:
-    """Prints the warnings and the notes of `report`, except those in `said`, a report that was printed before."""
+    """Prints the warnings and notes in `report`, except those in `said`, a report that was printed before."""
     for kind, name in (("warnings", "warning"), ("notes", "note")):
         for sentence in report.get(kind, []):
             if sentence not in said.get(kind, []):
@@ -88,18 +88,19 @@ def _parser() -> argparse.ArgumentParser:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("server", metavar="SERVER", help="address of the server, such as http://127.0.0.1:8080")
     parser.add_argument("mesh", metavar="MESH", type=pathlib.Path, help="mesh: .glb, .gltf, .obj, .stl, .ply, .off, or another format "
-                        "that the server reads; files that it names (.bin, .mtl, textures) are sent too, from its folder and below")
-    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help="result: .glb or no ending, .gltf (one JSON text) or .json "
-                        "(only the figures)")
+                        "that the server reads; files that it references (.bin, .mtl, textures) are sent too, if they are in its "
+                        "folder or a subfolder")
+    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help="result: .glb or no extension, .gltf (a single JSON document) "
+                        "or .json (data without geometry)")
     parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="any parameter of the interface: "
-                        "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; GET /patterns of the server lists them")
-    parser.add_argument("--file", metavar="FILE", action="append", help="a further file of the mesh; repeat it for more files; "
-                        "with it, no other files are looked for")
-    parser.add_argument("--format", metavar="NAME", help="format of the mesh, if its ending does not show it")
+                        "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; the server lists them at GET /patterns")
+    parser.add_argument("--file", metavar="FILE", action="append", help="an additional file of the mesh; can be repeated; "
+                        "if given, only these files are sent")
+    parser.add_argument("--format", metavar="NAME", help="format of the mesh, if its file extension does not show it")
     parser.add_argument("--job", action="store_true", help="break the mesh as background work, which may take half an hour, and "
-                        "show the progress")
-    parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="file whose first line is the token "
-                        "(default: the variable FRACTURE_TOKEN, if it is set)")
+                        "show progress")
+    parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="file with the token in its first line "
+                        "(default: the variable FRACTURE_TOKEN, if set)")
     parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="limit for each step (default: 300)")
     parser.add_argument("--quiet", action="store_true", help="print no warnings, notes or progress")
     parser.add_argument("--version", action="version", version=VERSION)

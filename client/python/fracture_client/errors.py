@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Optional
 from . import problems
 
 
-MOST_NAMES = 20  # known names that a message lists; FractureError.problem has all
+MOST_NAMES = 20  # maximum number of known names in a message; FractureError.problem has all of them
 
 
 class FractureError(Exception):
@@ -14,11 +14,11 @@ class FractureError(Exception):
 
     type       name of the error for programs: "bad-parameter", "overloaded", "connection", … (problems.SERVER, problems.LOCAL);
                names such as "http-502" if the answer came from a proxy or another server
-    status     status of the HTTP answer; 0 without an answer
+    status     status of the HTTP answer; 0 if there is no answer
     title      the meaning of the type
-    detail     what was wrong in this request, with the value and the limit
+    detail     what was wrong with this request, including the value and the limit
     parameter  the parameter that is wrong; "" if the error is not about a parameter
-    problem    the whole problem document (RFC 9457) of the server; {} without one
+    problem    the server's whole problem document (RFC 9457); {} if there is none
     """
 
     def __init__(self, type: str, detail: str, *, status: int = 0, title: Optional[str] = None, parameter: str = "",
@@ -33,7 +33,7 @@ class FractureError(Exception):
 
     @classmethod
     def of_problem(cls, problem: Dict[str, Any], status: int = 0) -> "FractureError":
-        """The error that a problem document describes, also if it is part of another document (a job's `error`)."""
+        """The error that a problem document describes, even if it is nested in another document (a job's `error`)."""
         kind = text_of(problem, "type").rsplit("/", 1)[-1]
         code = problem.get("status")
         status = status or (code if isinstance(code, int) else 0)
@@ -44,14 +44,14 @@ class FractureError(Exception):
 
     @property
     def details(self) -> List[str]:
-        """One line for each error, because a request can have several wrong parameters."""
+        """One line per error, because several parameters of a request can be wrong."""
         errors = self.problem.get("errors")
         lines = [text_of(e, "detail") for e in errors if isinstance(e, dict)] if isinstance(errors, list) else []
         lines = [line.strip() for line in lines if line]
         more = self.problem.get("more_errors")
         if lines and isinstance(more, int) and more > 0:
             lines.append("1 more error is not listed." if more == 1 else f"{more:,} more errors are not listed.")
-        known = self.problem.get("known")  # the existing names, if the request named one that does not exist
+        known = self.problem.get("known")  # the names that exist, if the request used one that does not
         if isinstance(known, list) and known:
             names = ", ".join(map(str, known[:MOST_NAMES])) + (", …" if len(known) > MOST_NAMES else "")
             return (lines or [self.detail]) + [f"Known names: {names}."]
@@ -73,6 +73,6 @@ def _restored(type: str, detail: str, status: int, title: str, parameter: str, p
 
 
 def text_of(document: Dict[str, Any], key: str) -> str:
-    """The member if it is a text, else ""."""
+    """The member if it is a string, else ""."""
     value = document.get(key)
     return value if isinstance(value, str) else ""

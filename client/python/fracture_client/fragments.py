@@ -1,4 +1,4 @@
-"""Fragments and bonds of an answer as plain values."""
+"""The fragments and bonds of an answer as plain values."""
 from __future__ import annotations
 
 import math
@@ -12,21 +12,21 @@ Vector = Tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A convex collision hull, in metres in the frame of its fragment's node."""
+    """A convex collision hull in metres, in the frame of its fragment's node."""
 
     points: Array  # (n, 3) float32
-    triangles: Array  # (m, 3) uint16: indices into points, counter-clockwise seen from outside
+    triangles: Array  # (m, 3) uint16: indices into points, counter-clockwise when seen from outside
 
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
-    """The triangles of a fragment that have one material."""
+    """The triangles of a fragment that share a material."""
 
-    material: str  # name of the material; "" without one
+    material: str  # name of the material; "" if there is none
     material_index: Optional[int]  # index into the file's materials
-    interior: bool  # True for cut faces, which the mesh did not have
-    indices: Array  # (m, 3): indices of the fragment's vertices
-    attributes: Dict[str, Array]  # "POSITION", "NORMAL", "TEXCOORD_0", …: one row for each vertex of the fragment
+    interior: bool  # True for cut faces, which are not part of the mesh's surface
+    indices: Array  # (m, 3): indices into the fragment's vertices
+    attributes: Dict[str, Array]  # "POSITION", "NORMAL", "TEXCOORD_0", …: one row per vertex of the fragment
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,23 +40,23 @@ class Fragment:
     volume: float  # m³
     mass: float  # kg
     area: float  # m², the whole surface
-    exterior_area: float  # m², the part that was the surface of the mesh
+    exterior_area: float  # m², the part that belonged to the mesh's surface
     center_of_mass: Vector  # m, in the frame of the scene
     inertia_diagonal: Optional[Vector]  # kg m², about the centre of mass; None without physics=khr
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
-    part: int  # number of the connected part of the mesh that it belongs to
-    level: int  # level in the hierarchy; 0 without one
+    part: int  # number of the connected part of the mesh to which it belongs
+    level: int  # level in the hierarchy; 0 if there is none
     parent: Optional[int]  # the id of its cluster
     sites: Tuple[int, ...]  # the cells that it consists of
     collision_system: Optional[int]  # fragments with the same number overlap, so they must not collide with each other
     primitives: Tuple[Primitive, ...]
     hulls: Tuple[Hull, ...]  # empty with physics=none
-    extras: Dict[str, Any] = field(repr=False)  # `extras.fracture` of its node, all of it
+    extras: Dict[str, Any] = field(repr=False)  # all of its node's `extras.fracture`
 
     @property
     def positions(self) -> Array:
-        """All vertices, those of the cut faces included: (n, 3) float32, m."""
+        """All vertices, including those of the cut faces: (n, 3) float32, m."""
         return self.primitives[0].attributes["POSITION"]
 
     @property
@@ -66,13 +66,13 @@ class Fragment:
 
     @property
     def materials(self) -> Tuple[str, ...]:
-        """The name of each primitive's material; "" without one."""
+        """The name of each primitive's material; "" if it has none."""
         return tuple(primitive.material for primitive in self.primitives)
 
 
 @dataclass(frozen=True)
 class Bond:
-    """The shared cut faces of two fragments, and how strongly they hold together."""
+    """The cut faces that two fragments share, and how strongly they hold together."""
 
     a: int  # id of a fragment, or of a cluster in a level
     b: int
@@ -84,7 +84,7 @@ class Bond:
 
 @dataclass(frozen=True)
 class Delta:
-    """The ids of the fragments that a hit made, changed or removed. All other fragments are bit for bit the same."""
+    """The ids of the fragments that a hit created, changed or removed. All other fragments are identical bit for bit."""
 
     new: Tuple[int, ...]
     changed: Tuple[int, ...]
@@ -92,8 +92,8 @@ class Delta:
 
 
 def figures_of(glb: Glb) -> Dict[str, Any]:
-    """`extras.fracture` of the root node: parameters, report, certificate, bonds. Raises FractureError of type "damaged" without
-    one."""
+    """`extras.fracture` of the root node: parameters, report, certificate, bonds. Raises FractureError of type "damaged" if it is
+    missing."""
     for node in glb.list("nodes"):
         own = extras_of(node)
         if "certificate" in own:
@@ -102,13 +102,13 @@ def figures_of(glb: Glb) -> Dict[str, Any]:
 
 
 def extras_of(node: Dict[str, Any]) -> Dict[str, Any]:
-    """`extras.fracture` of a node; {} without one."""
+    """`extras.fracture` of a node; {} if it has none."""
     own = node.get("extras", {}).get("fracture", {}) if isinstance(node.get("extras"), dict) else {}
     return own if isinstance(own, dict) else {}
 
 
 def read_fragments(glb: Glb) -> List[Fragment]:
-    """The fragments in the order of the file. Raises FractureError of type "damaged" for a file that contradicts itself."""
+    """The fragments in file order. Raises FractureError of type "damaged" if the file contradicts itself."""
     interior = set(figures_of(glb).get("interior_materials", []))
     return [_fragment(glb, index, node, own, interior) for index, node, own in fragment_nodes(glb)]
 
@@ -144,7 +144,7 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
 
 
 def _body(node: Dict[str, Any]) -> Dict[str, Any]:
-    """The rigid body of a node, in the KHR or OMI extension; {} without one."""
+    """A node's rigid body in the KHR or OMI extension; {} if it has none."""
     extensions = node.get("extensions", {})
     return extensions.get("KHR_physics_rigid_bodies") or extensions.get("OMI_physics_body") or {}
 
@@ -196,7 +196,7 @@ def _quaternion(value: Any) -> Tuple[float, float, float, float]:
 
 
 def read_bonds(columns: Dict[str, Any]) -> List[Bond]:
-    """The bonds in the arrays `a`, `b`, `area`, … of the figures. Raises FractureError of type "damaged"."""
+    """Reads the bonds from the arrays `a`, `b`, `area`, …. Raises FractureError of type "damaged"."""
     try:
         lists = [columns[key] for key in ("a", "b", "area", "centroid", "normal", "strength")]
         if len({len(values) for values in lists}) != 1:

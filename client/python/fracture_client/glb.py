@@ -1,4 +1,4 @@
-"""Reads and writes GLB, the binary container of glTF 2.0 (section 4.4), and reads its accessors as arrays.
+"""Reads and writes GLB, glTF 2.0's binary container (section 4.4), and reads its accessors as arrays.
 
 Arrays are views of the file's bytes: numpy arrays if numpy is installed, otherwise memoryviews.
 """
@@ -13,7 +13,7 @@ from typing import Any, Dict, List, Tuple
 
 from .errors import FractureError
 
-FORMATS = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}  # componentType: its letter in struct and array
+FORMATS = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}  # componentType: type code in struct and array
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 BYTES = {"b": 1, "B": 1, "h": 2, "H": 2, "I": 4, "f": 4}
 
@@ -27,16 +27,16 @@ class Glb:
     def __init__(self, content: bytes) -> None:
         self.content = content
         if len(content) < 20 or content[:4] != b"glTF":
-            raise damaged("it does not begin with the header of a GLB")
+            raise damaged("it does not begin with a GLB header")
         version, length = struct.unpack_from("<II", content, 4)
         if version != 2 or length != len(content):
-            raise damaged(f"its header has version {version} and {length:,} bytes; expected are version 2 and {len(content):,} bytes")
+            raise damaged(f"its header says version {version} and {length:,} bytes instead of version 2 and {len(content):,} bytes")
         at = 12
         chunks: Dict[bytes, memoryview] = {}
         while at + 8 <= length:
             size, kind = struct.unpack_from("<I4s", content, at)
             if at + 8 + size > length:
-                raise damaged(f"the chunk at byte {at:,} ends after the end of the file")
+                raise damaged(f"the chunk at byte {at:,} extends past the end of the file")
             chunks.setdefault(kind, memoryview(content)[at + 8:at + 8 + size])
             at += 8 + size
         try:
@@ -65,11 +65,11 @@ class Glb:
         view = self.item("bufferViews", index)
         at, size = int(view.get("byteOffset", 0)), int(view["byteLength"])
         if at < 0 or size < 0 or at + size > len(self.binary):
-            raise damaged(f"bufferViews[{index}] ends after the end of the file")
+            raise damaged(f"bufferViews[{index}] extends past the end of the file")
         return self.binary[at:at + size]
 
     def elements(self, index: Any) -> Tuple[memoryview, str, int]:
-        """(bytes of an accessor without gaps, format of a component, number of components of an element). Does not read sparse
+        """(an accessor's bytes without gaps, component format, number of components per element). Does not read sparse
         accessors."""
         accessor = self.item("accessors", index)
         try:
@@ -81,7 +81,7 @@ class Glb:
             raise damaged(f"accessors[{index}] cannot be read: {error}") from None
         view = self.view(accessor["bufferView"])
         if count < 0 or at < 0 or stride < size or (count > 0 and at + stride * (count - 1) + size > len(view)):
-            raise damaged(f"accessors[{index}] ends after the end of its bufferView")
+            raise damaged(f"accessors[{index}] extends past the end of its bufferView")
         if stride == size:
             return view[at:at + size * count], kind, width
         packed = b"".join(bytes(view[k:k + size]) for k in range(at, at + stride * count, stride))
@@ -93,7 +93,7 @@ class Glb:
 
 
 def as_array(data: memoryview, kind: str, width: int, rows: bool = False) -> Array:
-    """The bytes as an array of shape (count,) or (count, width). `rows`: two dimensions also if the width is 1."""
+    """The bytes as an array of shape (count,) or (count, width). `rows`: two dimensions even if the width is 1."""
     count = len(data) // (BYTES[kind] * width)
     shape = (count, width) if width > 1 or rows else (count,)
     numpy = _numpy()
@@ -102,7 +102,7 @@ def as_array(data: memoryview, kind: str, width: int, rows: bool = False) -> Arr
     if sys.byteorder == "big" and BYTES[kind] > 1:  # glTF is little-endian
         data = memoryview(struct.pack(f"={count * width}{kind}", *struct.unpack(f"<{count * width}{kind}", data)))
     if count == 0:
-        return memoryview(b"").cast(kind)  # a memoryview of several dimensions cannot be empty
+        return memoryview(b"").cast(kind)  # a multidimensional memoryview cannot be empty
     return data.cast(kind, list(shape))
 
 
@@ -110,7 +110,7 @@ _INTEGERS = {"b": "i1", "B": "u1", "h": "i2", "H": "u2", "I": "u4"}
 
 
 def _numpy() -> Any:
-    """The module, or None. The first array imports it, because the import is slow."""
+    """The numpy module, or None. It is imported for the first array only, because the import is slow."""
     if not _NUMPY:
         try:
             _NUMPY.append(importlib.import_module("numpy"))
@@ -123,7 +123,7 @@ _NUMPY: List[Any] = []
 
 
 def pack(document: Dict[str, Any], binary: bytes) -> bytes:
-    """The bytes of a GLB. `document` must have no buffers, or one without a uri."""
+    """The bytes of a GLB. `document` must have either no buffer or a single one without a uri."""
     if binary:
         binary += b"\0" * (-len(binary) % 4)
         document = {**document, "buffers": [{"byteLength": len(binary)}]}
@@ -136,7 +136,7 @@ def pack(document: Dict[str, Any], binary: bytes) -> bytes:
 
 
 def to_gltf(glb: Glb) -> bytes:
-    """The file as one JSON text (glTF), with the buffer in a data URI."""
+    """The file as a single JSON document (glTF), with the buffer in a data URI."""
     document = dict(glb.document)
     if len(glb.binary) > 0:
         uri = "data:application/octet-stream;base64," + base64.b64encode(glb.binary).decode("ascii")

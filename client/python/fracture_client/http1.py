@@ -1,7 +1,7 @@
-"""HTTP/1.1 (RFC 9112) over one socket, read strictly and within the time of a call.
+"""HTTP/1.1 (RFC 9112) over one socket, with strict parsing and the deadline of a call.
 
 http.client is not used for three reasons. It accepts malformed headers and bytes after an answer. Another thread cannot stop
-it. It has no limit for a whole answer, so a server that sends one byte a minute would hold it for ever.
+it. It has no time limit for a whole answer, so a server that sends one byte a minute could block it forever.
 """
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from typing import Dict, Generator, Iterator, Tuple, Union
 
 from .calls import Call, OutOfTime
 
-MOST_HEAD_BYTES = 64 << 10  # maximum of an answer's header; those of the server have less than 1 KiB
-BLOCK = 1 << 18  # bytes of one read: large enough that the cost of the system calls does not matter
+MOST_HEAD_BYTES = 64 << 10  # maximum size of an answer's header; the server sends less than 1 KiB
+BLOCK = 1 << 18  # bytes per read: so many that the cost of the system calls does not matter
 TURN = 0.2  # s; an interrupt is noticed within this time
 
 _STATUS = re.compile(rb"HTTP/1\.[01] ([1-5][0-9][0-9])(?: [^\r\n]*)?")
@@ -28,8 +28,8 @@ class Trouble(Exception):
         super().__init__(detail)
         self.type = type  # a key of problems.LOCAL
         self.detail = detail
-        self.began = began  # a part of the answer had arrived
-        self.again = again  # another try may succeed
+        self.began = began  # whether part of the answer had arrived
+        self.again = again  # whether another try may succeed
 
 
 @dataclass
@@ -41,14 +41,14 @@ class Request:
 
     @property
     def what(self) -> str:
-        """The request as messages name it: without parameters, and with digests cut to 8 digits."""
+        """The request as it appears in messages: without parameters, and with digests shortened to 8 digits."""
         path = re.sub(r"(sha256:[0-9a-f]{8})[0-9a-f]+", r"\1…", self.target.split("?")[0])
         return f"{self.method} {path}"
 
 
 @dataclass
 class Response:
-    """An HTTP answer. The names of its header fields are in lower case; fields with the same name are joined by commas."""
+    """An HTTP answer. Header names are in lower case; fields with the same name are joined by commas."""
 
     status: int
     headers: Dict[str, str]
@@ -56,12 +56,12 @@ class Response:
 
 
 class Connection:
-    """One connection, for one request after the other. Not thread-safe, except that a Call may wake it."""
+    """A connection that sends one request at a time. Not thread-safe, except that a Call may wake it."""
 
     def __init__(self, sock: socket.socket) -> None:
         self.socket = sock
         self._buffer = bytearray()
-        self._began = False  # a part of the present answer has arrived
+        self._began = False  # whether part of the current answer has arrived
         self.used = time.monotonic()
         self.reusable = True
 
@@ -69,15 +69,15 @@ class Connection:
         self.socket.close()
 
     def wake(self) -> None:
-        """Ends the present wait, as if the server had closed the connection. Called by another thread."""
-        try:  # the method of the base class, because that of TLS drops its state while another thread reads
+        """Ends the current wait as if the server had closed the connection. Called by another thread."""
+        try:  # the base class's method, because the TLS method drops its state while another thread reads
             socket.socket.shutdown(self.socket, socket.SHUT_RDWR)
         except OSError:
             pass  # the connection is closed already
 
     def exchange(self, request: Request, authority: str, call: Call, most: int) -> Response:
-        """Sends the request and returns the answer. `most`: maximum bytes of its body. Raises Trouble, and FractureError of type
-        "cancelled"."""
+        """Sends the request and returns the answer. `most`: maximum size of its body in bytes. Raises Trouble, and FractureError of
+        type "cancelled"."""
         with call.waking(self.wake):
             head = self._ask(request, authority, call)
             body = bytearray()
@@ -90,7 +90,7 @@ class Connection:
 
     def stream(self, request: Request, authority: str, call: Call, stall: float) -> Generator[Response, None, None]:
         """Yields the head, then a Response for each block of the body as it arrives. Raises Trouble if nothing arrives for `stall`
-        seconds, and FractureError of type "cancelled". The connection cannot be used again."""
+        seconds, and FractureError of type "cancelled". The connection cannot be reused."""
         with call.waking(self.wake):
             self.reusable = False
             with call.at_most(stall):
@@ -115,7 +115,7 @@ class Connection:
         for at in range(BLOCK, len(request.body), BLOCK):
             going = going and self._send(memoryview(request.body)[at:at + BLOCK], call)
         status = 100
-        while status < 200:  # a status 1xx comes before the answer
+        while status < 200:  # a 1xx status precedes the answer
             text = self._until(b"\r\n\r\n", MOST_HEAD_BYTES, call)
             status, headers = self._parse(text)
         if "close" in headers.get("connection", "").lower() or text.startswith(b"HTTP/1.0"):
@@ -123,20 +123,20 @@ class Connection:
         return Response(status, headers)
 
     def _send(self, data: Union[bytes, memoryview], call: Call) -> bool:
-        """False if the server stopped reading: a server that refuses a large body answers before it has the whole body."""
+        """False if the server stopped reading, because a server that refuses a large body answers before it has received it all."""
         try:
             self.socket.settimeout(call.left())
             self.socket.sendall(data)
             return True
         except (socket.timeout, OutOfTime):
-            raise Trouble("timeout", "The server did not take the whole request in time.") from None
+            raise Trouble("timeout", "The server did not receive the whole request in time.") from None
         except OSError:
             call.check()
             self.reusable = False
             return False
 
     def _receive(self, call: Call) -> bool:
-        """Reads more bytes into the buffer; False at the end of the stream."""
+        """Reads more bytes into the buffer. Returns False at the end of the stream."""
         try:
             block = self._next_block(call)
         except OutOfTime:
@@ -152,8 +152,8 @@ class Connection:
         return False
 
     def _next_block(self, call: Call) -> bytes:
-        """The next bytes. It waits in short turns, because Python holds back an interrupt that comes just before a wait until that
-        wait is over."""
+        """The next bytes. Waits in short turns, because Python delays an interrupt that arrives just before a wait until the wait is
+        over."""
         while True:
             left = call.left()
             self.socket.settimeout(TURN if left is None else min(left, TURN))
@@ -163,7 +163,7 @@ class Connection:
                 pass  # the turn is over; left() raises OutOfTime at the deadline
 
     def _until(self, mark: bytes, most: int, call: Call) -> bytes:
-        """The bytes before the mark. The mark is removed."""
+        """Removes and returns the bytes before the mark, and removes the mark."""
         searched = 0
         while True:
             at = self._buffer.find(mark, searched)
@@ -241,10 +241,10 @@ class Connection:
                 raise self._too_large(most)
             yield from self._exactly(count, call)
             if self._until(b"\r\n", 2, call):
-                raise self._no_http(f"a chunk does not have the {count:,} bytes that it announces")
+                raise self._no_http(f"a chunk does not have the {count:,} bytes that it announced")
 
     def _rest(self, call: Call, most: int) -> Iterator[bytes]:
-        """All bytes until the end of the stream. Only a digest can show whether they are the whole answer."""
+        """All bytes up to the end of the stream. Only a digest can show whether the answer is complete."""
         self.reusable = False
         total = 0
         while self._buffer or self._receive(call):
@@ -256,5 +256,5 @@ class Connection:
             yield block
 
     def _too_large(self, most: int) -> Trouble:
-        return Trouble("answer-too-large", f"The answer has more than {most:,} bytes, the limit of this client. Ask for fewer "
+        return Trouble("answer-too-large", f"The answer has more than {most:,} bytes, this client's limit. Ask for fewer "
                                            "fragments, or raise Settings.max_answer_bytes.", began=True, again=False)

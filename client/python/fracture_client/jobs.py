@@ -1,4 +1,4 @@
-"""Jobs: fractures as background work of the server."""
+"""Jobs: fractures that the server computes in the background."""
 from __future__ import annotations
 
 import json
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
 FINISHED = STATES[2:]
-LONGEST_WAIT = 30.0  # s that one request waits for the end of a job: shorter than the timeouts of common proxies
+LONGEST_WAIT = 30.0  # s; longest time that a request waits for a job to finish, shorter than the timeouts of common proxies
 SHORTEST_LOOK = 1.0  # s between two requests for the state of a job
-MOST_EVENT_BYTES = 1 << 20  # a job's event has a few hundred bytes
+MOST_EVENT_BYTES = 1 << 20  # an event of a job normally has a few hundred bytes
 
 
 @dataclass(frozen=True)
@@ -32,21 +32,21 @@ class JobState:
     stage: str  # "", "import", "prepare", "tetrahedralize", "clip", "encode"
     percent: int  # never decreases while the server runs
     created: str  # time in RFC 3339
-    finished: str  # time in RFC 3339; "" while it is not finished
-    durable: bool  # True if the job survives a restart of the server
+    finished: str  # time in RFC 3339; "" until it has finished
+    durable: bool  # True if the job survives a server restart
     queue_position: Optional[int]  # number of jobs ahead of it while it is queued, else None
     result: str  # address of the answer when it is done, else ""
-    error: Dict[str, Any]  # the problem document when it has failed, else {}
-    document: Dict[str, Any] = field(repr=False)  # the whole document of the server
+    error: Dict[str, Any]  # the problem document if it has failed, else {}
+    document: Dict[str, Any] = field(repr=False)  # the server's whole document
 
     @property
     def is_finished(self) -> bool:
-        """Whether it is done, failed or cancelled."""
+        """Whether the job is done, failed or cancelled."""
         return self.state in FINISHED
 
     @classmethod
     def of(cls, document: Dict[str, Any]) -> "JobState":
-        """The state in a document of the server. Raises FractureError of type "damaged" if a member is missing or malformed."""
+        """Reads the state from a server document. Raises FractureError of type "damaged" if a member is missing or malformed."""
         try:
             return cls(str(document["id"]), str(document["state"]), str(document["stage"]), int(document["percent"]),
                        str(document["created"]), str(document.get("finished", "")), bool(document["durable"]),
@@ -57,7 +57,7 @@ class JobState:
 
 
 class Job:
-    """A job of the server. Not thread-safe, except cancel()."""
+    """A job on the server. Not thread-safe, except cancel()."""
 
     def __init__(self, client: "Client", state: JobState, mesh: Optional["Mesh"] = None) -> None:
         self._client = client
@@ -74,8 +74,8 @@ class Job:
         return self.state
 
     def progress(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Iterator[JobState]:
-        """Yields the state at each change (server-sent events), until the job has finished. A broken stream is opened again.
-        `timeout`: s for the whole iteration; None: no limit except the server's. Raises FractureError."""
+        """Yields the state whenever it changes (server-sent events), until the job has finished. Reopens a broken stream.
+        `timeout`: seconds for the whole iteration; None: no limit except the server's. Raises FractureError."""
         settings = self._client.settings
         request = self._client._complete(Request("GET", f"/jobs/{self.id}/events", {"Accept": "text/event-stream"}))
         pause, tries = settings.first_pause, 0
@@ -103,15 +103,15 @@ class Job:
                 pause = min(2 * pause, settings.longest_pause)
 
     def wait(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
-        """Waits until the job has finished. `timeout`: s; None: no limit. Raises FractureError; if its type is "timeout", the job
-        goes on."""
+        """Waits until the job has finished. `timeout`: seconds; None: no limit. Raises FractureError; if its type is "timeout", the
+        job keeps running."""
         end = None if timeout is None else time.monotonic() + timeout
         longest = max(1.0, min(LONGEST_WAIT, self._client.settings.answer_timeout / 2))
         while not self.state.is_finished:
             left = longest if end is None else min(longest, end - time.monotonic())
             if left <= 0:
-                raise FractureError("timeout", f"The job {self.id} has not finished in {timeout:g} s; it is at "
-                                               f"{self.state.percent} % and goes on. Call wait() again, or cancel().")
+                raise FractureError("timeout", f"The job {self.id} did not finish within {timeout:g} s; it is at "
+                                               f"{self.state.percent} % and keeps running. Call wait() again, or cancel().")
             asked = time.monotonic()
             headers = {"Prefer": f"wait={int(left)}"} if left >= 1 else {}
             self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", None, cancel, headers))
@@ -120,8 +120,8 @@ class Job:
         return self.state
 
     def result(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Answer:
-        """Waits until the job has finished and returns its answer. `timeout`: s for the wait, and again for fetching the answer.
-        Raises the FractureError of the job if it has failed or was cancelled, and FractureError of type "not-found" if the server
+        """Waits until the job has finished and returns its answer. `timeout`: seconds for the wait, and again for fetching the
+        answer. Raises the job's FractureError if it failed or was cancelled, and FractureError of type "not-found" if the server
         has forgotten the result."""
         state = self.wait(timeout=timeout, cancel=cancel)
         if state.state != "done":
@@ -133,12 +133,12 @@ class Job:
         return answer if self._mesh is None else answer.of_mesh(self._mesh)
 
     def cancel(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Stops the job; if it has finished, the server forgets it. Any thread may call it. Returns False if the server did not know
-        the job. Raises FractureError."""
+        """Stops the job, or deletes it if it has finished. Any thread may call this. Returns False if the server did not know the
+        job. Raises FractureError."""
         return self._client._delete(f"/jobs/{self.id}", timeout, cancel)
 
     def _listen(self, request: Request, call: Call) -> Iterator[JobState]:
-        """The states in the stream of events. Raises Trouble, and FractureError for an answer without such a stream."""
+        """The states in the event stream. Raises Trouble, and FractureError if the answer is not such a stream."""
         from .caller import STALL
         with self._client._pool.stream(request, call, STALL) as responses:
             head = next(responses)
@@ -153,7 +153,7 @@ class Job:
 
 
 def events(blocks: Iterator[bytes]) -> Iterator[Dict[str, Any]]:
-    """The data of server-sent events (WHATWG HTML, section 9.2), each a JSON object; comments are skipped. Raises FractureError
+    """The data of server-sent events (WHATWG HTML, section 9.2), one JSON object each; comments are skipped. Raises FractureError
     of type "damaged"."""
     text = bytearray()
     data: List[bytes] = []

@@ -1,8 +1,8 @@
-"""Merges an answer and the changes of a hit (`delta=only`) into one answer with all fragments.
+"""Merges an answer and the changes of a hit (`delta=only`) into a single answer with all fragments.
 
-The result has the fragments, figures and bonds of the server's answer to `delta=stated`. Fragments are ordered by their first
-site, then by their part of the mesh. The order can differ from the server's in one case: a cell has several pieces in one part,
-and the hit leaves some of them unchanged.
+The result has the same fragments, data and bonds as the server's answer to `delta=stated`. Fragments are ordered by their first
+site, then by their part of the mesh. The order differs from the server's only if a cell has several pieces in one part and the
+hit changes just some of them.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .buffers import Buffers, Json
 from .fragments import extras_of, figures_of, fragment_nodes
 from .glb import Glb, damaged, pack
 
-NAME_ROOM = 51  # bytes of a fragment's name; the rest of 63, the maximum of common tools, is for the names of its hulls
+NAME_ROOM = 51  # bytes of a fragment's name; common tools allow 63, and the hulls' names need the rest
 KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
 
 
@@ -37,7 +37,7 @@ def merge(whole: Glb, delta: Glb) -> bytes:
     figures = figures_of(delta)
     pieces = _pieces(whole, delta, figures)
     _rename(pieces)
-    # Materials, textures and uncut nodes come from the whole, because a delta may leave textures out.
+    # Materials, textures and uncut nodes come from `whole`, because a delta may omit textures.
     document: Json = {key: copy.deepcopy(value) for key, value in whole.document.items()
                       if key not in ("nodes", "meshes", "accessors", "bufferViews", "buffers", "images", "extensions")}
     if [m.get("name") for m in whole.list("materials")] != [m.get("name") for m in delta.list("materials")]:
@@ -53,7 +53,7 @@ def merge(whole: Glb, delta: Glb) -> bytes:
 
 
 def _stated(holder: Json, below: Any) -> Json:
-    """A copy with delta=stated in its parameters, as in an answer with all fragments."""
+    """A copy whose parameters say delta=stated, as in an answer with all fragments."""
     holder = copy.deepcopy(holder)
     inner = holder if below is None else holder.get(below, {})
     if inner.get("parameters", {}).get("delta") == "only":
@@ -73,17 +73,17 @@ def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
         raise damaged("its changes do not belong to the answer that was hit")
     stay = [piece for piece in before if piece.id not in changed | gone]
     if len(stay) + len(after) != figures["certificate"]["fragments"]:
-        raise damaged(f"its certificate counts {figures['certificate']['fragments']} fragments, but the merged answer has "
+        raise damaged(f"its certificate states {figures['certificate']['fragments']} fragments, but the merged answer has "
                       f"{len(stay) + len(after)}")
     before = [piece for piece in before if piece.id not in gone]
     return _in_order(before, after, changed)
 
 
 def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> List[_Piece]:
-    """Merges two lists of fragments. The changed fragments are in both and keep their order; the fragments between two of them are
-    ordered by site and part."""
+    """Merges two lists of fragments. Changed fragments are in both lists and keep their order; the fragments between two changed
+    ones are ordered by site and part."""
     if [p.id for p in before if p.id in changed] != [p.id for p in after if p.id in changed]:
-        raise damaged("its changed fragments are in another order than in the answer that was hit")
+        raise damaged("its changed fragments are not in the same order as in the answer that was hit")
     ordered: List[_Piece] = []
     old, new = iter(before), iter(after)
     for _ in range(len(changed) + 1):
@@ -100,7 +100,7 @@ def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> L
 
 
 def _rename(pieces: List[_Piece]) -> None:
-    """Gives each fragment the name "<node of the mesh>_007". The number makes it unique; it has as many digits as the last one."""
+    """Names each fragment "<node of the mesh>_007". The number makes the name unique and has as many digits as the last one."""
     width = len(str(len(pieces) - 1))
     for number, piece in enumerate(pieces):
         base = str(piece.node["name"]).rpartition("_")[0]
@@ -108,7 +108,7 @@ def _rename(pieces: List[_Piece]) -> None:
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
-    """The bonds between unchanged fragments and those of the delta, sorted, each from the lower to the higher fragment."""
+    """The bonds between unchanged fragments and those in the delta, sorted, each from the lower fragment to the higher one."""
     place = {piece.id: k for k, piece in enumerate(pieces)}
     stay = {piece.id for piece in pieces if piece.glb is whole}
     columns = list(figures["bonds"])
@@ -116,7 +116,7 @@ def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
     rows += _rows(figures["bonds"], columns)
     for row in rows:
         if row["a"] not in place or row["b"] not in place:
-            raise damaged(f"the bond of fragments {row['a']} and {row['b']} names a fragment that does not exist")
+            raise damaged(f"the bond between fragments {row['a']} and {row['b']} refers to a fragment that does not exist")
         if place[row["a"]] > place[row["b"]]:
             row["a"], row["b"] = row["b"], row["a"]
             row["normal"] = [-x if x else 0 for x in row["normal"]]
@@ -129,12 +129,12 @@ def _rows(bonds: Json, columns: List[str]) -> List[Json]:
 
 
 def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json, buffers: Buffers) -> None:
-    """Writes nodes and meshes in the order of the server: the root, the fragments, the nodes below them, the uncut nodes."""
+    """Writes nodes and meshes in the server's order: the root, the fragments, their child nodes, the uncut nodes."""
     meshes: List[Json] = []
     for piece in pieces:
         meshes.append({**buffers.add_mesh(piece.glb, piece.node["mesh"]), "name": piece.name})
     hulls = [_hull_meshes(piece) for piece in pieces]
-    hull_number: List[Dict[int, int]] = []  # for each piece: mesh in its file -> mesh in the merged file
+    hull_number: List[Dict[int, int]] = []  # for each piece: mesh index in its file -> index in the merged file
     for piece, old_meshes in zip(pieces, hulls):
         numbers: Dict[int, int] = {}
         for mesh in old_meshes:
@@ -173,7 +173,7 @@ def _root(whole: Glb) -> Json:
 
 
 def _passing_through(whole: Glb) -> List[Json]:
-    """The uncut nodes of the mesh: children of the root that are not fragments."""
+    """The mesh's uncut nodes: children of the root that are not fragments."""
     nodes = [whole.item("nodes", child) for child in _root(whole).get("children", [])]
     return [node for node in nodes if not extras_of(node)]
 
@@ -184,8 +184,8 @@ def _body(node: Json) -> Json:
 
 
 def _hull_meshes(piece: _Piece) -> List[int]:
-    """The hulls of the colliders of the fragment's node and of its children, each once, in order. Unreal's nodes (UCX_…) can name
-    the same hulls."""
+    """The collider hulls of the fragment's node and its children, in order and without duplicates. Unreal's nodes (UCX_…) can refer
+    to the same hulls."""
     meshes: List[int] = []
     for node in (piece.node, *(piece.glb.item("nodes", child) for child in piece.node.get("children", []))):
         collider = _body(node).get("collider", {})
@@ -203,7 +203,7 @@ def _shapes(glb: Glb) -> List[Json]:
 
 
 def _refer(node: Json, piece: _Piece, hull_number: Dict[int, int], system: Any, first_hull: int) -> None:
-    """Changes the numbers of hulls and collision systems in a node to those of the merged file."""
+    """Replaces a node's hull and collision system numbers with those of the merged file."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
         collider["geometry"]["mesh"] = hull_number[collider["geometry"]["mesh"]]
@@ -222,8 +222,8 @@ def _renamed(name: str, piece: _Piece) -> str:
 
 
 def _collision_systems(pieces: List[_Piece]) -> List[Any]:
-    """The number of the collision system of each fragment; None for a fragment that shares no site. Fragments that share a site,
-    directly or through others, overlap and must not collide. Systems are numbered in the order of their first fragment."""
+    """Each fragment's collision system number; None for a fragment that shares no site. Fragments that share a site, directly or
+    through others, overlap and must not collide. Systems are numbered in the order of their first fragments."""
     first: List[int] = list(range(len(pieces)))
 
     def find(k: int) -> int:

@@ -21,21 +21,21 @@ MOST_PARAMETER_BYTES = 4096
 
 
 class Mesh:
-    """A mesh on the server. Client.put() makes it. Thread-safe. It keeps the bytes, to send them again if the server forgets the
-    mesh."""
+    """A mesh on the server, created by Client.put(). Thread-safe. It keeps the bytes so that it can send them again if the server
+    forgets the mesh."""
 
     def __init__(self, client: "Client", id: str, upload: Optional[Upload] = None,
                  preparation: Optional[Mapping[str, Any]] = None) -> None:
         self._client = client
         self.id = id  # "sha256:…"
-        self.upload = upload  # the files to send; None for a mesh that is known by its id only
-        self.preparation = dict(preparation or {})  # default parameters of its fractures, those of the solid
+        self.upload = upload  # the files to send; None if only the id is known
+        self.preparation = dict(preparation or {})  # parameters that shape the solid, the defaults for its fractures
         self.stored: Dict[str, Any] = {}  # the server's description: id, format, bytes, files, ttl_s, report
 
     @property
     def report(self) -> Dict[str, Any]:
         """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings,
-        notes. It is from put() or the last refresh(), and {} without either."""
+        notes. It comes from put() or the latest refresh(), and is {} before either."""
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
@@ -50,10 +50,10 @@ class Mesh:
 
             mesh.fracture(material="stone", fragments=40, impacts=[[0, 0.5, 0]])
 
-        parameters  those of the interface (proto/parameters.md, Client.patterns()), as keywords, as a mapping, or as a query.
-                    Parameters that are None are left out.
-        timeout     s for everything, retries included; None: the client's
-        realtime    the request goes before batch work, with the server's short deadline (2 s by default); None: the client's
+        parameters  those of the interface (proto/parameters.md, Client.patterns()), as keywords, a mapping or a query string.
+                    Parameters that are None are omitted.
+        timeout     seconds for everything, retries included; None: the client's
+        realtime    True: before batch work, with the server's short deadline (2 s by default); None: the client's setting
         Raises FractureError.
         """
         response = self._ask(parameters, more, "model/gltf-binary", check_digest, timeout, cancel, realtime)
@@ -61,15 +61,15 @@ class Mesh:
 
     def figures(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **more: Any) -> Dict[str, Any]:
-        """Breaks the mesh and returns only the figures (Answer.figures), without the geometry. Its arguments are those of fracture().
-        Raises FractureError."""
+        """Breaks the mesh and returns the data without the geometry (Answer.figures). The arguments are those of fracture(). Raises
+        FractureError."""
         response = self._ask(parameters, more, "application/json", check_figures, timeout, cancel, realtime)
         return json_object(response.body) or {}
 
     def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, **more: Any) -> "Job":
-        """Starts the fracture as background work and returns at once. The job pauses while a client waits for another answer. By
-        default it may take half an hour. Raises FractureError."""
+        """Starts the fracture as background work and returns at once. The job pauses while any client waits for an answer. Its
+        default time limit is half an hour. Raises FractureError."""
         return self._client.job(self, parameters, timeout=timeout, cancel=cancel, **more)
 
     def forget(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
@@ -96,8 +96,8 @@ class Mesh:
 
 def _split(parameters: Optional[Parameters], more: Mapping[str, Any],
            preparation: Mapping[str, Any]) -> Tuple[str, Dict[str, Any]]:
-    """(query, parameters for the JSON body). The preparation of the mesh gives defaults. A hit (`of`) does not need them, because
-    the server takes them from the answer that `of` names."""
+    """(query, parameters for the JSON body). The mesh's preparation supplies defaults. A hit does not need them, because the server
+    takes them from the answer given by `of`."""
     query = parameters.lstrip("?") if isinstance(parameters, str) else ""
     given = {**({} if isinstance(parameters, str) else parameters or {}), **more}
     named = set(urllib.parse.parse_qs(query, keep_blank_values=True))

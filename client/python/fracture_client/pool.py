@@ -1,4 +1,4 @@
-"""The address of a server, and a pool of connections to it."""
+"""A server's address, and a pool of connections to it."""
 from __future__ import annotations
 
 import contextlib
@@ -17,16 +17,16 @@ from .http1 import Connection, Request, Response, Trouble
 
 @dataclass(frozen=True)
 class Address:
-    """The address of a server: http://host:port, https://host, http://host/below/a/path."""
+    """A server's address: http://host:port, https://host or http://host/below/a/path."""
 
     host: str
     port: int
     tls: Optional[ssl.SSLContext]
-    path: str = ""  # prefix of the path of each request, without a slash at its end
+    path: str = ""  # prefix for the path of each request, without a trailing slash
 
     @property
     def authority(self) -> str:
-        """Host and port as the Host field and messages have them."""
+        """Host and port as they appear in the Host field and in messages."""
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
     @classmethod
@@ -44,10 +44,10 @@ class Address:
         if not parts.hostname:
             raise FractureError("bad-url", f"The address '{url}' has no host. Write it like http://127.0.0.1:8080.")
         if parts.username is not None:
-            raise FractureError("bad-url", "The address contains a name or password, which is not sent. Use the argument `token`.")
+            raise FractureError("bad-url", "The address contains a user name or password, which is not sent. Use the argument `token`.")
         if parts.query or parts.fragment:
-            raise FractureError("bad-url", f"The address '{url}' has a query or fragment after its path. Remove it, and give "
-                                           "parameters to each call.")
+            raise FractureError("bad-url", f"The address '{url}' has a query or fragment after its path. Remove it, and pass "
+                                           "parameters to each call instead.")
         if parts.scheme == "https":
             context = tls or ssl.create_default_context()
             return cls(parts.hostname, port or 443, context, parts.path.rstrip("/"))
@@ -56,33 +56,33 @@ class Address:
 
 @dataclass(frozen=True)
 class Settings:
-    """The times, tries and connections of a client."""
+    """A client's timeouts, tries and connections."""
 
-    connect_timeout: float = 5.0  # s for opening a connection
-    answer_timeout: float = 120.0  # s for one exchange: from the first byte sent to the last byte received
-    connections: int = 4  # maximum of open connections; further calls wait until one is free
+    connect_timeout: float = 5.0  # s to open a connection
+    answer_timeout: float = 120.0  # s for one exchange, from the first byte sent to the last byte received
+    connections: int = 4  # maximum number of open connections; further calls wait until one is free
     idle: float = 10.0  # s; a connection that was unused for longer is replaced (the server closes it after 15 s)
-    max_answer_bytes: int = 1 << 30  # bytes; a larger answer is an error of type "answer-too-large"
-    tries: int = 10  # maximum of requests that one call sends
+    max_answer_bytes: int = 1 << 30  # a larger answer is an error of type "answer-too-large"
+    tries: int = 10  # maximum number of requests per call
     damaged_answers: int = 3  # a call fails after this many damaged answers
     first_pause: float = 0.05  # s before the first retry if the server is absent or busy; the pause doubles with each retry
-    longest_pause: float = 1.0  # s; maximum of that pause
+    longest_pause: float = 1.0  # s; maximum length of that pause
 
 
 class Pool:
-    """The connections of one client. Thread-safe."""
+    """A client's connections. Thread-safe."""
 
     def __init__(self, address: Address, settings: Settings) -> None:
         self.address = address
         self._settings = settings
-        self._idle: List[Connection] = []  # the last used connection is the last item
+        self._idle: List[Connection] = []  # the most recently used connection is last
         self._busy = 0
         self._closed = False
         self._free = threading.Condition()
 
     def exchange(self, request: Request, call: Call) -> Response:
-        """Sends the request over a free connection. If the server had closed a kept connection (RFC 9112, section 9.3.1), a new one
-        replaces it, once, and this does not count as a try. Raises Trouble, and FractureError of type "cancelled"."""
+        """Sends the request over a free connection. If the server had closed a keep-alive connection (RFC 9112, section 9.3.1), opens
+        a new one once, which does not count as a try. Raises Trouble, and FractureError of type "cancelled"."""
         self._take_seat(call)
         try:
             with call.at_most(self._settings.answer_timeout):
@@ -103,7 +103,7 @@ class Pool:
 
     @contextlib.contextmanager
     def stream(self, request: Request, call: Call, stall: float) -> Iterator[Iterator[Response]]:
-        """Connection.stream() over a separate connection, because a stream can be open for hours."""
+        """Connection.stream() over a separate connection, because a stream can stay open for hours."""
         connection = self._connect(call)
         stream = connection.stream(request, self.address.authority, call, stall)
         try:
@@ -113,7 +113,7 @@ class Pool:
             connection.close()
 
     def close(self) -> None:
-        """Closes the free connections. Waiting and later calls raise FractureError of type "cancelled"."""
+        """Closes the free connections. Calls that wait or come later raise FractureError of type "cancelled"."""
         with self._free:
             self._closed = True
             self._free.notify_all()
@@ -168,11 +168,11 @@ class Pool:
 
 
 def connect(to: Address, call: Call, seconds: float) -> Connection:
-    """Opens a connection within this time. Raises Trouble, and FractureError of type "cancelled"."""
+    """Opens a connection within this many seconds. Raises Trouble, and FractureError of type "cancelled"."""
     try:
         found = socket.getaddrinfo(to.host, to.port, type=socket.SOCK_STREAM)
     except OSError as error:
-        again = error.errno == socket.EAI_AGAIN  # a passing failure of the name server; all others are final
+        again = error.errno == socket.EAI_AGAIN  # a temporary name server failure; all others are final
         raise Trouble("connection", f"The host name {to.host} cannot be resolved: {error.strerror}.", again=again) from None
     except UnicodeError:
         raise Trouble("connection", f"{to.host} is not a valid host name.", again=False) from None
@@ -185,12 +185,12 @@ def connect(to: Address, call: Call, seconds: float) -> Connection:
             return connection
         except ssl.SSLCertVerificationError as error:
             trouble = Trouble("connection", f"The certificate of {to.authority} is not trusted: {error.verify_message}. To trust it, "
-                                            "give an ssl.SSLContext as `tls`.", again=False)
+                                            "pass an ssl.SSLContext as `tls`.", again=False)
         except ssl.SSLError as error:
             trouble = Trouble("connection", f"The TLS handshake with {to.authority} failed: {error.reason}. Is it an http:// address?",
                               again=False)
         except (socket.timeout, OutOfTime):
-            trouble = Trouble("timeout", f"{to.authority} did not accept the connection in {seconds:g} s.")
+            trouble = Trouble("timeout", f"{to.authority} did not accept the connection within {seconds:g} s.")
         except OSError as error:
             trouble = Trouble("connection", f"{to.authority} does not answer: {error.strerror or error}.")
         except BaseException:
@@ -198,7 +198,7 @@ def connect(to: Address, call: Call, seconds: float) -> Connection:
             raise
         connection.close()
         call.check()
-    assert trouble is not None  # getaddrinfo() finds at least one address, or raises
+    assert trouble is not None  # getaddrinfo() returns at least one address, or raises
     raise trouble
 
 
@@ -208,7 +208,7 @@ def _connect(connection: Connection, to: Address, address: object, call: Call) -
     connection.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     if to.tls is None:
         return
-    # The connection gets the TLS socket before the handshake, so that another thread can end it.
+    # The connection holds the TLS socket before the handshake, so that another thread can interrupt it.
     tls = to.tls.wrap_socket(connection.socket, server_hostname=to.host, do_handshake_on_connect=False)
     connection.socket = tls
     tls.settimeout(call.left())

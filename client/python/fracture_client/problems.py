@@ -1,7 +1,7 @@
-"""The names of all errors, and the reaction of this package to each.
+"""The names of all errors, and how this package reacts to each.
 
-The name of a server's error is the last segment of `type` in its problem document (RFC 9457). A test compares SERVER with the
-interface description, so that a new name fails until it is listed here.
+The name of a server error is the last segment of `type` in its problem document (RFC 9457). A test compares SERVER with the
+interface description, so a new name fails the test until it is listed here.
 """
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Dict
 
 
 class Reaction(enum.Enum):
-    """The reaction to an error, before the caller gets it."""
+    """The reaction to an error before it reaches the caller."""
 
-    RAISE = "none, because the same request gives the same error again"
-    WAIT = "ask again after Retry-After, within the tries and the time of the call"
-    PUT = "send the mesh that the server has forgotten, once, and ask again"
-    REMAKE = "ask for the answer that the server has forgotten by its parameters"
+    RAISE = "none, because the same request would give the same error"
+    WAIT = "retry after Retry-After, within the tries and the time of the call"
+    PUT = "send the forgotten mesh to the server once, and retry"
+    REMAKE = "request the answer that the server has forgotten by its parameters"
 
 
-# Errors of the server. Statuses 429 and 503 mean that it is busy; the others are about the request.
+# Errors from the server. Statuses 429 and 503 mean that it is busy; the others are about the request.
 SERVER: Dict[str, Reaction] = {
     "bad-parameter": Reaction.RAISE,
     "unknown-parameter": Reaction.RAISE,
@@ -74,18 +74,18 @@ SERVER: Dict[str, Reaction] = {
     "version-not-supported": Reaction.RAISE,
 }
 
-# Errors of this client. They come without a problem document, and most of them without a status.
+# Errors from this client. They have no problem document, and most of them no status.
 LOCAL: Dict[str, str] = {
     "connection": "No server answers at this address, or the connection broke",
     "timeout": "The whole answer did not arrive in time",
-    "damaged": "The answer is cut off, was changed on its way, or is not from a fracture server",
+    "damaged": "The answer is cut off, was changed on the way, or is not from a fracture server",
     "answer-too-large": "The answer is larger than this client accepts",
     "cancelled": "The call was cancelled, or the client is closed",
-    "bad-url": "The address of the server is malformed",
+    "bad-url": "The server address is malformed",
     "bad-parameter": "A parameter cannot be sent",
 }
 
 
 def reaction_to(slug: str, status: int) -> Reaction:
-    """The reaction to an error of this name and status. Names of newer servers and of proxies are judged by the status."""
+    """The reaction to an error with this name and status. For unknown names, from newer servers or proxies, the status decides."""
     return SERVER.get(slug, Reaction.WAIT if status in (429, 503) else Reaction.RAISE)

@@ -1,4 +1,4 @@
-"""Sends a missing mesh once. If several calls miss the same mesh, one sends it; the others wait for that and ask again."""
+"""Sends a missing mesh only once. If several calls find the same mesh missing, one sends it; the others wait and then retry."""
 from __future__ import annotations
 
 import threading
@@ -10,16 +10,16 @@ from .errors import FractureError
 
 
 class PutOnce:
-    """Coordinates the PUT requests of one client. Thread-safe."""
+    """Coordinates a client's PUT requests. Thread-safe."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._pending: Set[str] = set()
-        self._stored: Dict[str, float] = {}  # when the last PUT of a mesh succeeded (time.monotonic())
+        self._stored: Dict[str, float] = {}  # time of a mesh's last successful PUT (time.monotonic())
 
     def put(self, mesh: str, sent: float, call: Call, send: Callable[[], None]) -> bool:
         """For a request that was sent at `sent` and found the mesh missing. Returns True if this call sent the mesh, False if another
-        call has sent it since. Raises the errors of `send`, and FractureError of type "timeout" or "cancelled"."""
+        call sent it in the meantime. Raises the errors of `send`, and FractureError of type "timeout" or "cancelled"."""
         with self._changed:
             while True:
                 if self._stored.get(mesh, sent - 1) >= sent:

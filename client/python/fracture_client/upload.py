@@ -1,4 +1,4 @@
-"""The bytes of a mesh and its further files, its id on the server, and the form that sends them."""
+"""A mesh and its additional files as bytes, the id on the server, and the form that sends them."""
 from __future__ import annotations
 
 import hashlib
@@ -14,19 +14,19 @@ from .errors import FractureError
 
 Content = Union[bytes, bytearray, memoryview]
 Path = Union[str, "os.PathLike[str]"]
-# Further files of a mesh: {name in the mesh: content or path}, or paths, whose last component is the name.
+# Additional files of a mesh: {name in the mesh: content or path}, or paths whose last component is the name.
 Files = Union[Mapping[str, Union[Content, Path]], Iterable[Path]]
 
 MEDIA_TYPES = {"glb": "model/gltf-binary", "gltf": "model/gltf+json", "obj": "model/obj", "stl": "model/stl"}
-MOST_FILES = 254  # maximum of one form, in addition to the mesh
+MOST_FILES = 254  # maximum number of files per form, in addition to the mesh
 
 
 @dataclass(frozen=True)
 class Upload:
-    """A mesh and its further files, in memory."""
+    """A mesh and its additional files in memory."""
 
     content: bytes
-    format: str  # a name of GET /limits, such as "glb"; "" if it is not known
+    format: str  # a format name from GET /limits, such as "glb"; "" if it is unknown
     files: Tuple[Tuple[str, bytes], ...]  # (name, content), ordered by name
     id: str  # "sha256:…"
 
@@ -35,8 +35,8 @@ class Upload:
         """Reads a mesh.
 
         mesh    a path, or the bytes of a file
-        files   further files; None: with a path, those that the mesh names in its folder and below; () for no files
-        format  None: from the ending of the path, or the first bytes
+        files   additional files; None: if `mesh` is a path, the referenced files in its folder and subfolders; (): no files
+        format  None: from the file extension or the first bytes
         Raises OSError for a file that cannot be read, and FractureError of type "bad-parameter" for a name that cannot be sent.
         """
         if isinstance(mesh, (bytes, bytearray, memoryview)):
@@ -49,28 +49,28 @@ class Upload:
             known = path.suffix[1:].lower()
             named = files_named_by(path, content) if files is None else _read(files)
         if len(named) > MOST_FILES:
-            raise FractureError("bad-parameter", f"The mesh has {len(named):,} further files; at most {MOST_FILES} are allowed. Send "
-                                                 "it as one GLB with its textures inside.", parameter="files")
+            raise FractureError("bad-parameter", f"The mesh has {len(named):,} additional files; at most {MOST_FILES} are allowed. "
+                                                 "Send it as a single GLB that contains its textures.", parameter="files")
         for name in named:
             if not name or re.search(r"[\x00-\x1f\x7f]", name):
-                raise FractureError("bad-parameter", f"A further file has the name {name!r}; a name must not be empty or have control "
-                                                     "characters.", parameter="files")
+                raise FractureError("bad-parameter", f"An additional file is named {name!r}, but names must not be empty or contain "
+                                                     "control characters.", parameter="files")
         ordered = tuple(sorted(((name, named[name]) for name in named), key=lambda file: _encoded(file[0])))
         return cls(content, (format or known).lower(), ordered, mesh_id(content, ordered))
 
     def body(self) -> Tuple[str, bytes]:
-        """(Content-Type, bytes) of PUT and POST /meshes."""
+        """(Content-Type, bytes) for PUT and POST /meshes."""
         if not self.files:
             return MEDIA_TYPES.get(self.format, "application/octet-stream"), self.content
         return self.form(None)
 
     @property
     def query(self) -> Dict[str, str]:
-        """The parameter `format`, if the Content-Type does not name the format."""
+        """The parameter `format`, if the Content-Type does not show the format."""
         return {"format": self.format} if self.format and self.format not in MEDIA_TYPES else {}
 
     def form(self, parameters: Optional[Mapping[str, Any]]) -> Tuple[str, bytes]:
-        """(Content-Type, bytes) of a multipart/form-data (RFC 7578). The boundary is made from the digest of the content, so the
+        """(Content-Type, bytes) of a multipart/form-data body (RFC 7578). The boundary is derived from the content's digest, so the
         content does not contain it."""
         boundary = "fracture-" + self.id[-40:]
         kind = MEDIA_TYPES.get(self.format, "application/octet-stream")
@@ -85,8 +85,8 @@ class Upload:
 
 
 def mesh_id(content: bytes, files: Iterable[Tuple[str, bytes]] = ()) -> str:
-    """The id of a mesh on the server: the SHA-256 of its bytes. With further files, ordered by name, it is the SHA-256 of a list
-    of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
+    """The id of a mesh on the server: the SHA-256 of its bytes. If there are additional files, sorted by name, it is the SHA-256 of
+    a list of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
     digest = hashlib.sha256(content).hexdigest()
     lines = b"".join(b"%d %b %b\n" % (len(_encoded(name)), _encoded(name), _hex(data)) for name, data in files)
     if lines:
@@ -100,8 +100,8 @@ def _hex(data: bytes) -> bytes:
 
 
 def json_text(parameters: Mapping[str, Any]) -> bytes:
-    """The parameters as a JSON object. Arrays and scalars of numpy become lists and numbers; None is left out. Raises FractureError
-    of type "bad-parameter" for a value that JSON does not have."""
+    """The parameters as a JSON object. Numpy arrays and scalars become lists and numbers; None is omitted. Raises FractureError of
+    type "bad-parameter" for a value that JSON cannot represent."""
     texts: List[str] = []
     for name, value in parameters.items():
         if value is None:
@@ -115,9 +115,9 @@ def json_text(parameters: Mapping[str, Any]) -> bytes:
 
 
 def files_named_by(path: pathlib.Path, content: bytes) -> Dict[str, bytes]:
-    """{name: content} of the files that a glTF, or an OBJ and its material libraries, names. Files are looked for in the folder of
-    the mesh and below. If a name leads out of the folder, its last component is looked for, as in the server. Missing files are
-    left out; the server reports them."""
+    """{name: content} for each file that a glTF, or an OBJ and its material libraries, references. Files are searched for in the
+    mesh's folder and its subfolders. If a name leads outside the folder, only its last component is used, as on the server.
+    Missing files are omitted; the server reports them."""
     kind = path.suffix[1:].lower()
     found: Dict[str, bytes] = {}
     if kind in ("gltf", "glb"):
@@ -152,7 +152,7 @@ def _textures(library: bytes) -> List[str]:
     names = []
     for key, rest in _lines(library):
         if key.startswith("map_") or key in ("bump", "norm", "disp", "decal", "refl"):
-            # Options such as `-bm 0.2` come before the name. A name may contain spaces, but not after options.
+            # Options such as `-bm 0.2` precede the name. A name may contain spaces, but not after options.
             names.append(rest.split()[-1] if rest.startswith("-") else rest)
     return names
 
@@ -174,7 +174,7 @@ def _add(found: Dict[str, bytes], folder: pathlib.Path, names: Iterable[str]) ->
 
 
 def _inside(folder: pathlib.Path, name: str) -> Optional[pathlib.Path]:
-    """The file, if it exists and is in the folder or below, links followed; else None."""
+    """The file, if it exists inside the folder or a subfolder (after following links); else None."""
     try:
         root, file = folder.resolve(), (folder / name).resolve()
         return file if file.is_file() and root in file.parents else None
@@ -206,4 +206,4 @@ def _part(boundary: str, name: str, filename: Optional[str], kind: str) -> bytes
 def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy, array
         return value.tolist()
-    raise TypeError(f"a value of type {type(value).__name__} is not a text, number, list or boolean")
+    raise TypeError(f"a value of type {type(value).__name__} is not a string, number, list or boolean")

@@ -1,3 +1,3 @@
-"""The version of the package. Client.openapi() has the version of the interface, Client.version() that of the algorithm."""
+"""The version of the package. Client.openapi() reports the interface version, and Client.version() the algorithm version."""
 
 VERSION = "0.1.0"

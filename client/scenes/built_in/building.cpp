@@ -4,7 +4,7 @@ namespace fracture::scenes::built_in {
 
 Scene building() {
   Scene scene;
-  scene.title = "A building under a wrecking ball";
+  scene.title = "A wrecking ball hits a building";
   const glm::vec3 slab_size(3.4f, 0.2f, 2.8f), wall_size(2.3f, 1.5f, 0.16f);
   const float post_side = 0.3f, post_height = 1.6f;
   const glm::vec4 grey(0.45f, 0.44f, 0.42f, 1);

@@ -34,7 +34,7 @@ SurfaceMesh column(float height) {
 
 Scene temple() {
   Scene scene;
-  scene.title = "A temple of columns";
+  scene.title = "A temple with columns";
   const float tall = 2.8f;
   const auto shaft =
       share(make_asset(column(tall), "column", {0.5f, 0.48f, 0.45f, 1}, {0.30f, tall - 0.38f}));

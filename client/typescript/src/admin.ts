@@ -1,4 +1,4 @@
-// Health probes and metrics of the admin port. It has a separate address and does not ask for a token.
+// Health probes and metrics of the admin port, which has a separate address and requires no token.
 import { FractureError } from './problems.js';
 import { type CallOptions, type Settings, Transport } from './transport.js';
 
@@ -14,16 +14,16 @@ export class Admin {
   async live(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getLivez', call);
   }
-  /** Whether the server takes requests. False while it shuts down. */
+  /** Whether the server accepts requests. False while it is shutting down. */
   async ready(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getReadyz', call);
   }
-  /** The server's metrics in the text format of Prometheus, version 0.0.4. */
+  /** The server's metrics in Prometheus text format, version 0.0.4. */
   async metrics(call: CallOptions = {}): Promise<string> {
     return new TextDecoder().decode((await this.transport.request('getMetrics', call)).bytes);
   }
 
-  /** Sends one request, without retries, because a probe reports the state of this moment. */
+  /** Sends a single request without retries, because a probe reports the current state. */
   private async probe(operation: 'getLivez' | 'getReadyz', call: CallOptions): Promise<boolean> {
     try {
       await this.transport.request(operation, { retries: 0, ...call });

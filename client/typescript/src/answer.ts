@@ -1,4 +1,4 @@
-// The fragments that the server returns, and the calls that hit them.
+// The fragments that the server returns, with calls to hit them again.
 import { Glb, type Vector3 } from './glb.js';
 import { type Bond, bondsOf, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece } from './fragments.js';
 import { merge } from './merge.js';
@@ -14,18 +14,18 @@ export interface AnswerHead {
   location: string | undefined;
   etag: string | undefined;
   requestId: string | undefined;
-  /** Milliseconds of each stage: queue, import, prepare, tetrahedralize, clip, encode; `work`: all stages without the queue. */
+  /** Milliseconds per stage: queue, import, prepare, tetrahedralize, clip, encode; `work`: all stages except the queue. */
   timing: Record<string, number>;
-  /** The caches that had the answer (Cache-Status, RFC 9211). */
+  /** The caches that contained the answer (Cache-Status, RFC 9211). */
   cacheStatus: string | undefined;
   /** Number of HTTP requests, retries included. */
   exchanges: number;
 }
 
 export interface HitOptions extends FractureOptions {
-  /** Number of sites that a hit adds: one number for all hits, or one for each. Default: the server's, 30. */
+  /** Number of sites that a hit adds: one number for all hits, or one per hit. Default: the server's, 30. */
   sites?: number | readonly number[];
-  /** Further parameters of a hit: `gravity`, `broken`. */
+  /** Other parameters of a hit: `gravity`, `broken`. */
   parameters?: Parameters;
 }
 
@@ -53,7 +53,7 @@ export class Answer {
   private byId: Map<number, Fragment> | undefined;
   private readBonds: Bond[] | undefined;
 
-  /** Throws FractureError (damaged-answer) if `glb` is not a file of the server. */
+  /** Throws FractureError (damaged-answer) if `glb` is not a file from a fracture server. */
   constructor(glb: Uint8Array, readonly head: AnswerHead, private readonly meshOf: (id: string) => Mesh) {
     this.document = new Glb(glb);
     this.glb = this.document.bytes;
@@ -70,15 +70,15 @@ export class Answer {
   get certificate(): Figures['certificate'] {
     return this.figures.certificate;
   }
-  /** All parameters of the answer, those of the material included. */
+  /** All parameters of the answer, including those set by the material. */
   get parameters(): Record<string, any> {
     return this.figures.parameters;
   }
-  /** Sentences to act on: what happened, what it means for the result, and what to do. */
+  /** Sentences to act on: what happened, how it affects the result, and what to do. */
   get warnings(): readonly string[] {
     return this.figures.report.warnings ?? [];
   }
-  /** Sentences on what was done. They ask for nothing. Servers of algorithm 22 or less have notes among the warnings. */
+  /** Sentences about what was done. They need no action. Servers with algorithm 22 or older put notes among the warnings. */
   get notes(): readonly string[] {
     return this.figures.report.notes ?? [];
   }
@@ -89,11 +89,11 @@ export class Answer {
   get bonds(): readonly Bond[] {
     return (this.readBonds ??= bondsOf(this.figures));
   }
-  /** The nodes of the mesh that were left uncut. */
+  /** The mesh nodes that were left uncut. */
   get passedThrough(): Piece[] {
     return passedThrough(this.document, this.figures);
   }
-  /** The fragment with this id, if the answer has one. */
+  /** The fragment with this id, if there is one. */
   fragment(id: number): Fragment | undefined {
     this.byId ??= new Map(this.fragments.map(fragment => [fragment.id, fragment]));
     return this.byId.get(id);
@@ -103,10 +103,10 @@ export class Answer {
     return new Blob([this.glb as BlobPart], { type: 'model/gltf-binary' });
   }
 
-  /** Breaks the fragments within `radius` of `point`, and returns an answer with all fragments. Both are in metres, in the frame of
-   * the mesh before anything moved. Several points are several hits, one after the other. The server sends only the changes; the
-   * result equals its answer with delta=stated. `figures.delta` lists the ids that are new, changed and gone. The request is
-   * realtime by default. Throws FractureError. */
+  /** Breaks the fragments within `radius` of `point`, and returns an answer with all fragments. Both are in metres, in the mesh's
+   * frame before anything moved. Several points are several hits in sequence. The server sends only the changes; the result equals
+   * its answer with delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws
+   * FractureError. */
   async hit(point: Vector3 | readonly Vector3[], radius: number | readonly number[], hitOptions: HitOptions = {}): Promise<Answer> {
     const { sites, parameters, ...options } = hitOptions;
     const points = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[];
@@ -119,7 +119,7 @@ export class Answer {
     try {
       changes = await ask('only');
     } catch (error) {
-      // The server names this parameter if it cannot send a delta.
+      // The server reports this parameter if it cannot send a delta.
       if (error instanceof FractureError && error.problem === 'bad-parameter' && error.parameter === 'delta') return ask('stated');
       throw error;
     }
@@ -127,14 +127,14 @@ export class Answer {
     return whole ? new Answer(whole, changes.head, this.meshOf) : ask('stated');
   }
 
-  /** Breaks one fragment again. The answer has only its parts, at the place of the fragment. Throws FractureError. */
+  /** Breaks a single fragment again. The answer contains only its parts, at the fragment's position. Throws FractureError. */
   async refracture(fragment: number, more: FractureOptions & { sites?: number; seed?: number } = {}): Promise<Answer> {
     const { sites, seed, ...options } = more, own: Parameters = { fragment, fragment_sites: sites, fragment_seed: seed };
     const left = within(options.deadline ?? this.mesh.deadline);
     return this.again(own, () => ({ ...this.parametersWithoutDelta(), ...own }), { realtime: true, ...options }, left);
   }
 
-  /** Asks with the address of this answer. If the server has forgotten it, asks with its parameters, which give the same bytes. */
+  /** Makes a request by this answer's address, or by its parameters if the server has forgotten it. Both give the same bytes. */
   private async again(more: Parameters, parameters: () => Parameters, options: FractureOptions, left: () => number): Promise<Answer> {
     const { location, mesh } = this;
     if (location !== undefined) {
@@ -147,8 +147,8 @@ export class Answer {
     return mesh.fracture(parameters(), { ...options, deadline: left() });
   }
 
-  /** Whether a delta cannot work. A hit can change levels and anchors in all fragments. With maps on the cuts, a delta lacks the
-   * tangents that the maps need. */
+  /** Whether a delta cannot work. A hit can change levels and anchors in all fragments. If the cuts have texture maps, a delta lacks
+   * the tangents that the maps need. */
   private wholeOnly(): boolean {
     const { interior_detail: detail, ...names } = this.parameters;
     return this.figures.levels !== undefined || (detail ?? 'none') !== 'none' ||

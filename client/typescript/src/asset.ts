@@ -1,24 +1,23 @@
-// Turns a mesh, bytes or files, into the form that the server reads, and computes the content key under which the server stores
-// it (rule: PUT /meshes/{id} in proto/openapi.yaml).
+// Turns a mesh, given as bytes or files, into the form that the server reads, and computes the content key under which the server
+// stores it (rule: PUT /meshes/{id} in proto/openapi.yaml).
 import { localError } from './problems.js';
 import { hex, sha256 } from './sha256.js';
 
 export type Bytes = ArrayBuffer | ArrayBufferView | Blob;
 
-/** A file, for platforms without File: `data` and its name, which may contain folders. */
+/** A file, for platforms without File: its `data` and its name, which may contain folders. */
 export interface NamedFile {
   name: string;
   data: Bytes;
 }
 
-/** A mesh: its bytes, a file, or several files: the mesh and the files that it names (OBJ + MTL + textures, glTF + buffers +
- * images). */
+/** A mesh: its bytes, a file, or a mesh together with the files that it references (OBJ + MTL + textures, glTF + buffers + images). */
 export type MeshInput = Bytes | NamedFile | Iterable<Blob | NamedFile>;
 
 export interface MeshFormat {
   /** `obj`, `glb`, …; needed only if neither the name nor the first bytes show it. */
   format?: string | undefined;
-  /** With several files: the name of the file that is the mesh. */
+  /** If there are several files: the name of the mesh file. */
   main?: string | undefined;
 }
 
@@ -31,7 +30,7 @@ export interface Asset {
   /** "sha256:" and 64 hex digits. */
   id: string;
   main: AssetFile;
-  /** Further files, in the order of the content key. */
+  /** Additional files, in the order of the content key. */
   files: AssetFile[];
   format: string | undefined;
 }
@@ -51,7 +50,7 @@ function asFile(input: Bytes | NamedFile, number: number): AssetFile {
     { parameter: 'mesh' });
 }
 
-/** The name as meshes and the server write it: forward slashes, no leading "./". */
+/** The name in the form that meshes and the server use: forward slashes, no leading "./". */
 function plainName(name: string): string {
   if (/[\r\n\0]/.test(name))
     throw localError('bad-argument', `The file name ${JSON.stringify(name)} has a line break and cannot be sent. Rename the file.`,
@@ -61,13 +60,13 @@ function plainName(name: string): string {
 
 const extensionOf = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
 
-/** `formats`: called only to find out which of several files is the mesh. */
+/** `formats`: called only if it is unclear which of several files is the mesh. */
 export async function readAsset(input: MeshInput, { format, main }: MeshFormat, formats: Formats): Promise<Asset> {
   const several = typeof input === 'object' && input !== null && !ArrayBuffer.isView(input) && Symbol.iterator in input;
   const given = (several ? [...(input as Iterable<Blob | NamedFile>)] : [input as Bytes | NamedFile]).map(asFile);
   const chosen = given.length === 1 ? given[0] : await mainOf(given, main, formats);
-  if (!chosen) throw localError('bad-argument', 'The list of files is empty. Give at least the mesh.', { parameter: 'mesh' });
-  // If a whole folder was chosen: the names in the mesh are relative to the folder of the mesh.
+  if (!chosen) throw localError('bad-argument', 'The list of files is empty. Pass at least the mesh.', { parameter: 'mesh' });
+  // If a whole folder was chosen, the names in the mesh are relative to the mesh's folder.
   const folder = chosen.name.slice(0, chosen.name.lastIndexOf('/') + 1);
   const files = given.filter(file => file !== chosen).map(file => ({
     data: file.data, name: folder !== '' && file.name.startsWith(folder) ? file.name.slice(folder.length) : file.name,
@@ -83,7 +82,7 @@ async function mainOf(files: AssetFile[], main: string | undefined, formats: For
   if (main !== undefined) {
     const wanted = plainName(main);
     const found = files.find(file => file.name === wanted) ?? files.find(file => file.name.endsWith(`/${wanted}`));
-    if (!found) throw localError('bad-argument', `No file has the name '${main}'. The files are: ${names()}.`, { parameter: 'main' });
+    if (!found) throw localError('bad-argument', `No file is named '${main}'. The files are: ${names()}.`, { parameter: 'main' });
     return found;
   }
   if (files.length === 0) return undefined;
@@ -95,7 +94,7 @@ async function mainOf(files: AssetFile[], main: string | undefined, formats: For
 
 const bytesOf = async (data: Blob) => new Uint8Array(await data.arrayBuffer());
 
-/** The digest of a mesh with further files. Sorts the files by the bytes of their names. */
+/** The digest of a mesh with additional files. Sorts the files by the bytes of their names. */
 async function keyOf(mesh: string, files: AssetFile[]): Promise<string> {
   const utf8 = new TextEncoder();
   const listed = await Promise.all(files.map(async file =>
@@ -113,14 +112,14 @@ function compareBytes(a: Uint8Array, b: Uint8Array): number {
   return a.length - b.length;
 }
 
-/** The multipart form of a mesh (RFC 7578), with its parameters. Without a format, the server takes it from the name of the file
- * or from its first bytes. */
+/** The multipart form of a mesh (RFC 7578), with its parameters. If no format is given, the server detects it from the file name or
+ * the first bytes. */
 export function formOf({ main, files, format }: Asset, params?: string): Blob {
   const boundary = `fracture-${Math.random().toString(36).slice(2)}${Math.random().toString(36).slice(2)}`;
   const parts: (Blob | string)[] = [];
   const part = (name: string, data: Blob | string, more: string) =>
     parts.push(`--${boundary}\r\nContent-Disposition: form-data; name="${name}"${more}\r\n\r\n`, data, '\r\n');
-  // The type of a File comes from a table of the system, so the name is more reliable. A Blob without a name keeps its type.
+  // A File's type comes from a system table, so its name is more reliable. A Blob without a name keeps its type.
   const type = main.name === '' && /^model\//.test(main.data.type) ? `\r\nContent-Type: ${main.data.type}` : '';
   part('mesh', main.data, (main.name === '' ? '' : `; filename="${quoted(main.name)}"`) + type);
   for (const { name, data } of files) part('file', data, `; filename="${quoted(name)}"`);

@@ -1,4 +1,4 @@
-// The client of one server.
+// The client for a server.
 //
 //     const client = new Client('http://127.0.0.1:8080');
 //     const mesh = await client.put(file);
@@ -33,7 +33,7 @@ export interface Patterns {
   materials: { name: string; description: string; parameters: Record<string, any>; [member: string]: any }[];
 }
 
-/** The state of a mesh that this client put. */
+/** The state of a mesh that this client has put. */
 interface Put {
   pending?: Promise<unknown> | undefined;
   storedAt: number;
@@ -46,11 +46,11 @@ interface JobPage {
 }
 
 export interface PutOptions extends CallOptions, MeshFormat {
-  /** The parameters of later fractures that decide the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the
-   * mesh with them. A fracture with other values prepares it again. */
+  /** Parameters of later fractures that shape the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the mesh
+   * with them. A fracture with other values prepares it again. */
   parameters?: Parameters;
-  /** Whether to ask first if the server has the mesh. If it does not, browsers write the 404 to their console. Default: only for
-   * meshes of more than 64 KiB. */
+  /** Whether to ask first if the server has the mesh. If it does not, browsers log the 404 in their console. Default: only for meshes
+   * over 64 KiB. */
   ask?: boolean;
 }
 
@@ -63,14 +63,14 @@ export class Client {
   private readonly assets = new Map<string, WeakRef<Asset>>();
   private formats: Promise<readonly string[]> | undefined;
 
-  /** `url`: address of the server, with a path if the server is behind one. Throws FractureError (bad-argument). */
+  /** `url`: the server's address, which may include a path. Throws FractureError (bad-argument). */
   constructor(url: string | URL, settings: Settings = {}) {
     this.transport = new Transport(url, settings);
   }
 
   // -- meshes
 
-  /** Stores a mesh on the server under its content key. A mesh that the server already has is not sent again. Throws FractureError. */
+  /** Stores a mesh on the server under its content key, unless the server already has it. Throws FractureError. */
   async put(input: MeshInput, { parameters, format, main, ask, ...call }: PutOptions = {}): Promise<Mesh> {
     const asset = await this.read(input, { format, main }, call), { stored } = this.puts.get(asset.id) ?? {};
     if (stored) return new Mesh(this, asset, asset.id, stored);
@@ -88,18 +88,18 @@ export class Client {
     return new Mesh(this, asset, sent.id, sent);
   }
 
-  /** The report on a mesh, without fracturing it. The mesh is sent and stored. Throws FractureError. */
+  /** Reports on a mesh without fracturing it. The mesh is sent and stored. Throws FractureError. */
   async inspect(input: MeshInput, { parameters, format, main, ...call }: PutOptions = {}): Promise<StoredMesh> {
     const body = formOf(await this.read(input, { format, main }, call), parameters && parametersText(parameters));
     return json<StoredMesh>(await this.request('postMesh', { ...call, body, headers: { 'Content-Type': body.type }, json: true }));
   }
 
-  /** A mesh that is stored on the server, by its content key. Sends no request. */
+  /** The stored mesh with this content key. Sends no request. */
   mesh(id: string): Mesh {
     return new Mesh(this, this.assets.get(id)?.deref(), id, undefined);
   }
 
-  /** Sends mesh and parameters in one request and stores nothing: for a mesh that breaks once. Throws FractureError. */
+  /** Sends mesh and parameters in one request and stores nothing, for a mesh that is fractured only once. Throws FractureError. */
   async fracture(input: MeshInput, parameters: Parameters = {}, options: FractureOptions & MeshFormat = {}): Promise<Answer> {
     const { format, main, realtime, priority, ...call } = options;
     const body = formOf(await this.read(input, { format, main }, call), parametersText(parameters));
@@ -118,17 +118,17 @@ export class Client {
     return this.answerOf(await this.request('getFracture', { ...call, path: { id }, headers: { Accept: 'model/gltf-binary' } }));
   }
 
-  /** An answer that was saved as a GLB. It can be hit while the server has its mesh. Throws FractureError (damaged-answer). */
+  /** An answer that was saved as a GLB. It can be hit as long as the server has its mesh. Throws FractureError (damaged-answer). */
   open(glb: Uint8Array): Answer {
     return this.answerOf({ bytes: glb, headers: new Headers(), exchanges: 0 });
   }
 
-  /** A job that was started earlier, by its id. Throws FractureError (not-found). */
+  /** An existing job, by its id. Throws FractureError (not-found). */
   async job(id: string, call: CallOptions = {}): Promise<Job> {
     return new Job(this, json<JobDocument>(await this.request('getJob', { ...call, path: { id }, json: true })));
   }
 
-  /** Your jobs, the newest first. `limit`: jobs of one page, 1 to 100; further pages are fetched as needed. Throws FractureError. */
+  /** Your jobs, newest first. `limit`: jobs per page, 1 to 100; further pages are fetched as needed. Throws FractureError. */
   async *jobs({ state, limit, ...call }: CallOptions & { state?: JobState; limit?: number } = {}): AsyncGenerator<Job, void, undefined> {
     for (let query: Ask['query'] = { state, limit: limit?.toString() }; ;) {
       const page: JobPage = json<JobPage>(await this.request('getJobs', { ...call, query, json: true }));
@@ -144,23 +144,23 @@ export class Client {
   async index(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getIndex', call);
   }
-  /** The versions of the server and of the algorithm. */
+  /** The server version and the algorithm version. */
   async version(call: CallOptions = {}): Promise<{ name: string; version: string; algorithm: number }> {
     return this.discover('getVersion', call);
   }
-  /** The limits of this server, every parameter with its range, and the formats that it reads. */
+  /** The server's limits, every parameter with its range, and the formats that the server reads. */
   async limits(call: CallOptions = {}): Promise<Limits> {
     return this.discover('getLimits', call);
   }
-  /** The patterns and materials of the server, with their parameters. */
+  /** The server's patterns and materials, with their parameters. */
   async patterns(call: CallOptions = {}): Promise<Patterns> {
     return this.discover('getPatterns', call);
   }
-  /** The description of the interface in OpenAPI 3.1. */
+  /** The OpenAPI 3.1 description of the interface. */
   async openapi(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getOpenapi', call);
   }
-  /** A text for people: the meaning of an error, and what to do. `problem`: its name or type. */
+  /** A text for people that explains an error and what to do about it. `problem`: its name or type. */
   async explain(problem: string, call: CallOptions = {}): Promise<string> {
     const name = problem.slice(problem.lastIndexOf('/') + 1);
     const { bytes } = await this.request('getProblem', { ...call, path: { name }, headers: { Accept: 'text/plain' } });
@@ -205,7 +205,7 @@ export class Client {
     return new Answer(reply.bytes, head, id => this.mesh(id));
   }
 
-  /** Sends a missing mesh after a 404. If several calls miss it at the same time, one sends it; the others wait and ask again.
+  /** Sends a missing mesh after a 404. If several calls find it missing at the same time, one sends it; the others wait and retry.
    * @internal */
   async putMissing(asset: Asset | undefined, sentAt: number, call: CallOptions): Promise<'retry' | 'retry-once' | 'give-up'> {
     if (!asset) return 'give-up';
@@ -245,7 +245,7 @@ export class Client {
     const ask = { ...call, body, headers: { 'Content-Type': body.type }, json: true };
     const put = this.putOf(asset.id);
     const sending = this.request('putMesh', { ...ask, path: { id: asset.id } }).catch((error: unknown) => {
-      // With several files, a server that sorts names differently has another key. The server's key counts.
+      // If there are several files, a server that sorts names differently computes another key. The server's key is used.
       if (!(error instanceof FractureError) || error.problem !== 'digest-mismatch' || asset.files.length === 0) throw error;
       return this.request('postMesh', ask);
     });

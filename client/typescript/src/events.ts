@@ -6,7 +6,7 @@ export interface ServerEvent {
   id: string;
 }
 
-/** Reads events from pieces of text, which may be cut anywhere. */
+/** Reads events from pieces of text, which may be split anywhere. */
 export class EventParser {
   private rest = '';
   private event = '';

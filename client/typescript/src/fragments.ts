@@ -1,4 +1,4 @@
-// The content of an answer, read from its GLB: figures, fragments, bonds. Lengths are in metres, y is up.
+// The content of an answer, read from its GLB: data, fragments and bonds. Lengths are in metres; y is up.
 import { type Glb, type GltfNode, type GltfPrimitive, type TypedArray, type Vector3 } from './glb.js';
 import { localError } from './problems.js';
 
@@ -31,14 +31,14 @@ export interface Figures {
   bonds: BondColumns;
   /** Indices of the materials of cut faces. */
   interior_materials: number[];
-  /** Ids of the fragments that the last hits made, changed and removed. Only if `delta` was requested. */
+  /** Ids of the fragments that the last hits created, changed and removed. Only present if `delta` was requested. */
   delta?: { new: number[]; changed: number[]; gone: number[] };
-  /** The levels of a hierarchy, the coarsest first. */
+  /** The levels of the hierarchy, coarsest first. */
   levels?: Record<string, any>[];
   [figure: string]: any;
 }
 
-/** The shared cut faces of two fragments, and how strongly they hold together. */
+/** The cut faces that two fragments share, and how strongly they hold together. */
 export interface Bond {
   /** Ids of the two fragments. */
   a: number;
@@ -53,21 +53,21 @@ export interface Bond {
   strength: number;
 }
 
-/** A closed convex body around a fragment or a part of it, in metres in the frame of the fragment's node. */
+/** A closed convex body around a fragment or part of it, in metres, in the frame of the fragment's node. */
 export interface Hull {
   /** x, y, z of each point. */
   positions: Float32Array;
-  /** Indices of the points, three for each triangle. */
+  /** Indices of the points, three per triangle. */
   triangles: Uint16Array | Uint32Array;
 }
 
-/** The triangles of a fragment that have one material. */
+/** The triangles of a fragment that share a material. */
 export interface Primitive {
   /** Index of the material in the file. */
   material: number | undefined;
   /** True for cut faces. */
   interior: boolean;
-  /** Arrays by glTF's names: POSITION, NORMAL, TEXCOORD_0, … All primitives of a fragment share them. */
+  /** Arrays by their glTF names: POSITION, NORMAL, TEXCOORD_0, … All primitives of a fragment share them. */
   attributes: Record<string, TypedArray>;
   /** Indices of the vertices, three for each triangle. */
   triangles: Uint16Array | Uint32Array;
@@ -87,7 +87,7 @@ export interface Motion {
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body';
 
-/** A drawn part of the answer: a fragment, or a node of the mesh that was left uncut. */
+/** A drawable part of the answer: a fragment, or a mesh node that was left uncut. */
 export class Piece {
   private readPrimitives: Primitive[] | undefined;
   private readTriangles: Uint16Array | Uint32Array | undefined;
@@ -101,7 +101,7 @@ export class Piece {
   get name(): string {
     return this.source.name ?? '';
   }
-  /** The node's origin in the frame of the mesh (m). The place of a vertex is translation + position. */
+  /** The node's origin in the frame of the mesh (m). A vertex is at translation + position. */
   get translation(): Vector3 {
     return this.source.translation ?? [0, 0, 0];
   }
@@ -123,11 +123,11 @@ export class Piece {
   get uvs(): Float32Array | undefined {
     return this.primitives[0]?.attributes['TEXCOORD_0'] as Float32Array | undefined;
   }
-  /** Indices of the vertices, three for each triangle; the materials come one after the other. */
+  /** Indices of the vertices, three per triangle, grouped by material. */
   get triangles(): Uint16Array | Uint32Array {
     return (this.readTriangles ??= joined(this.primitives.map(primitive => primitive.triangles)));
   }
-  /** The primitives of the file, with the indices of their accessors, for code that shares buffers. */
+  /** The file's primitives, with the indices of their accessors, for code that shares buffers. */
   get rawPrimitives(): readonly GltfPrimitive[] {
     return this.glb.json.meshes?.[this.source.mesh ?? -1]?.primitives ?? [];
   }
@@ -139,7 +139,7 @@ export class Fragment extends Piece {
   private get figures(): Record<string, any> {
     return this.source.extras!['fracture'];
   }
-  /** Its id in bonds, deltas and parameters. Every answer that has this fragment uses the same id. */
+  /** The fragment's id in bonds, deltas and parameters. Every answer that contains this fragment uses the same id. */
   get id(): number {
     return this.figures['id'];
   }
@@ -155,7 +155,7 @@ export class Fragment extends Piece {
   get area(): number {
     return this.figures['area'];
   }
-  /** m², the faces that were the surface of the mesh. */
+  /** m², the faces that belonged to the mesh's surface. */
   get exteriorArea(): number {
     return this.figures['exterior_area'];
   }
@@ -167,15 +167,15 @@ export class Fragment extends Piece {
   get anchored(): boolean {
     return this.figures['anchored'];
   }
-  /** The number of the connected part of the mesh that it belongs to. */
+  /** The number of the connected part of the mesh to which it belongs. */
   get part(): number {
     return this.figures['part'];
   }
-  /** Its level in the hierarchy; 0 without one. */
+  /** Its level in the hierarchy; 0 if there is none. */
   get level(): number {
     return this.figures['level'];
   }
-  /** The id of its cluster; null without levels. */
+  /** The id of its cluster; null if there are no levels. */
   get parent(): number | null {
     return this.figures['parent'];
   }
@@ -183,7 +183,7 @@ export class Fragment extends Piece {
   get sites(): readonly number[] {
     return this.figures['sites'];
   }
-  /** Only with physics=khr, and without inertia with physics=omi. */
+  /** Missing with physics=none; without inertia with physics=omi. */
   get motion(): Motion | undefined {
     return this.body?.['motion'];
   }
@@ -211,7 +211,7 @@ export class Fragment extends Piece {
   private get body(): Record<string, any> | undefined {
     return this.source.extensions?.[KHR] ?? this.source.extensions?.[OMI];
   }
-  /** One on the node itself, several on its children. */
+  /** A single hull is on the node itself, several are on its children. */
   private get colliders(): Record<string, any>[] {
     const nodes = [this.source, ...(this.source.children ?? []).map(child => this.glb.json.nodes![child]!)];
     return nodes.flatMap(node => {
@@ -226,7 +226,7 @@ function indicesOf(glb: Glb, primitive: GltfPrimitive): Uint16Array | Uint32Arra
   return Uint32Array.from({ length: glb.accessorAt(primitive.attributes['POSITION']!).count }, (_, k) => k);
 }
 
-/** One view of all arrays if they follow each other in memory, as in files of the server; else a copy. */
+/** A single view of all arrays if they are contiguous in memory, as in the server's files; else a copy. */
 function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array {
   const [first] = parts;
   if (!first) return new Uint16Array();
@@ -255,7 +255,7 @@ export function fragmentsOf(glb: Glb, figures: Figures): Fragment[] {
     (node.extras?.['fracture']?.id === undefined ? [] : [new Fragment(glb, k, figures.interior_materials)]));
 }
 
-/** The nodes of the mesh that `nodes` or `materials` left uncut. */
+/** The mesh nodes that `nodes` or `materials` left uncut. */
 export function passedThrough(glb: Glb, figures: Figures): Piece[] {
   const nodes = glb.json.nodes ?? [], root = nodes[glb.json.scenes?.[glb.json.scene ?? 0]?.nodes?.[0] ?? 0];
   return (root?.children ?? []).filter(k => nodes[k]!.mesh !== undefined && !nodes[k]!.extras?.['fracture'])

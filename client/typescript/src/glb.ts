@@ -1,4 +1,4 @@
-// A GLB file of the server (glTF 2.0, one buffer, no required extensions): its JSON, and typed arrays that are views of its bytes.
+// A GLB file from the server (glTF 2.0, one buffer, no required extensions): its JSON, and typed arrays that are views of its bytes.
 // Only interleaved and sparse accessors are copied; the geometry of fragments has none.
 import { localError } from './problems.js';
 
@@ -47,7 +47,7 @@ export interface GltfBufferView {
   byteStride?: number;
   target?: number;
 }
-/** The JSON of a glTF file: the members that this package reads. Other members are there too. */
+/** The JSON of a glTF file: the members that this package reads. There can be others. */
 export interface Gltf {
   asset: { version: string; generator?: string; copyright?: string; extras?: any };
   scene?: number;
@@ -97,7 +97,7 @@ export class Glb {
 
   /** Throws FractureError (damaged-answer). */
   constructor(bytes: Uint8Array) {
-    // Views of floats must begin at a multiple of four bytes. A part of a larger array may begin elsewhere, so it is copied.
+    // Views of floats must start at a multiple of four bytes. A slice of a larger array may start elsewhere, so it is copied.
     this.bytes = bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
     const view = new DataView(this.bytes.buffer, this.bytes.byteOffset, this.bytes.byteLength), size = view.byteLength;
     if (size < 20 || view.getUint32(0, true) !== MAGIC) bad('it does not begin with "glTF"');
@@ -122,7 +122,7 @@ export class Glb {
   /** The bytes of a bufferView. */
   view(index: number): Uint8Array {
     const view = this.json.bufferViews?.[index] ?? bad(`bufferView ${index} does not exist`), at = view.byteOffset ?? 0;
-    if (at + view.byteLength > this.binary.length) bad(`bufferView ${index} ends after the end of the buffer`);
+    if (at + view.byteLength > this.binary.length) bad(`bufferView ${index} extends past the end of the buffer`);
     return this.binary.subarray(at, at + view.byteLength);
   }
 
@@ -130,7 +130,7 @@ export class Glb {
     return this.json.accessors?.[index] ?? bad(`accessor ${index} does not exist`);
   }
 
-  /** The numbers of an accessor: for each element, as many as its type has (VEC3: three). */
+  /** The numbers of an accessor, as many per element as its type has (VEC3: three). */
   accessor(index: number): TypedArray {
     const accessor = this.accessorAt(index), Type = componentOf(accessor.componentType), width = widthOf(accessor);
     const length = accessor.count * width;
@@ -141,7 +141,7 @@ export class Glb {
       const view = this.view(accessor.bufferView), at = view.byteOffset + (accessor.byteOffset ?? 0);
       const element = width * Type.BYTES_PER_ELEMENT, stride = this.json.bufferViews![accessor.bufferView]!.byteStride ?? element;
       const last = accessor.count > 0 ? (accessor.count - 1) * stride + element : 0;
-      if ((accessor.byteOffset ?? 0) + last > view.byteLength) bad(`accessor ${index} ends after the end of its bufferView`);
+      if ((accessor.byteOffset ?? 0) + last > view.byteLength) bad(`accessor ${index} extends past the end of its bufferView`);
       if (at % Type.BYTES_PER_ELEMENT !== 0) bad(`accessor ${index} is not aligned`);
       if (stride === element) {
         values = new Type(view.buffer as ArrayBuffer, at, length);
@@ -155,7 +155,7 @@ export class Glb {
     const read = (part: { bufferView: number; byteOffset?: number }, Of: typeof Type, count: number) => {
       const view = this.view(part.bufferView), at = part.byteOffset ?? 0;
       if (at + count * Of.BYTES_PER_ELEMENT > view.byteLength)
-        bad(`the sparse values of accessor ${index} end after the end of their bufferView`);
+        bad(`the sparse values of accessor ${index} extend past the end of their bufferView`);
       return new Of(view.buffer as ArrayBuffer, view.byteOffset + at, count);
     };
     const places = read(sparse.indices, componentOf(sparse.indices.componentType), sparse.count);
@@ -164,7 +164,7 @@ export class Glb {
     return copy;
   }
 
-  /** The bytes of an image that is in the file; undefined for an image outside of it. */
+  /** The bytes of an image in the file; undefined for an external image. */
   image(index: number): { bytes: Uint8Array; type: string } | undefined {
     const image = this.json.images?.[index];
     if (image?.bufferView === undefined) return undefined;

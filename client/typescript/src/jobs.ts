@@ -1,4 +1,4 @@
-// Jobs: long fractures as background work of the server.
+// Jobs: long fractures that the server computes in the background.
 import type { Answer } from './answer.js';
 import type { Client } from './client.js';
 import { EventParser } from './events.js';
@@ -15,7 +15,7 @@ export interface JobDocument {
   percent: number;
   created: string;
   finished?: string;
-  /** True if the job survives a restart of the server. */
+  /** True if the job survives a server restart. */
   durable: boolean;
   /** Number of jobs ahead of it while it is queued. */
   queue_position?: number;
@@ -25,16 +25,16 @@ export interface JobDocument {
   links: { self?: string; events?: string };
 }
 
-const KEEP_ALIVE = 30_000;  // ms without a byte after which a stream counts as broken; the server sends something every 10 s
-const STREAMS = 3;          // after this many broken streams, only polls are used
-const WAIT = 20;            // s that one poll waits for the end of the job
+const KEEP_ALIVE = 30_000;  // ms without a byte, after which a stream is considered broken; the server sends something every 10 s
+const STREAMS = 3;          // after this many broken streams, the job is only polled
+const WAIT = 20;            // s; longest time that a poll waits for the job to finish
 
 export class Job {
   private answer: Answer | undefined;
 
   constructor(private readonly client: Client, /** The last known state. */ public document: JobDocument) {}
 
-  /** A job whose answer came at once. The server does not keep it. */
+  /** A job that was answered at once. The server does not keep it. */
   static done(client: Client, answer: Answer): Job {
     const created = new Date().toISOString();
     const job = new Job(client, { id: '', state: 'done', stage: 'encode', percent: 100, created, durable: false, links: {} });
@@ -51,12 +51,12 @@ export class Job {
   get percent(): number {
     return this.document.percent;
   }
-  /** Whether it is done, failed or cancelled. */
+  /** Whether the job is done, failed or cancelled. */
   get finished(): boolean {
     return this.state === 'done' || this.state === 'failed' || this.state === 'cancelled';
   }
 
-  /** Asks the server for the state. `wait`: answer only when the job has finished, or after this many seconds. Throws
+  /** Asks the server for the state. `wait`: the server answers when the job has finished, or after this many seconds. Throws
    * FractureError. */
   async refresh({ wait, ...options }: CallOptions & { wait?: number } = {}): Promise<JobDocument> {
     if (this.id === '') return this.document;
@@ -65,8 +65,8 @@ export class Job {
     return (this.document = json<JobDocument>(reply));
   }
 
-  /** Yields the state at each change until the job has finished. It uses server-sent events, and polls if streams are missing or
-   * break. Aborting ends the iteration, not the job. Throws FractureError. */
+  /** Yields the state whenever it changes, until the job has finished. Uses server-sent events, or polls if streams are unavailable
+   * or break. Aborting ends the iteration, not the job. Throws FractureError. */
   async *progress(options: CallOptions = {}): AsyncGenerator<JobDocument, void, undefined> {
     yield this.document;
     for (let broken = 0; !this.finished;) {
@@ -80,7 +80,7 @@ export class Job {
         ++broken;
       }
       if (this.finished) return;
-      // The server must not wait longer than the timeout of the exchange.
+      // The server must not wait longer than the exchange's timeout.
       const wait = Math.max(1, Math.min(WAIT, Math.floor((options.timeout ?? this.client.timeout) / 2000)));
       const before = JSON.stringify(this.document);
       await this.refresh({ ...options, wait });
@@ -97,7 +97,7 @@ export class Job {
     return (this.answer = await this.client.answer(this.document.result!, options));
   }
 
-  /** Cancels the job; if it has finished, the server forgets it. */
+  /** Cancels the job, or deletes it if it has finished. */
   async cancel(options: CallOptions = {}): Promise<void> {
     if (this.id !== '') await this.client.request('deleteJob', { ...options, path: { id: this.id } });
   }

@@ -1,12 +1,12 @@
-// Merges an answer and the changes of a hit (delta=only) into the answer that the server gives with delta=stated. The layout is
-// that of the server's files (common/gltf), so the binary chunks are equal bit for bit.
+// Merges an answer and the changes of a hit (delta=only) into the answer that the server gives with delta=stated. The layout matches
+// the server's files (common/gltf), so the binary chunks are identical.
 //
-//   before   a b c d e          kept      a c d           order    by the first site, as the service has it
-//   changes      B' x y    ──>  changes     B' x y   ──>  names    numbered anew in that order
-//   gone     e                                            bonds    of kept pairs from before, the others from the changes
+//   before   a b c d e          kept      a c d           order    by the first site, as on the server
+//   changes      B' x y    ──>  changes     B' x y   ──>  names    renumbered in that order
+//   gone     e                                            bonds    between kept fragments from before, others from the changes
 //
-// Several pieces of the same cell and part can be partly kept and partly new. The files do not show their order in the server's
-// answer, so their numbers and names can differ from it. Everything else is equal.
+// If some pieces of a cell and part are kept and others are new, the files do not show their order in the server's answer, so their
+// numbers and names can differ from it. Everything else is identical.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { type BondColumns, type Figures, figuresOf } from './fragments.js';
 import { MeshCopier } from './mesh_copier.js';
@@ -21,18 +21,18 @@ const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_
 
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
 
-/** The merged GLB; undefined if it would not match the certificate, so that the caller must ask for the whole answer. */
+/** The merged GLB; undefined if it would not match the certificate, so the caller must request the whole answer. */
 export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   const now = figuresOf(changes), was = figuresOf(before);
   if (!now.delta || now.levels || was.levels || now.mesh !== was.mesh) return undefined;
-  // With interior_detail a delta has neither the maps of the cuts nor the tangents that they need.
+  // With interior_detail, a delta contains neither the texture maps of the cuts nor the tangents that they need.
   if (JSON.stringify(before.json.materials) !== JSON.stringify(changes.json.materials)) return undefined;
   const left = new Set([...now.delta.changed, ...now.delta.gone]);
   const sources = [...sourcesOf(before).filter(({ figures }) => !left.has(figures['id'])), ...sourcesOf(changes)];
   const ids = new Set(sources.map(({ figures }) => figures['id']));
   if (sources.length !== now.certificate.fragments || ids.size !== sources.length) return undefined;
   const order = (a: Source, b: Source) => a.figures['sites'][0] - b.figures['sites'][0] || a.figures['part'] - b.figures['part'];
-  sources.sort(order);  // stable: kept ones stay before new ones of the same cell and part
+  sources.sort(order);  // stable: kept pieces stay before new ones of the same cell and part
   return write(before, changes, now, sources, bondsOfWhole(was.bonds, now.bonds, sources, left));
 }
 
@@ -43,7 +43,7 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** All bonds, sorted, each from its lower fragment to its higher one. */
+/** All bonds, sorted, each from the lower fragment to the higher one. */
 function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], left: ReadonlySet<number>): BondColumns {
   const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k]));
   const rows: { a: number; b: number; area: number; centroid: Vector3; normal: Vector3; strength: number }[] = [];
@@ -66,7 +66,7 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
-/** The number of the collision system of each fragment. Fragments of a system share cells, directly or through others. */
+/** Each fragment's collision system number. Fragments in the same system share cells, directly or through others. */
 function collisionSystems(sources: Source[]): (number | undefined)[] {
   const root = sources.map((_, k) => k), owner = new Map<number, number>(), shares = new Set<number>();
   const find = (k: number): number => (root[k] === k ? k : (root[k] = find(root[k]!)));
@@ -96,7 +96,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
 
   sources.forEach(({ glb, node }, k) => {
     const name = nameOf(node.name ?? '', k), rename = (text: string | undefined) => text?.replace(node.name ?? '', name);
-    const hullMesh = new Map<number, number>();  // of the source file to this one
+    const hullMesh = new Map<number, number>();  // from the source file to this one
     const hullOf = (mesh: number) => {
       if (!hullMesh.has(mesh)) {
         const source = glb.json.meshes![mesh]!;
@@ -133,7 +133,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
   });
   for (const { glb, mesh } of hulls) meshes.push(copier.copy(glb, mesh));
 
-  const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // what passed through whole; a delta may leave it out
+  const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // nodes that were passed through uncut; a delta may omit them
   for (const index of before.json.nodes![0]!.children ?? []) {
     const node = before.json.nodes![index]!;
     if (node.mesh === undefined || fractureOf(node)) continue;

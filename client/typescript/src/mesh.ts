@@ -12,29 +12,29 @@ import { type Ask, type CallOptions, json, type Reply } from './transport.js';
 export interface StoredMesh {
   id: string;
   format: string;
-  /** Bytes of the mesh and its further files together. */
+  /** Total bytes of the mesh and its additional files. */
   bytes: number;
-  /** Number of further files. */
+  /** Number of additional files. */
   files: number;
-  /** Seconds after the last use until the server forgets the mesh. */
+  /** Seconds from the last use until the server forgets the mesh. */
   ttl_s: number;
   /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes. */
   report: Record<string, any>;
 }
 
 export interface FractureOptions extends CallOptions {
-  /** For games: the request goes before batch work and has a shorter deadline (realtime_deadline_ms of GET /limits, 2 s). Default:
+  /** For games: the request is served before batch work, with a shorter deadline (realtime_deadline_ms of GET /limits, 2 s). Default:
    * false; for hits: true. */
   realtime?: boolean;
-  /** The priority of RFC 9218, instead of `realtime`: 0 to 2 are realtime, 3 to 7 are batch work. */
+  /** The RFC 9218 priority, instead of `realtime`: 0 to 2 are realtime, 3 to 7 are batch work. */
   priority?: number;
 }
 
-/** The server's limit for the body of a fracture of a stored mesh (max_parameters_bytes of GET /limits). */
+/** The server's limit for the request body when it fractures a stored mesh (max_parameters_bytes of GET /limits). */
 const MOST_PARAMETERS = 4096;
 
 export class Mesh {
-  /** `asset`: the bytes, to send them again if the server forgets the mesh; undefined if this client does not have them. */
+  /** `asset`: the bytes to send again if the server forgets the mesh; undefined if this client does not have them. */
   constructor(private readonly client: Client, private readonly asset: Asset | undefined, /** "sha256:…" */ readonly id: string,
               /** The last known description; undefined before the first request. */ public stored: StoredMesh | undefined) {}
 
@@ -42,25 +42,25 @@ export class Mesh {
     return this.stored?.report;
   }
 
-  /** Breaks the mesh. `parameters`: those that GET /patterns lists. If the server has forgotten the mesh, it is sent again. Throws
+  /** Breaks the mesh. `parameters`: those listed by GET /patterns. If the server has forgotten the mesh, it is sent again. Throws
    * FractureError. */
   async fracture(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Answer> {
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary' });
     return this.client.answerOf(reply);
   }
 
-  /** Breaks the mesh and returns only the figures, without the geometry. */
+  /** Breaks the mesh and returns the data without the geometry. */
   async figures(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Figures> {
     return json<Figures>(await this.ask(parameters, options, { Accept: 'application/json' }));
   }
 
-  /** Breaks the mesh and returns one JSON text, with the buffer in a data URI (model/gltf+json). */
+  /** Breaks the mesh and returns a single JSON document, with the buffer in a data URI (model/gltf+json). */
   async gltf(parameters: Parameters = {}, options: FractureOptions = {}): Promise<string> {
     return new TextDecoder().decode((await this.ask(parameters, options, { Accept: 'model/gltf+json' })).bytes);
   }
 
-  /** Starts a job: background work with a separate deadline (30 minutes by default). `wait`: seconds to wait for an answer in the
-   * same request. Throws FractureError. */
+  /** Starts a job: background work with its own deadline (30 minutes by default). `wait`: seconds to wait for an answer in the same
+   * request. Throws FractureError. */
   async job(parameters: Parameters = {}, { wait, ...options }: CallOptions & { wait?: number } = {}): Promise<Job> {
     const prefer = wait === undefined ? 'respond-async' : `respond-async, wait=${wait}`;
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary', Prefer: prefer });
@@ -96,7 +96,7 @@ export class Mesh {
         ...call, headers, path: { id: this.id }, body: text,
         onMissing: (sentAt, left) => this.client.putMissing(asset, sentAt, { ...call, deadline: left }),
       });
-    // Long parameters, such as the points of a pattern, are sent in a form together with the mesh.
+    // Long parameters, such as a pattern's points, are sent in a form together with the mesh.
     if (!asset)
       throw localError('bad-argument',
         `The parameters have more than ${MOST_PARAMETERS.toLocaleString('en')} bytes, so they must be sent together with the mesh, ` +

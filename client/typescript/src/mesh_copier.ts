@@ -1,5 +1,5 @@
-// Copies meshes of several files into one buffer: one bufferView for each attribute, one for indices of each width, and one for the
-// merged vertices of EXT_mesh_manifold, in the order in which they get their first byte. Images follow.
+// Copies meshes from several files into one buffer: a bufferView for each attribute, each index width, and the merged vertices of
+// EXT_mesh_manifold, in order of first use. Images follow.
 import { bytesPerComponent, type Glb, type Gltf, type GltfAccessor, type GltfMesh, widthOf } from './glb.js';
 
 interface View {
@@ -15,9 +15,9 @@ export class MeshCopier {
   private readonly views = new Map<string, View>();
   private readonly accessors: GltfAccessor[] = [];
 
-  /** Copies a mesh. The result has accessors of the new file. */
+  /** Copies a mesh. The result uses accessors of the new file. */
   copy(glb: Glb, mesh: GltfMesh): GltfMesh {
-    // The use of an accessor decides its view.
+    // An accessor's use determines its view.
     const role = new Map<number, string>();
     for (const { attributes, indices } of mesh.primitives) {
       for (const [name, accessor] of Object.entries(attributes)) role.set(accessor, name);
@@ -31,7 +31,7 @@ export class MeshCopier {
     }
     const order = [...role.keys()].sort((a, b) => a - b);
     const number = new Map(order.map((accessor, k) => [accessor, this.accessors.length + k]));
-    // All bytes of the mesh in one view stand together, and stay together.
+    // All bytes of the mesh in one view are contiguous, and stay so.
     const spans = new Map<number, { from: number; to: number; role: string }>();
     const span = (view: number, at: number, size: number, name: string) => {
       const known = spans.get(view) ?? { from: at, to: at, role: name };
@@ -77,8 +77,7 @@ export class MeshCopier {
     return copy;
   }
 
-  /** Writes the accessors, the bufferViews and the length of the buffer into `json`, copies the images of `glb`, and returns the
-   * buffer. */
+  /** Writes the accessors, the bufferViews and the buffer length into `json`, copies the images of `glb`, and returns the buffer. */
   finish(glb: Glb, json: Gltf): Uint8Array {
     if (json.images) json.images = json.images.map((image, k) => {
       const bytes = glb.image(k)?.bytes;

@@ -1,11 +1,11 @@
-// All operations of proto/openapi.yaml with their paths. Requests are made from this table. A test compares it with the document.
+// All operations in proto/openapi.yaml with their paths. Requests are built from this table. A test compares it with the document.
 
 export interface Operation {
   readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';
   readonly path: string;
   /** Statuses of successful answers. */
   readonly good: readonly number[];
-  /** Answers have a Repr-Digest, which is checked. An answer without it counts as damaged. */
+  /** Answers have a Repr-Digest, which is checked. An answer without one is treated as damaged. */
   readonly digest?: boolean;
   /** The operation is on the admin port, which has another address. */
   readonly admin?: boolean;
@@ -13,7 +13,7 @@ export interface Operation {
 
 export const operations = {
   getIndex: { method: 'GET', path: '/', good: [200, 304] },
-  getDocs: { method: 'GET', path: '/docs', good: [200, 304] },  // for browsers, as the next one
+  getDocs: { method: 'GET', path: '/docs', good: [200, 304] },  // for browsers, like the next one
   getPageFile: { method: 'GET', path: '/page/{file}', good: [200, 304] },
   getVersion: { method: 'GET', path: '/version', good: [200] },
   getLimits: { method: 'GET', path: '/limits', good: [200] },
@@ -39,10 +39,10 @@ export const operations = {
 
 export type OperationId = keyof typeof operations;
 
-/** Header fields of requests that the document describes. Authorization and Accept are not listed. */
+/** Request header fields that the document describes, except Authorization and Accept. */
 export const requestFields = [
   'Half-Close', 'If-Match', 'If-None-Match', 'If-Range', 'Prefer', 'Priority', 'Range', 'Request-Timeout',
 ] as const;
 
-/** Statuses of errors that the document names. Other statuses are a FractureError, too. */
+/** Error statuses that the document lists. Other statuses throw a FractureError, too. */
 export const problemStatuses = [400, 404, 406, 408, 412, 413, 415, 416, 422, 503, 504] as const;

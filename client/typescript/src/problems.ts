@@ -1,6 +1,5 @@
-// All errors as one class: the server's problem documents (RFC 9457), and the errors of this client.
-
-/** The names of the server's errors: the last segments of `type`. A test compares them with proto/openapi.yaml. */
+// A single class for all errors: the server's problem documents (RFC 9457), and errors from this client.
+/** The names of the server errors: the last segments of `type`. A test compares them with proto/openapi.yaml. */
 export const serverProblems = [
   'bad-parameter', 'unknown-parameter', 'bad-json', 'empty-body', 'unknown-format', 'malformed-mesh', 'unsupported-feature',
   'external-resource', 'importer-crashed', 'importer-limit', 'too-large', 'empty-mesh', 'not-finite', 'mesh-not-closed',
@@ -12,11 +11,11 @@ export const serverProblems = [
   'client-closed-request', 'not-implemented', 'overloaded', 'draining', 'version-not-supported',
 ] as const;
 
-/** The errors of this client. */
+/** The errors that this client itself reports. */
 export const localProblems = {
   'server-absent': 'No server answers at this address',
   'timed-out': 'The whole answer did not arrive in time',
-  'damaged-answer': 'The answer was damaged on its way',
+  'damaged-answer': 'The answer was damaged on the way',
   'answer-too-large': 'The answer is larger than this client accepts',
   'bad-argument': 'An argument of the call is wrong, so no request was sent',
   aborted: 'The request was aborted',
@@ -25,7 +24,7 @@ export const localProblems = {
 export type ServerProblem = (typeof serverProblems)[number];
 export type LocalProblem = keyof typeof localProblems;
 
-/** A problem document of the server (application/problem+json, RFC 9457). */
+/** A problem document from the server (application/problem+json, RFC 9457). */
 export interface ProblemDocument {
   type: string;
   title: string;
@@ -53,20 +52,20 @@ export interface FractureErrorFields {
 
 /** The only class of errors that this package throws or rejects with. */
 export class FractureError extends Error {
-  /** `/problems/bad-parameter` for an error of the server, `client:timed-out` for an error of this client. */
+  /** `/problems/bad-parameter` for an error from the server, `client:timed-out` for an error from this client. */
   readonly type: string;
-  /** The status of the HTTP answer; 0 without an answer. */
+  /** The status of the HTTP answer; 0 if there is none. */
   readonly status: number;
   /** The meaning of the type, for people. */
   readonly title: string;
-  /** The error in this request, with the value and the limit, for people. */
+  /** The error in this request, including the value and the limit, for people. */
   readonly detail: string;
   /** The parameter, part or argument that is wrong. */
   readonly parameter: string | undefined;
-  /** The last segment of `type`, for programs. A newer server can send a name that is not in the lists. 'unknown' if the answer is
-   * not a problem document, such as the page of a proxy. */
+  /** The last segment of `type`, for programs. A newer server can send a name that is not listed. 'unknown' if the answer is not a
+   * problem document, such as a proxy's page. */
   readonly problem: ServerProblem | LocalProblem | 'unknown' | (string & {});
-  /** Seconds after which to ask a busy server again. */
+  /** Seconds after which to retry if the server is busy. */
   readonly retryAfter: number | undefined;
   /** The whole problem document: `errors`, `request_id`, … */
   readonly document: ProblemDocument | undefined;
@@ -84,7 +83,7 @@ export class FractureError extends Error {
     this.retryAfter = fields.retryAfter;
     this.document = fields.document;
     this.exchanges = fields.exchanges ?? 0;
-    // Code that recognizes an abort by its name, as with fetch, works.
+    // Code that recognizes an abort by its name works as with fetch.
     this.name = this.problem === 'aborted' ? 'AbortError' : 'FractureError';
   }
 }
@@ -95,7 +94,7 @@ export function localError(problem: LocalProblem, detail: string, more: Partial<
 
 const FOREIGN = ' without the problem document of a fracture server. Check the address: a proxy or another server may answer there.';
 
-/** The error for an answer that is not successful. It can be a page of a proxy instead of a problem document. */
+/** The error for an unsuccessful answer, which can be a proxy's page instead of a problem document. */
 export function problemOf(status: number, headers: Headers, bytes: Uint8Array, exchanges: number): FractureError {
   let document: Partial<ProblemDocument> = {};
   try {
@@ -118,14 +117,13 @@ export function problemOf(status: number, headers: Headers, bytes: Uint8Array, e
   });
 }
 
-/** The error in a problem document that is part of another document: a job that failed. */
+/** The error in a problem document that is nested in another document, as in a failed job. */
 export function problemIn(document: ProblemDocument): FractureError {
   const { type, status, title, detail, parameter } = document;
   return new FractureError({ type, status, title, detail, parameter, document });
 }
 
-/** Retry-After in whole seconds (RFC 9110, section 10.2.3); undefined for a date, for a value that is not a number, and for more
- * than a day. */
+/** Retry-After in whole seconds (RFC 9110, section 10.2.3); undefined for a date, a value that is not a number, or more than a day. */
 export function retryAfter(headers: Headers): number | undefined {
   const text = headers.get('retry-after')?.trim() ?? '';
   return /^\d{1,5}$/.test(text) && Number(text) <= 86400 ? Number(text) : undefined;

@@ -1,7 +1,7 @@
-// SHA-256 (FIPS 180-4): with WebCrypto, or with the code below if WebCrypto is missing, as in pages that come over plain HTTP from
-// another machine and in node 18.
+// SHA-256 (FIPS 180-4): with WebCrypto, or with the code below if WebCrypto is missing, as in node 18 and in pages loaded over plain
+// HTTP from another machine.
 
-/** First 32 bits of the fractional parts of roots of the first primes. */
+/** The first 32 bits of the fractional parts of roots of the first primes. */
 function constants(): { start: Uint32Array; rounds: Uint32Array } {
   const start = new Uint32Array(8), rounds = new Uint32Array(64), primes: number[] = [];
   for (let n = 2; primes.length < 64; ++n) if (primes.every(p => n % p !== 0)) primes.push(n);
@@ -60,7 +60,7 @@ export function hex(bytes: Uint8Array): string {
   return text;
 }
 
-/** Whether a Repr-Digest (RFC 9530) has the SHA-256 of these bytes. False for a field without sha-256. */
+/** Whether a Repr-Digest (RFC 9530) contains the SHA-256 of these bytes. False for a field without sha-256. */
 export async function digestMatches(field: string, bytes: Uint8Array): Promise<boolean> {
   const named = /(?:^|,)\s*sha-256=:([A-Za-z0-9+/=]*):/.exec(field)?.[1];
   return named !== undefined && named === btoa(String.fromCharCode(...await sha256(bytes)));

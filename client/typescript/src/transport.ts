@@ -1,5 +1,5 @@
-// Sends a request with its retries: with growing pauses if the server is absent, after its Retry-After if it is busy, at once if an
-// answer is cut off or its digest is wrong. All requests can be repeated, because the same request gives the same bytes.
+// Sends a request and retries it: after growing pauses if the server is absent, after its Retry-After if it is busy, at once if an
+// answer is cut off or its digest is wrong. All requests can be repeated safely, because identical requests give identical bytes.
 import { operations, type Operation, type OperationId } from './operations.js';
 import { FractureError, localError, problemOf } from './problems.js';
 import { digestMatches } from './sha256.js';
@@ -16,14 +16,14 @@ export interface Settings {
   deadline?: number;
   /** Maximum number of retries of one call. Default: 8. */
   retries?: number;
-  /** Maximum bytes of an answer. Default: 256 MiB. */
+  /** Maximum size of an answer in bytes. Default: 256 MiB. */
   maxAnswerBytes?: number;
-  /** Whether answers may be compressed. A browser unpacks such an answer, so its Repr-Digest, that of the packed bytes, cannot be
+  /** Whether answers may be compressed. A browser unpacks such an answer, so its Repr-Digest, which covers the packed bytes, cannot be
    * checked. Without compression every answer is checked. Default: false. */
   compressed?: boolean;
-  /** Whether bodies can be read while they arrive. If not, the progress of jobs is polled. Default: detected. */
+  /** Whether bodies can be read while they arrive. If not, job progress is polled. Default: detected. */
   streams?: boolean;
-  /** Further header fields of every request. */
+  /** Additional header fields for every request. */
   headers?: Record<string, string>;
 }
 
@@ -44,10 +44,10 @@ export interface Ask extends CallOptions {
   query?: Record<string, string | undefined>;
   headers?: Record<string, string | undefined>;
   body?: Blob | string;
-  /** The answer must be JSON; any other answer counts as damaged. */
+  /** The answer must be JSON; any other answer is treated as damaged. */
   json?: boolean;
-  /** Called after a 404 with the problem not-found; decides whether to ask again. `sentAt`: time of the request in now(); `left`: ms
-   * until the deadline. */
+  /** Called after a 404 with the problem not-found; decides whether to retry. `sentAt`: time of the request, as returned by now();
+   * `left`: ms until the deadline. */
   onMissing?: (sentAt: number, left: number) => Promise<'retry' | 'retry-once' | 'give-up'>;
 }
 
@@ -66,7 +66,7 @@ export function json<Document>({ bytes }: Reply): Document {
 
 const FIRST_PAUSE = 50, LONGEST_PAUSE = 1000;  // ms before a retry if the server is absent or busy; the pause doubles
 const DAMAGED_ANSWERS = 3;                     // a call fails after this many damaged answers
-const WRONG_SERVER = 'Check the address: is it that of a fracture server?';
+const WRONG_SERVER = 'Check whether the address is that of a fracture server.';
 
 const textOf = (error: unknown): string => {
   if (!(error instanceof Error)) return String(error);
@@ -78,7 +78,7 @@ export class Transport {
   readonly base: URL;
 
   constructor(url: string | URL, readonly settings: Settings) {
-    // In a page the address may be relative: '' is the server of the page.
+    // In a page the address may be relative: '' is the page's own server.
     const here = (globalThis as { location?: { href?: string } }).location?.href;
     try {
       this.base = new URL(url, here);
@@ -89,11 +89,11 @@ export class Transport {
     if (!/^https?:$/.test(this.base.protocol))
       throw localError('bad-argument', `The address '${url}' must begin with http:// or https://.`, { parameter: 'url' });
     if (this.base.username || this.base.password)
-      throw localError('bad-argument', 'The address contains a name or password, which cannot be sent. Use `token` or `headers`.',
+      throw localError('bad-argument', 'The address contains a user name or password, which cannot be sent. Use `token` or `headers`.',
         { parameter: 'url' });
     this.base.search = this.base.hash = '';
     if (!settings.fetch && typeof globalThis.fetch !== 'function')
-      throw localError('bad-argument', 'This platform has no fetch(). Give one in the settings, or use node 18 or newer.',
+      throw localError('bad-argument', 'This platform has no fetch(). Pass one in the settings, or use node 18 or newer.',
         { parameter: 'fetch' });
   }
 
@@ -110,7 +110,7 @@ export class Transport {
     return url.href;
   }
 
-  /** Sends a request, with retries, until there is a successful answer. Throws FractureError. */
+  /** Sends a request, with retries, until it succeeds. Throws FractureError. */
   async request(operation: OperationId, ask: Ask = {}): Promise<Reply> {
     const { good, digest }: Operation = operations[operation];
     const timeout = ask.timeout ?? this.settings.timeout ?? 60_000, retries = ask.retries ?? this.settings.retries ?? 8;
@@ -154,7 +154,7 @@ export class Transport {
     }
   }
 
-  /** An answer whose body is read while it arrives, without retries. The time of the watch is that between two pieces. */
+  /** An answer whose body is read while it arrives, without retries. The watch limits the time between two pieces. */
   async stream(operation: OperationId, ask: Ask, idle: number): Promise<{ response: Response; watch: Watch }> {
     const watch = new Watch(ask.signal, idle);
     try {
@@ -188,8 +188,8 @@ export class Transport {
     const given = typeof token === 'function' ? await watch.race(asked(token)) : token;
     if (given) fields['Authorization'] = `Bearer ${given}`;
     if (digest && !this.settings.compressed) {
-      // Only an answer without coding can be compared with its digest. A page must not set Accept-Encoding, but a request for a
-      // range has no coding (Fetch standard, HTTP-network-or-cache fetch; the server does the same). This range is the whole.
+      // Only an uncompressed answer can be compared with its digest. A page must not set Accept-Encoding, but the answer to a range
+      // request is not compressed (Fetch standard, HTTP-network-or-cache fetch; the server does the same). This range is everything.
       fields['Range'] ??= 'bytes=0-';
     }
     let headers: Headers;
@@ -204,7 +204,7 @@ export class Transport {
   }
 }
 
-/** An exchange that ended without a whole answer. */
+/** An exchange that ended without a complete answer. */
 export class Interrupted {
   constructor(private readonly error: unknown, private readonly watch: Watch, private readonly began: boolean) {}
 
@@ -214,9 +214,9 @@ export class Interrupted {
     if (this.watch.cause === 'timed-out')
       return localError('timed-out', `${base.origin} did not answer within ${Math.round(milliseconds) / 1000} s.`, said);
     if (this.began) return localError('damaged-answer', `The answer was cut off: ${textOf(this.error)}.`, said);
-    // A browser does not show which of the two it is.
+    // A browser does not reveal whether the server is absent or refuses this page.
     const page = (globalThis as { location?: { origin?: string } }).location?.origin;
-    const cors = page && page !== base.origin ? ` If it runs, start it with --cors-origin ${page}.` : '';
+    const cors = page && page !== base.origin ? ` If it is running, start it with --cors-origin ${page}.` : '';
     return localError('server-absent', `No server answers at ${base.origin} (${textOf(this.error)}).${cors}`, said);
   }
 }
@@ -229,18 +229,18 @@ async function asked(token: () => string | Promise<string>): Promise<string> {
   }
 }
 
-/** Whether the answer was compressed. A page of another origin may not see Content-Encoding, but it sees the ETag. */
+/** Whether the answer was compressed. A page from another origin may not see Content-Encoding, but it sees the ETag. */
 const coded = (headers: Headers) => !['', 'identity'].includes(headers.get('content-encoding') ?? '') ||
                                     /\.(gzip|zstd)"$/.test(headers.get('etag') ?? '');
 
 async function readBody(response: Response, watch: Watch, limit: number): Promise<Uint8Array<ArrayBuffer>> {
   const tooLarge = () => {
     response.body?.cancel().catch(() => {});
-    const detail = `The answer has more than ${limit.toLocaleString('en')} bytes, the limit maxAnswerBytes of this client. ` +
+    const detail = `The answer has more than ${limit.toLocaleString('en')} bytes, this client's limit maxAnswerBytes. ` +
       'Ask for fewer fragments, or raise the limit.';
     return localError('answer-too-large', detail, { status: response.status });
   };
-  // If the length is known, the buffer has that size from the start. The digest shows if the answer was cut off.
+  // If the length is known, the buffer has that size from the start. The digest shows whether the answer was cut off.
   const declared = coded(response.headers) ? 0 : Number(response.headers.get('content-length') ?? 0);
   if (declared > limit) throw tooLarge();
   if (!response.body) return new Uint8Array(await watch.race(response.arrayBuffer()));
@@ -261,7 +261,7 @@ async function readBody(response: Response, watch: Watch, limit: number): Promis
   return size === bytes.length ? bytes : bytes.slice(0, size);
 }
 
-/** The fault of an answer; undefined if it is sound. */
+/** The defect of an answer; undefined if it is sound. */
 async function damage({ status, headers, bytes }: Reply, digest: boolean, json: boolean): Promise<string | undefined> {
   if (json) {
     try {
@@ -272,10 +272,10 @@ async function damage({ status, headers, bytes }: Reply, digest: boolean, json: 
   }
   if (!digest) return undefined;
   if (status === 206 && headers.get('content-range') !== `bytes 0-${bytes.byteLength - 1}/${bytes.byteLength}`)
-    return 'Only a part of the answer arrived.';
+    return 'Only part of the answer arrived.';
   const field = headers.get('repr-digest');
   if (field === null) return `The answer has no Repr-Digest, so it cannot be checked. ${WRONG_SERVER}`;
-  // A compressed answer is already unpacked here; the checksum of its coding was checked then.
+  // A compressed answer is already unpacked here; unpacking verified the checksum of its coding.
   if (coded(headers) || await digestMatches(field, bytes)) return undefined;
   return 'The bytes of the answer do not match its Repr-Digest: they were changed on the way.';
 }

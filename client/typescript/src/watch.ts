@@ -1,4 +1,4 @@
-// Waits that end by the caller's AbortSignal or after a time. (node 18 does not have AbortSignal.any.)
+// Waits that end when the caller's AbortSignal fires or the time is up. (node 18 does not have AbortSignal.any.)
 import { localError, type FractureError } from './problems.js';
 
 export function abortedError(signal: AbortSignal, exchanges = 0): FractureError {
@@ -18,7 +18,7 @@ export class Watch {
   constructor(private readonly outer: AbortSignal | undefined, private readonly milliseconds: number) {
     const { signal } = this.controller;
     this.stopped = new Promise((_, reject) => signal.addEventListener('abort', () => reject(signal.reason)));
-    this.stopped.catch(() => {});  // without a waiting caller, the rejection must not count as unhandled
+    this.stopped.catch(() => {});  // if no caller waits, the rejection must not be reported as unhandled
     if (outer?.aborted) this.stop('aborted');
     else outer?.addEventListener('abort', this.onAbort);
     this.restart();
@@ -28,14 +28,14 @@ export class Watch {
     return this.controller.signal;
   }
 
-  /** Starts the time again, because a piece of the answer arrived. */
+  /** Restarts the timer, because a piece of the answer arrived. */
   restart(): void {
     clearTimeout(this.timer);
-    // Without a timer if the time is too long for one.
+    // If the time is too long for a timer, there is none.
     if (this.milliseconds < 2 ** 31 && !this.cause) this.timer = setTimeout(() => this.stop('timed-out'), this.milliseconds);
   }
 
-  /** The promise, or a rejection if the watch stops first. It works also for a fetch that ignores its signal. */
+  /** The promise, or a rejection if the watch stops first. It works even for a fetch that ignores its signal. */
   race<T>(promise: Promise<T>): Promise<T> {
     return Promise.race([promise, this.stopped]);
   }
@@ -68,11 +68,11 @@ export function pause(milliseconds: number, signal: AbortSignal | undefined, exc
   });
 }
 
-/** Returns a function for the rest of a time that several requests share, in milliseconds. */
+/** Returns a function that returns the rest of a time that several requests share, in milliseconds. */
 export function within(milliseconds: number): () => number {
   const end = now() + milliseconds;
   return () => end - now();
 }
 
-/** Milliseconds of a clock that never goes back. */
+/** Milliseconds of a clock that never goes backwards. */
 export const now = (): number => performance.now();

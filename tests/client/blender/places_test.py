@@ -153,7 +153,7 @@ class Paint(InBlender):
     def test_paint_that_is_not_there_is_named(self):
         add_cube()
         settings().paint, settings().paint_name = "GROUP", "Nowhere"
-        self.assertIn("names the vertex group 'Nowhere'", self.refused())
+        self.assertIn("uses the vertex group 'Nowhere'", self.refused())
 
 
 class Parameters(InBlender):

@@ -14,7 +14,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
   });
   after(() => bench?.stop());
 
-  const place = (page, name) => page.getByRole('group', { name: 'Places to drag' }).getByRole('button', { name });
+  const place = (page, name) => page.getByRole('group', { name: 'Points to drag' }).getByRole('button', { name });
   const dotOf = (page, key) => page.evaluate(wanted => {
     const { view, stage } = globalThis.fracture;
     return stage.pixelOf(view.handles.find(handle => handle.key === wanted).at);

@@ -184,19 +184,19 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await shown(page);
     await page.waitForFunction(() => location.hash.includes('23'));
     const address = page.url();
-    await page.getByRole('link', { name: 'Documents' }).click();
+    await page.getByRole('link', { name: 'Documentation' }).click();
     await page.locator('.docs-nav').getByRole('link', { name: 'HTTP interface' }).click();
     // What is followed there are further entries of the history.
     await page.locator('.docs-nav').getByRole('link', { name: 'POST /fracture', exact: true }).click();
     await page.locator('.docs-nav').getByRole('link', { name: /^Parameters \(/ }).click();
-    await page.getByRole('link', { name: 'Back to the page' }).click();
+    await page.getByRole('link', { name: 'Back to the main page' }).click();
     await page.waitForURL(address);
     await shown(page);
     assert.deepEqual(await state(page, s => [s.source.label, s.shown.answer.fragments.length]), ['cube', 23]);
     assert.deepEqual(opened.complaints, []);
     await opened.close();
     const direct = await bench.open({ path: '/docs', wait: false });
-    await direct.page.getByRole('link', { name: 'Back to the page' }).click();
+    await direct.page.getByRole('link', { name: 'Back to the main page' }).click();
     await direct.page.waitForURL(url => url.pathname === '/');
     await shown(direct.page);
     await direct.close();

@@ -1,5 +1,5 @@
-// What happens. Panels read `state` and call these methods, those of `bringing` (a mesh comes) and of `breaking` (a wish becomes an
-// answer) and of `playing`, and nothing else.
+// All actions of the page. Panels read `state` and call only these methods and those of `bringing` (opens a mesh), `breaking` (turns
+// requests into answers) and `playing`.
 import { FractureError } from 'fracture-client';
 import type { Physics } from '../play/play';
 import type { Stage } from '../scene/stage';
@@ -21,7 +21,7 @@ export class App {
   readonly playing: Playing;
   stage: Stage | undefined;
   view: View | undefined;
-  /** Milliseconds after the navigation. */
+  /** Milliseconds since the navigation. */
   readonly marks: { at: Record<string, number> } = { at: {} };
   private unanswered: (() => void) | undefined;
 
@@ -42,7 +42,7 @@ export class App {
     this.view?.apply(this.state.look);
   }
 
-  /** What is in the picture was asked earlier: what is wanted now was refused, taken back, or nobody answers. */
+  /** The view shows an earlier request, because the current one was refused or undone, or the server does not answer. */
   get isOfEarlier(): boolean {
     const { shown, wish, unmet, inFlight, job, bringing } = this.state;
     return shown !== undefined && unmet === wish && shown.wish !== wish && inFlight === 0 && !job && !bringing;
@@ -62,12 +62,12 @@ export class App {
     this.draw();
     if (unanswered) unanswered();
   }
-  /** What is done when the server is there. */
+  /** What to do when the server is available. */
   whenReady(what: () => void): void {
     if (this.service.state === 'ready') what();
     else this.unanswered = what;
   }
-  /** `refused`: the file that it is about. */
+  /** `refused`: the file that was refused. */
   failed(error: unknown, again: () => void, refused?: string): void {
     if (error instanceof FractureError && error.problem === 'aborted') return;
     if (this.service.noticed(error)) {
@@ -77,13 +77,13 @@ export class App {
     }
     const problem = asProblem(error);
     this.set({ problem, refused });
-    // Of a file that was refused while another mesh is there the place is not in that one.
+    // If a file was refused while another mesh is shown, the location of the problem is not in that mesh.
     this.view?.mark(refused && this.state.source ? [] : placesOf(problem));
   }
 
-  // -- looking at it
+  // -- viewing
 
-  /** The places that are wanted now. */
+  /** The points and regions that are currently set. */
   showPlaces(): void {
     this.view?.wished(this.state.wish.settings, placesIn(this.service.parameters));
   }
@@ -115,16 +115,16 @@ export class App {
     else next.delete(id);
     this.choose(next);
   }
-  /** One that may be hidden among the others: they make room. */
+  /** The fragment may be hidden among the others, so they are moved apart. */
   chooseAndShow(id: number): void {
     this.look({ chosen: new Set([id]), explode: Math.max(0.5, this.state.look.explode) });
   }
-  /** Open edges and fills are those of the whole mesh: it is shown assembled. */
+  /** Open edges and filled holes belong to the whole mesh, so it is shown assembled. */
   showRepairs(repairs: boolean): void {
     this.look({ repairs, ...(repairs ? { explode: 0 } : {}) });
   }
 
-  /** While something is played. */
+  /** While playing. */
   get physics(): Physics | undefined {
     return this.playing.physics;
   }

@@ -1,4 +1,4 @@
-// A wish becomes an answer: parameters, hits, steps back and forth; at once where that is possible, else as a job.
+// Turns the requested parameters and hits into an answer, with undo and redo: at once if possible, otherwise as a job.
 import { type Answer, FractureError, type ParameterValue, type Vector3 } from 'fracture-client';
 import { Asker } from '../service/asker';
 import { firstPlace, placesIn, withoutPlace } from '../state/places';
@@ -6,13 +6,13 @@ import { Gestures, type Hit, History, parametersOf, type Settings, type Step, un
 import type { App } from './app';
 import type { Shown } from './state';
 
-/** Milliseconds that a live answer may take, with all that is tried again. What takes longer becomes a job. */
+/** Time in ms that a live answer may take, retries included. If it takes longer, it becomes a job. */
 const IMPATIENT = 6000;
 
 interface Question {
   wish: Wish;
   gesture: number;
-  /** What the answer is a hit on: only what changes travels. */
+  /** The answer to which the hit applies: only the changes are transferred. */
   hitOn: { answer: Answer; hit: Hit } | undefined;
 }
 
@@ -21,7 +21,7 @@ export class Breaking {
   private readonly gestures = new Gestures();
   private readonly asker: Asker<Question, Answer>;
   private job: AbortController | undefined;
-  /** What the page itself set for a sample, as long as nobody has touched it. */
+  /** The settings that the page itself chose for a sample, until the user changes them. */
   private own: Settings = {};
 
   constructor(private readonly app: App) {
@@ -33,7 +33,7 @@ export class Breaking {
     );
   }
 
-  /** A mesh is there, and so is what is wanted of it. */
+  /** Starts with a new mesh and the settings for it. */
   ask(wish: Wish): void {
     this.asker.put({ wish, gesture: this.alone(), hitOn: undefined });
   }
@@ -45,7 +45,7 @@ export class Breaking {
     this.cancelJob();
   }
 
-  /** `settled`: the value of a drag that has ended. */
+  /** `settled`: the drag has ended with this value. */
   setParameter(name: string, value: ParameterValue | undefined, settled = true): void {
     const { wish } = this.app.state, next = { ...wish, settings: withSetting(wish.settings, name, value) };
     this.own = withSetting(this.own, name, undefined);
@@ -56,7 +56,7 @@ export class Breaking {
   }
 
   wishFor(wish: Wish, cause: string, settled: boolean): void {
-    // A slider that is let go says its last value again.
+    // A slider repeats its last value when it is released.
     if (JSON.stringify(wish) === JSON.stringify(this.app.state.wish) && (this.asker.busy || this.app.state.shown?.wish === this.app.state.wish)) {
       if (settled) this.letGo();
       return;
@@ -67,7 +67,7 @@ export class Breaking {
     const { source } = this.app.state;
     if (!source || this.app.state.bringing) return;
     this.cancelJob();
-    // Another unit, another axis, other repairs: another solid to look at.
+    // A different unit, axis or repair gives a different solid, so the mesh is opened again.
     if (JSON.stringify(this.app.bringing.solidOf(wish.settings)) !== JSON.stringify(this.app.bringing.solidOf(this.app.state.shown?.wish.settings ?? wish.settings))) {
       this.asker.cancel();
       if (source.sample) this.app.bringing.sample(source.sample, wish);
@@ -77,7 +77,7 @@ export class Breaking {
     }
     this.asker.put({ wish, gesture, hitOn: undefined }, settled);
   }
-  /** Nobody drags any more, or holds a key: the last value is the one. */
+  /** Dragging has ended, or a key was released: the last value is final. */
   letGo(): void {
     this.gestures.letGo();
     this.asker.settle();
@@ -86,7 +86,7 @@ export class Breaking {
     return this.gestures.of('', true, performance.now());
   }
 
-  /** A click with the tool that hits breaks what is near; the first one is the pattern's impact, too, where it knows of impacts. */
+  /** A click with the Hit tool breaks what is near. The first click also sets the pattern's impact, if the pattern uses impacts. */
   hitAt(point: Vector3): void {
     const { wish, shown, radius } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
     if (!shown || this.asker.busy) return;
@@ -104,20 +104,20 @@ export class Breaking {
     const next = { ...settings, impacts: [point.map(value => Number(value.toPrecision(6)))] };
     this.wishFor({ hits, settings: known ? next : { ...next, pattern: 'impact' } }, 'impacts', true);
   }
-  /** With a material the server chooses a pattern that knows of hits; else the pattern has to. */
+  /** If a material is set, the server chooses a pattern that uses hits; otherwise the pattern itself must use them. */
   private takesImpacts(settings: Settings): boolean {
     const { patterns = [] } = this.app.service.knowledge?.patterns ?? {}, pattern = settings['pattern'];
     if (pattern === undefined) return settings['material'] !== undefined;
     return patterns.find(({ name }) => name === pattern)?.parameters.some(({ name }) => name === 'impacts') ?? false;
   }
 
-  /** Everything as it was asked for, without hits. */
+  /** The complete request, without hits. */
   clearHits(): void {
     this.wishFor({ settings: withSetting(this.app.state.wish.settings, 'impacts', undefined), hits: [] }, '', true);
   }
 
   private async answerTo({ wish, hitOn }: Question, signal: AbortSignal): Promise<Answer> {
-    // Once more where the server has forgotten the mesh, which it then gets again.
+    // Repeated if the server has forgotten the mesh, which is then sent again.
     const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
     if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, options);
     const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
@@ -137,7 +137,7 @@ export class Breaking {
     this.app.set({ source, problem: undefined, refused: undefined, job: undefined, look: { ...this.app.state.look, chosen: still } });
     const shown: Shown = { answer, wish, toAnswer, toPicture: 0 };
     await this.app.view?.show(answer, false);
-    // Who plays goes on with the new pieces.
+    // While playing, the new pieces are used.
     const plays = this.app.state.play !== undefined;
     if (plays) this.app.playing.leave();
     this.app.view?.apply(this.app.state.look);
@@ -157,12 +157,12 @@ export class Breaking {
 
   private refused(error: unknown, question: Question): void {
     const problem = error instanceof FractureError ? error.problem : '';
-    // Too long for a moment: it becomes a job, with its progress.
+    // This takes too long for a live answer, so it becomes a job with progress.
     if (['deadline-exceeded', 'overloaded', 'over-share', 'request-timeout', 'timed-out'].includes(problem)) {
       void this.runJob(question);
       return;
     }
-    // What somebody wants goes before what the page chose by itself.
+    // Settings of the user take precedence over those that the page chose.
     const details = error instanceof FractureError && problem === 'bad-parameter' ? [error.detail, ...(error.document?.errors ?? []).map(({ detail }) => detail)] : [];
     const settings = withoutExcluded(question.wish.settings, this.own, details);
     if (settings && this.app.state.wish === question.wish) {
@@ -175,7 +175,7 @@ export class Breaking {
     this.app.failed(error, () => this.asker.put(question));
   }
 
-  // -- long work
+  // -- jobs
 
   private async runJob({ wish, gesture }: Question): Promise<void> {
     const { source } = this.app.state;
@@ -199,7 +199,7 @@ export class Breaking {
       }
     }
   }
-  /** Somebody waits no longer. */
+  /** The user no longer wants to wait. */
   giveUp(): void {
     this.cancelJob();
     this.app.set({ unmet: this.app.state.wish });
@@ -210,7 +210,7 @@ export class Breaking {
     if (this.app.state.job) this.app.set({ job: undefined });
   }
 
-  // -- back and forth
+  // -- undo and redo
 
   get canUndo(): boolean {
     return this.history.canUndo || this.app.isOfEarlier || this.app.bringing.replaced !== undefined;
@@ -220,7 +220,7 @@ export class Breaking {
       await this.app.bringing.restore();
       return;
     }
-    // What was refused is no step: back is to what is in the picture.
+    // A refused request is not a step: undo returns to what is shown.
     const step: Step | undefined = this.history.move(by === -1 && this.app.isOfEarlier ? 0 : by);
     if (!step) return;
     this.cancel();
@@ -240,9 +240,9 @@ export class Breaking {
     }
   }
 
-  /** The parameter that the next click on the mesh gives a point. */
+  /** The parameter whose point is set by the next click on the mesh. */
   pickingFor: string | undefined;
-  /** '': of none. */
+  /** '': no parameter. */
   pickFor(name: string): void {
     this.pickingFor = name === '' || this.pickingFor === name ? undefined : name;
     this.app.set({});
@@ -251,7 +251,7 @@ export class Breaking {
     this.setParameter('seed', Number(this.app.state.wish.settings['seed'] ?? 1) + 1);
   }
 
-  /** The next click gave it: the point itself, or one of a list of them. */
+  /** The next click set it: either the point itself or an entry in a list of points. */
   givePoint(point: Vector3): void {
     const name = this.pickingFor, parameter = this.app.service.parameters.find(each => each.name === name);
     this.pickingFor = undefined;
@@ -259,7 +259,7 @@ export class Breaking {
     const rounded = point.map(value => Number(value.toPrecision(6)));
     this.setParameter(name, String(parameter['text']).includes(';') ? [rounded] : rounded);
   }
-  /** A place of that name, to be dragged from where it begins; or none, where there is one. */
+  /** Adds a region with this name at its initial position, to be dragged; removes it if it exists. */
   togglePlace(name: string): void {
     const { wish } = this.app.state, kind = placesIn(this.app.service.parameters).get(name), bounds = this.app.view?.bounds;
     if (!kind || !bounds) return;
@@ -268,18 +268,18 @@ export class Breaking {
     const settings = wish.settings[name] === undefined ? { ...wish.settings, ...firstPlace(name, kind, bounds, known) } : withoutPlace(wish.settings, name);
     this.wishFor({ ...wish, settings }, '', true);
   }
-  /** A handle is dragged. */
+  /** A handle is being dragged. */
   drag(handle: string, settings: Settings, settled: boolean): void {
     const { wish } = this.app.state;
     this.wishFor({ ...wish, settings: { ...wish.settings, ...settings } }, handle, settled);
   }
 
-  /** A material brings its own pattern, unless one was chosen beside it. */
+  /** A material uses its own pattern, unless a pattern was chosen separately. */
   chooseMaterial(material: string | undefined): void {
     const { wish } = this.app.state, settings = withSetting(withSetting(wish.settings, 'material', material), 'pattern', undefined);
     this.wishFor(this.fitting({ ...wish, settings }), 'material', true);
   }
-  /** Without what the pattern does not know, which the server would refuse. */
+  /** Drops what the pattern does not use, because the server would refuse it. */
   private fitting(wish: Wish): Wish {
     const { service, state: { radius } } = this.app, takes = this.takesImpacts(wish.settings);
     return underPattern(wish, service.patternOf(wish.settings), service.parameters.filter(({ name }) => name !== 'impacts' || !takes), radius);

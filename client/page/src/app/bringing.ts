@@ -1,4 +1,4 @@
-// A mesh comes: a sample, files, or one that the server has; or it is refused, and is shown as it is.
+// Opens a mesh: a sample, files, or a mesh that the server has. A refused mesh is shown as it is.
 import { type Answer, FractureError, type MeshInput } from 'fracture-client';
 import { type Dropped, meshesOf } from '../mesh/files';
 import { framed, trianglesOf } from '../mesh/preview';
@@ -11,15 +11,15 @@ import type { App } from './app';
 import { isOfTheSolid } from './failures';
 import { firstState, type Offered, type Source, type State } from './state';
 
-/** What is smaller is sent sooner than asked for. */
+/** Smaller meshes are sent at once, because that is faster than asking. */
 const ASK_FIRST = 8 << 20;
 
 export class Bringing {
   private abort: AbortController | undefined;
-  /** Brings the mesh that was refused again, as slabs so thick. */
+  /** Opens the refused mesh again, as slabs of this thickness. */
   refusedMesh: ((thickness: number) => void) | undefined;
 
-  /** What was there before a mesh that was refused took its place in the picture. */
+  /** The mesh that was shown before a refused mesh replaced it in the view. */
   private before: { state: Pick<State, 'source' | 'shown' | 'wish' | 'radius'>; restoreSteps: () => void } | undefined;
 
   constructor(private readonly app: App) {}
@@ -36,7 +36,7 @@ export class Bringing {
     return { name: `${name}.glb`, data: sampleOf(name)!.make(lookOf(known)) };
   }
 
-  /** Asked for when the first picture is there. A server that offers none says so; one that is away is no news. */
+  /** Requested after the first picture. A server without samples says so; if the server is away, that is shown anyway. */
   async lookForOffers(): Promise<void> {
     try {
       const answer = await fetch('/page/samples.json');
@@ -57,7 +57,7 @@ export class Bringing {
     }
   }
 
-  /** What is broken by these settings: a sample in the look of its material, which the server gets once of each. */
+  /** The input for these settings: a sample with the look of its material, which the server receives once per look. */
   async dressed(settings: Settings, signal?: AbortSignal): Promise<Source> {
     const { source } = this.app.state, material = String(settings['material'] ?? '');
     if (!source) throw new DOMException('', 'AbortError');
@@ -69,14 +69,14 @@ export class Bringing {
     }
     return dress;
   }
-  /** Of what an answer is; undefined: not of what is here. */
+  /** The mesh of an answer; undefined if the answer does not belong to the current mesh. */
   sourceOf({ mesh: { id } }: Answer): Source | undefined {
     const { source } = this.app.state;
     return source?.mesh.id === id ? source : [...source?.dresses.values() ?? []].find(({ mesh }) => mesh.id === id);
   }
 
   files({ files, label }: Dropped): void {
-    // One mesh, and what belongs to it; other meshes are left out.
+    // Opens one mesh with the files that belong to it; other meshes are left out.
     const [main, ...leftOut] = files.length > 1 ? meshesOf(files, this.app.service.knowledge?.limits.formats ?? []) : [];
     const taken = files.filter(file => !leftOut.includes(file)), short = ({ name }: { name: string }) => name.split('/').pop()!;
     const { wanted } = this.app.state, { settings } = this.app.state.wish;
@@ -114,12 +114,12 @@ export class Bringing {
     }
   }
 
-  /** The mesh that was refused, as it is: a problem has its place in it. */
+  /** Shows the refused mesh as it is, so that the problem's location is visible in it. */
   private async showRefused(input: MeshInput, main: string | undefined, { settings }: Wish): Promise<void> {
     const files = (Symbol.iterator in Object(input) ? [...input as Iterable<unknown>] : [input]) as { name?: string; data?: Blob | Uint8Array }[];
     const file = files.find(({ name }) => name === main) ?? files[0], bytes = file?.data instanceof Blob ? new Uint8Array(await file.data.arrayBuffer()) : file?.data;
     const points = file?.name && bytes ? trianglesOf(file.name, bytes) : undefined;
-    // What was there stays where there is nothing to show instead: a file that is no mesh takes nothing away.
+    // If there is nothing to show instead, the previous mesh stays: a file that is not a mesh removes nothing.
     if (!points || points.length === 0) return;
     const { source, shown, wish, radius } = this.app.state;
     if (source && shown) this.before = { state: { source, shown, wish, radius }, restoreSteps: this.app.breaking.history.keep() };
@@ -130,7 +130,7 @@ export class Bringing {
     this.app.view?.showRaw(framed(points, settings['unit'], settings['up']));
   }
 
-  /** The name of what was there before the mesh that was refused. */
+  /** The name of the mesh that was shown before the refused mesh. */
   get replaced(): string | undefined {
     return this.app.state.source ? undefined : this.before?.state.source?.label;
   }
@@ -146,7 +146,7 @@ export class Bringing {
     await this.app.breaking.showAnswer(before.state.shown!.answer, before.state.wish, 0, performance.now());
   }
 
-  /** One that the server has: a link says which. */
+  /** Opens a mesh that the server has, as a link requests. */
   async known(id: string, label: string, wish: Wish): Promise<void> {
     this.app.set({ bringing: label });
     try {
@@ -174,7 +174,7 @@ export class Bringing {
     this.app.view?.apply({ ...this.app.state.look, explode: 0 });
   }
 
-  /** Of some settings those that decide the solid. */
+  /** The settings that shape the solid. */
   solidOf(settings: Settings): Settings {
     const names = this.app.service.solidParameters;
     return Object.fromEntries(Object.entries(settings).filter(([name]) => names.has(name)));
@@ -183,7 +183,7 @@ export class Bringing {
     const names = new Set(this.app.service.parameters.map(({ name }) => name));
     return Object.fromEntries(Object.entries(settings).filter(([name]) => names.has(name)));
   }
-  /** What of the settings for one mesh makes sense for another: places do not. */
+  /** The settings that also make sense for another mesh, which excludes points and regions. */
   private keepable(settings: Settings): Settings {
     const solid = this.app.service.solidParameters;
     return Object.fromEntries(Object.entries(withoutPlaces(settings, this.app.service.parameters)).filter(([name]) => !solid.has(name)));

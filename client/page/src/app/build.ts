@@ -1,3 +1,3 @@
-// Of which sources this page is made: build.mjs says it. What is loaded later must be of the same.
+// Identifies the sources of this page (set by build.mjs). Parts that are loaded later must have the same sources.
 declare const BUILD: string;
 export const build: string = BUILD;

@@ -1,4 +1,4 @@
-// Keys that work everywhere but where text is written. words.keys lists them for people.
+// Keys that work everywhere except in text fields. words.keys lists them for users.
 import { colourModes } from '../scene/colours';
 import { saveGlb } from '../take/files';
 import type { App } from './app';
@@ -20,7 +20,7 @@ export function listenToKeys(app: App): void {
       return;
     }
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
-    // A button takes Space and Enter itself.
+    // Buttons handle Space and Enter themselves.
     if (key === ' ' && target.matches('button, a, summary, label')) return;
     const act = app.state.play ? whilePlaying(app, key) : onTheBench(app, key);
     if (!act) return;

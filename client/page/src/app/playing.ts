@@ -1,5 +1,5 @@
-// Physics, which is loaded when something is played for the first time. The newest wish wins, whatever is on its way: one entering
-// at a time, which looks at the wish once more when it is ready; leaving waits for nothing; a failure ends at the bench.
+// Physics, which is loaded the first time the user plays. The latest wish wins, whatever is in progress: only one start runs at a time
+// and checks the wish again when it is ready; leaving waits for nothing; after a failure, the page is not playing.
 import type { Physics } from '../play/play';
 import type { App } from './app';
 import { asProblem } from './failures';
@@ -21,7 +21,7 @@ export class Playing {
     this.entering = true;
     try {
       const { startPlay } = await loadLater('/page/play.js', () => import('../play/play'));
-      // What is shown by then, which may be another answer.
+      // The answer that is shown by then, which may be a different one.
       while (this.wanted && !this.physics && this.app.state.shown)
         await startPlay(this.app, () => (this.wanted ? this.app.state.shown?.answer : undefined), physics => {
           this.physics = physics;
@@ -46,10 +46,10 @@ export class Playing {
     else void this.enter();
   }
 
-  /** While it is loaded, or in a step. */
+  /** While loading, or in a step. */
   failed(error: unknown): void {
     this.leave();
-    // A server that is away is asked again, and the words go when it is back.
+    // If the server is away, the request is repeated, and the message disappears when the server is back.
     this.app.service.noticed(error);
     this.app.set({ problem: asProblem(error), refused: undefined });
   }

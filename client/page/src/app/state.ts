@@ -1,35 +1,35 @@
-// Everything that the page shows, in one place. Panels read it; the App changes it.
+// Everything that the page shows, in one place. Panels read it; only the App changes it.
 import type { Answer, FractureError, JobDocument, Mesh, MeshInput } from 'fracture-client';
 import type { Look } from '../scene/view';
 import type { Wish } from '../state/request';
 
-/** A mesh that the server offers; `file` as below /page/. */
+/** A mesh offered by the server; `file` is relative to /page/. */
 export interface Offered {
   name: string;
   file: string;
   bytes: number;
 }
 
-/** A mesh that was brought. */
+/** The mesh that is open. */
 export interface Source {
   label: string;
-  /** One of samples.ts. */
+  /** A sample from samples.ts. */
   sample: string | undefined;
-  /** On no disk of who looks at it: a sample, or one that the server offers. */
+  /** True if the mesh is not on the user's disk: a sample, or a mesh offered by the server. */
   fetched: boolean;
   input: MeshInput | undefined;
   main: string | undefined;
   mesh: Mesh;
-  /** A sample in the looks of materials, by their names: other colours, other digests. All of them have the same map. */
+  /** A sample in the looks of different materials, by name. Their colours and digests differ; all of them share this map. */
   dresses: Map<string, Source>;
-  /** Of one fragment for each part: closed, in metres, y up. */
+  /** Has one fragment for each part: closed, in metres, y up. */
   whole: Answer;
 }
 
 export interface Shown {
   answer: Answer;
   wish: Wish;
-  /** Milliseconds from the input to the picture, and until the answer was there. */
+  /** Milliseconds from the input to the picture, and to the arrival of the answer. */
   toPicture: number;
   toAnswer: number;
 }
@@ -48,38 +48,38 @@ export interface PlayState {
 
 export interface State {
   source: Source | undefined;
-  /** What is being read. */
+  /** The file that is being read. */
   bringing: string | undefined;
-  /** What a link asks for, whose mesh the server has not. */
+  /** The mesh that a link requests but the server does not have. */
   wanted: { mesh: string; name: string; wish: Wish } | undefined;
   wish: Wish;
   shown: Shown | undefined;
-  /** A wish that came to nothing. */
+  /** The problem with a request that failed. */
   unmet: Wish | undefined;
   problem: FractureError | undefined;
-  /** The file that the problem is about. */
+  /** The file with the problem. */
   refused: string | undefined;
   note: string | undefined;
-  /** Of several meshes that were dropped. */
+  /** Set if several meshes were dropped. */
   leftOut: { taken: string; others: string[] } | undefined;
-  /** Meshes that the server lays beside the page's own samples. */
+  /** Meshes that the server offers in addition to the page's own samples. */
   offered: readonly Offered[];
   inFlight: number;
   job: JobDocument | undefined;
   tool: Tool;
-  /** Metres; of the next hit. */
+  /** In metres, for the next hit. */
   radius: number;
   look: Look;
   tab: Tab;
   sheet: Sheet;
-  /** Text that parameters are filtered by. */
+  /** Text by which parameters are filtered. */
   filter: string;
   more: boolean;
   sort: { by: 'name' | 'volume' | 'mass' | 'triangles'; down: boolean };
   rows: number;
   play: PlayState | undefined;
   webgl: boolean;
-  /** The graphics card is away: the picture comes back with it. */
+  /** The graphics card was lost; the picture returns when it does. */
   lost: boolean;
 }
 

@@ -1,7 +1,7 @@
-// Dark or light, as somebody chose it: kept in the browser for the next time, as it is no secret. Without a choice the system says.
+// Dark or light, as chosen by the user. The browser stores the choice, which is no secret. Without a choice, the system's theme applies.
 const KEY = 'fracture-theme';
 
-/** Before anything is drawn. */
+/** Called before anything is drawn. */
 export function takeTheme(): void {
   try {
     const kept = localStorage.getItem(KEY);

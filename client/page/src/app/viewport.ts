@@ -1,13 +1,13 @@
-// Pointer, touch and keys on the canvas. A press that moves turns the view (OrbitControls); one that does not uses the tool.
+// Pointer, touch and keys on the canvas. A press that moves rotates the view (OrbitControls); a press that does not move uses the tool.
 import type { Vector3 } from 'fracture-client';
 import type { App } from './app';
 
-/** Pixels within which a press is a click, and takes hold of a handle; fingers are less steady. */
+/** A press that moves less than this many pixels is a click, and a handle within this distance can be grabbed; fingers are less precise. */
 const STILL = 5, STILL_FINGER = 12, HOLD = 13, HOLD_FINGER = 26;
 
 export function listen(app: App, canvas: HTMLCanvasElement): void {
   let down: { x: number; y: number; pointer: number } | undefined, several = false, hover: { x: number; y: number } | undefined;
-  // What is held, and by which pointer: a handle, or without a key a piece in play.
+  // The thing being dragged, and by which pointer: a handle, or (without a modifier key) a piece while playing.
   let held: { pointer: number; key?: string } | undefined;
   const pointers = new Set<number>();
   canvas.addEventListener('pointerdown', event => {
@@ -41,7 +41,7 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
   });
   const cancelled = (event: PointerEvent) => {
     pointers.delete(event.pointerId);
-    if (held && held.pointer !== event.pointerId) return;  // another finger's
+    if (held && held.pointer !== event.pointerId) return;  // belongs to another finger
     if (held?.key !== undefined) app.breaking.letGo();
     else app.physics?.release();
     held = down = undefined;
@@ -51,7 +51,7 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
   addEventListener('pointercancel', cancelled);
   canvas.addEventListener('pointermove', event => {
     if (held?.pointer === event.pointerId) {
-      if (event.buttons === 0) cancelled(event);  // let go where no window saw it: behind a locked screen
+      if (event.buttons === 0) cancelled(event);  // the button was released while no window noticed, as behind a locked screen
       else if (held.key !== undefined) dragHandle(app, held.key, event, false);
       else app.physics?.drag(event.clientX, event.clientY);
       return;
@@ -79,7 +79,7 @@ function dragHandle(app: App, key: string, { clientX, clientY }: PointerEvent, s
   if (settings) app.breaking.drag(key, settings, settled);
 }
 
-/** The sphere that a hit here would reach; none on a handle. */
+/** The sphere that a hit at the pointer would reach; none over a handle. */
 function preview(app: App, canvas: HTMLCanvasElement, x: number, y: number): void {
   const { tool, radius, shown } = app.state, handle = app.view?.handleAt(x, y, HOLD) !== undefined;
   canvas.classList.toggle('on-handle', handle);
@@ -144,7 +144,7 @@ function middle(canvas: HTMLCanvasElement, ring: number, angle: number): [number
   return [left + width / 2 + r * Math.cos(angle), top + height / 2 + r * Math.sin(angle)];
 }
 
-/** The place on the mesh that is nearest to the middle of the view, which may be a gap between fragments. */
+/** The point on the mesh that is nearest to the centre of the view, where there may be a gap between fragments. */
 function nearestMiddle(app: App, canvas: HTMLCanvasElement): [number, number] | undefined {
   for (let ring = 0; ring < 0.4; ring += 0.04)
     for (let k = 0; k < 8; ++k) {

@@ -1,7 +1,7 @@
-// Back to the page that somebody came from, with what they have made there. The browser knows which of the entries before this one it
-// is: each headline that was followed here is one, too.
+// Returns to the page from which the user came, with everything they made there. The browser knows which of the earlier history
+// entries that is, because every heading that was followed here is an entry, too.
 
-/** As much of the Navigation API as it takes; browsers without it follow the link. */
+/** The part of the Navigation API that is used; browsers without it follow the link. */
 interface Entry {
   key: string;
   url: string | null;
@@ -14,7 +14,7 @@ interface History {
 }
 
 export function backToPage(event: MouseEvent): void {
-  // Another tab or window is a new page.
+  // Another tab or window opens a new page.
   if (event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;
   const { navigation } = globalThis as { navigation?: History }, now = navigation?.currentEntry?.index ?? 0;
   const page = navigation?.entries().slice(0, now).reverse().find(({ url }) => url !== null && new URL(url).pathname === '/');

@@ -1,4 +1,4 @@
-// The documents for people: those of the repository, and the HTTP interface, with one search for all.
+// The page /docs: the repository's documents and the HTTP interface, with a common search.
 import { html, nothing, render, type TemplateResult } from 'lit';
 import { unsafeHTML } from 'lit/directives/unsafe-html.js';
 import { takeTheme } from '../app/theme';
@@ -35,12 +35,12 @@ function show(): void {
       <article class="docs-text">${unsafeHTML(shownOf(page))}</article>` : at === INTERFACE && pages ? asked() : html`<p role="status">${problem || words.loading}</p>`}</main>`, root);
 }
 
-/** A document in the list; what it contains, if it is the one that is read. */
+/** A document in the list, with its contents if it is open. */
 function one(place: string, name: string, at: string, contents: () => unknown): TemplateResult {
   return html`<a href="#${place}" aria-current=${place === at ? 'page' : nothing}>${name}</a>${place === at ? html`<div class="docs-parts">${contents()}</div>` : nothing}`;
 }
 
-/** The interface, or what is missing for it. */
+/** The interface, or the reason why it is missing. */
 function asked(): TemplateResult {
   if (service) return service.shown();
   return html`<h1>${words.title}</h1>${problem === '401' ? html`<form @submit=${(event: Event) => {
@@ -51,7 +51,7 @@ function asked(): TemplateResult {
   : html`<p role="status">${problem || words.loading}</p>`}`;
 }
 
-/** The JSON of an address, or nothing; then `problem` says why. */
+/** The JSON at an address; if there is none, `problem` explains why. */
 async function load<T>(address: string): Promise<T | undefined> {
   try {
     const answer = await fetch(address, { headers: { Accept: 'application/json', ...(token ? { Authorization: `Bearer ${token}` } : {}) } });
@@ -63,13 +63,13 @@ async function load<T>(address: string): Promise<T | undefined> {
   return undefined;
 }
 
-/** Whether what the address names is here. */
+/** Whether the target of the address is available. */
 function ready(): boolean {
   const at = current();
   return pages !== undefined && (at === INTERFACE ? service !== undefined : true);
 }
 
-/** After something arrived: to the place that the address names, if it was waited for. */
+/** After something has arrived: goes to the target of the address, if the page was waiting for it. */
 function arrived(): void {
   entries = [...(pages ?? []).flatMap(entriesOf), ...(service?.entries() ?? [])];
   finder.again();
@@ -85,7 +85,7 @@ function move(): void {
   reachable();
 }
 
-/** Tables and code that scroll sideways can be reached with the keyboard. */
+/** Makes tables and code that scroll sideways reachable with the keyboard. */
 function reachable(): void {
   for (const each of document.querySelectorAll<HTMLElement>('.docs-body pre, .docs-body .table')) {
     if (each.scrollWidth > each.clientWidth) each.tabIndex = 0;

@@ -1,4 +1,4 @@
-// What of OpenAPI 3.1 is shown.
+// The parts of OpenAPI 3.1 that are shown.
 export interface Schema {
   type?: string | string[];
   description?: string;
@@ -37,7 +37,7 @@ export function typeOf(schema: Schema | undefined): string {
   return parts.join(', ');
 }
 
-/** The line that people copy. */
+/** The command line that users copy. */
 export function examplesOf(method: string, path: string, origin: string): string[] {
   const id = 'sha256:…', address = `'${origin}${path.replace('{id}', path.startsWith('/jobs') ? '…' : id).replace('{name}', 'bad-parameter')}'`;
   if (path.startsWith('/livez') || path.startsWith('/readyz') || path.startsWith('/metrics')) return [];

@@ -1,4 +1,4 @@
-// The documents of the repository, which the build made HTML of (documents.mjs).
+// The repository's documents, converted to HTML by the build (documents.mjs).
 import type { Entry } from './search';
 
 export type Kind = 'tutorial' | 'how-to' | 'reference' | 'explanation';
@@ -8,7 +8,7 @@ export interface Page {
   kind: Kind;
   name: string;
   html: string;
-  /** The document has pictures, which are left out here. */
+  /** True if the document has pictures, which are omitted here. */
   pictures: boolean;
 }
 export interface Heading {
@@ -20,7 +20,7 @@ export interface Heading {
 const HEADING = /<h([1-6]) id="([^"]+)">([^]*?)<\/h\1>/g;
 const LETTERS: Record<string, string> = { '&lt;': '<', '&gt;': '>', '&quot;': '"', '&#39;': "'", '&amp;': '&' };
 
-/** HTML as text: marks within a line join what they mark, blocks do not. */
+/** HTML as text: inline elements are joined without a space, blocks are not. */
 export function textOf(html: string): string {
   return html.replace(/<\/?(?:a|code|del|em|strong)\b[^>]*>/g, '').replace(/<[^>]*>/g, ' ').replace(/&(?:lt|gt|quot|#39|amp);/g, found => LETTERS[found]!)
     .replace(/\s+/g, ' ').trim();
@@ -30,13 +30,13 @@ export function headingsOf({ html }: Page): Heading[] {
   return [...html.matchAll(HEADING)].map(([, level, id, inner]) => ({ id: id!, level: Number(level), text: textOf(inner!) }));
 }
 
-/** As it is shown: a heading is a link to itself, for those who want to send it. */
+/** The document as shown: each heading links to itself, so that the link can be shared. */
 export function shownOf({ html }: Page): string {
   return html.replace(HEADING, (all, level: string, id: string, inner: string) => (level === '1' || inner.includes('<a ') ? all
     : `<h${level} id="${id}"><a href="#${id}">${inner}</a></h${level}>`));
 }
 
-/** Entries for the search: the document, and each of its sections. */
+/** Entries for the search: the document and each of its sections. */
 export function entriesOf(page: Page): Entry[] {
   const found = [...page.html.matchAll(HEADING)];
   return found.map((match, k) => {

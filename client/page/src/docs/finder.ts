@@ -1,9 +1,9 @@
-// The search field and what it found: "/" goes to it, arrows choose, Enter opens, Escape closes.
+// The search field and its results: "/" focuses it, arrow keys select, Enter opens, Escape closes.
 import { html, nothing, type TemplateResult } from 'lit';
 import { words } from '../words/docs';
 import { type Entry, excerptOf, type Found, partsOf, search } from './search';
 
-/** More are not read. */
+/** Nobody reads more results than this. */
 const MOST = 40;
 
 export class Finder {
@@ -22,7 +22,7 @@ export class Finder {
     });
   }
 
-  /** After entries were added. */
+  /** Called after entries were added. */
   again(): void {
     const found = search(this.entries(), this.query);
     this.all = found.length;
@@ -71,7 +71,7 @@ export class Finder {
       document.getElementById(`found-${this.chosen}`)?.scrollIntoView({ block: 'nearest' });
     } else if (event.key === 'Enter' && this.open && chosen) {
       location.hash = `#${chosen.entry.at}`;
-      // From there on, keys scroll the text.
+      // From then on, keys scroll the text.
       document.querySelector('main')?.focus({ preventScroll: true });
       this.show(false);
     } else if (event.key === 'Escape' && this.open) {

@@ -1,4 +1,4 @@
-// The HTTP interface as a document: /openapi.json of the server that sent this page.
+// The HTTP interface as a document, from /openapi.json of the server that sent this page.
 import { html, nothing, type TemplateResult } from 'lit';
 import { words } from '../words/docs';
 import { examplesOf, type Operation, type Schema, typeOf } from './document';
@@ -28,7 +28,7 @@ export class Interface {
     this.parameters = Object.entries(document.components.schemas?.['Parameters']?.properties ?? {});
   }
 
-  /** The object that a $ref names. */
+  /** The object to which a $ref points. */
   private resolve<T>(value: any): T {
     let at = value;
     for (let depth = 0; typeof at?.$ref === 'string' && depth < 8; ++depth)
@@ -54,7 +54,7 @@ export class Interface {
     return [{ at: 'interface', of, title: of, heading: '', text: text(this.document.info.description) }, ...calls, ...parameters];
   }
 
-  /** Its part of the list of contents. */
+  /** The interface's part of the table of contents. */
   contents(): TemplateResult {
     return html`${(this.document.tags ?? []).map(({ name }) => html`<small>${name}</small>${this.callsOf(name).map(({ path, method }) => html`<a href="#${method} ${path}"><code>${method.toUpperCase()}</code> ${path}</a>`)}`)}
       ${this.parameters.length > 0 ? html`<a href="#parameters">${words.parameters} (${this.parameters.length})</a>` : nothing}`;
@@ -92,5 +92,5 @@ export class Interface {
   }
 }
 
-/** `code` of descriptions as an element. */
+/** Shows `code` in descriptions as an element. */
 const marked = (text = '') => text.split('`').map((part, k) => (k % 2 === 1 ? html`<code>${part}</code>` : part));

@@ -1,4 +1,4 @@
-// Places in the documents. The address names the place of the reader, so that links, reloads and the way back work.
+// Places in the documents. The address contains the reader's place, so that links, reloads and going back work.
 //   #                                   the first document
 //   #proto/interface.md                 a document
 //   #proto/interface.md:compression     a heading in it
@@ -6,7 +6,7 @@
 
 export const INTERFACE = 'interface';
 
-/** The place that an address names. */
+/** The place in the address. */
 export function placeOf(hash: string): string {
   try {
     return decodeURIComponent(hash.replace(/^#/, ''));
@@ -22,7 +22,7 @@ export function documentOf(place: string, paths: string[]): string {
   return paths.includes(path) ? path : paths[0] ?? INTERFACE;
 }
 
-/** Keeps in the history how far each entry was scrolled, because the document of an entry is drawn only after the browser's own try. */
+/** Stores in the history how far each entry was scrolled, because an entry's document is drawn only after the browser has tried to scroll. */
 export function keepScroll(): void {
   history.scrollRestoration = 'manual';
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -34,7 +34,7 @@ export function keepScroll(): void {
   }, { passive: true });
 }
 
-/** To where the reader was in this entry, else to its place, else to the top. */
+/** Scrolls to where the reader was in this entry, else to its place, else to the top. */
 export function scrollTo(place: string): void {
   const kept: unknown = history.state?.scrolled;
   const target = document.getElementById(place);

@@ -1,8 +1,8 @@
-// The search in documents and interface. All words must be found; a title counts more than a heading, and a heading more than text.
+// The search in documents and interface. All words must be found; a title ranks higher than a heading, and a heading higher than text.
 export interface Entry {
-  /** The place that it leads to. */
+  /** The target of the entry. */
   at: string;
-  /** The document that it is part of. Its words count as found, but move nothing up: else a title would bring all of its sections. */
+  /** The document that contains it. Its words count as found but do not affect the rank, because a title would otherwise raise all its sections. */
   of: string;
   title: string;
   heading: string;
@@ -18,7 +18,7 @@ const LETTER = /[\p{L}\p{N}_]/u;
 
 export const wordsOf = (query: string): string[] => query.toLowerCase().split(/[\s,;]+/).filter(Boolean);
 
-/** 0: not in it; 1: within a word; 2: the beginning of a word; 3: a word. */
+/** 0: not found; 1: inside a word; 2: at the start of a word; 3: a whole word. */
 function fit(text: string, word: string): number {
   let best = 0;
   for (let at = text.indexOf(word); at >= 0 && best < 3; at = text.indexOf(word, at + 1)) {
@@ -28,7 +28,7 @@ function fit(text: string, word: string): number {
   return best;
 }
 
-/** The best first; equal ones in their order. */
+/** The best results first; equal ones keep their order. */
 export function search(entries: Entry[], query: string): Found[] {
   const words = wordsOf(query), phrase = words.join(' ');
   if (words.length === 0) return [];
@@ -46,7 +46,7 @@ export function search(entries: Entry[], query: string): Found[] {
     if (score === -Infinity) continue;
     for (const { text, weight } of fields) {
       if (weight === 0 || text === '') continue;
-      // Words that stand together, and a title or heading that is nothing else.
+      // Adjacent words, and a title or heading that consists of nothing else, rank higher.
       if (words.length > 1 && text.includes(phrase)) score += 20;
       if (text === phrase) score += 30;
     }
@@ -55,7 +55,7 @@ export function search(entries: Entry[], query: string): Found[] {
   return found.sort((a, b) => b.score - a.score);
 }
 
-/** The text around the first word, in parts; each second part is a word that was asked for. */
+/** The text around the first word, in parts; every second part is a search word. */
 export function excerptOf(text: string, query: string, length = 150): string[] {
   const words = wordsOf(query), lower = text.toLowerCase(), first = Math.min(...words.map(word => lower.indexOf(word)).filter(at => at >= 0));
   let from = Number.isFinite(first) ? Math.max(0, first - 50) : 0;
@@ -65,7 +65,7 @@ export function excerptOf(text: string, query: string, length = 150): string[] {
   return partsOf(shown, query);
 }
 
-/** A text in parts; each second part is a word that was asked for. */
+/** A text in parts; every second part is a search word. */
 export function partsOf(text: string, query: string): string[] {
   const words = wordsOf(query).map(word => word.replace(/[.*+?^${}()|[\]\\]/g, '\\$&'));
   return words.length === 0 ? [text] : text.split(new RegExp(`(${words.join('|')})`, 'gi'));

@@ -1,4 +1,4 @@
-// What was dropped or chosen: files, several, or folders, as the package takes them.
+// Dropped or chosen files and folders, in the form that the package takes.
 import type { NamedFile } from 'fracture-client';
 
 export interface Dropped {
@@ -6,7 +6,7 @@ export interface Dropped {
   files: NamedFile[];
 }
 
-/** Entries must be asked for while the event is handled; reading them may take longer. */
+/** Entries must be requested while the event is handled; reading them may take longer. */
 export async function filesOf(data: DataTransfer): Promise<Dropped | undefined> {
   const entries = [...data.items].filter(({ kind }) => kind === 'file').map(item => item.webkitGetAsEntry?.() ?? item.getAsFile());
   const files: NamedFile[] = [];
@@ -21,7 +21,7 @@ export function chosenFiles(list: FileList | readonly File[]): Dropped | undefin
   return named([...list].map(file => ({ name: file.webkitRelativePath || file.name, data: file })));
 }
 
-/** What systems leave in folders is no part of an asset. */
+/** Files that operating systems leave in folders are not part of an asset. */
 const named = (all: NamedFile[]): Dropped | undefined => {
   const files = all.filter(({ name }) => !/(^|\/)(\.|Thumbs\.db$|desktop\.ini$)/.test(name));
   return files.length === 0 ? undefined : { files, label: files[0]!.name.split('/').pop()! };
@@ -41,7 +41,7 @@ async function walk(entry: FileSystemEntry, folder: string, into: NamedFile[]): 
   }
 }
 
-/** Of several files those that are meshes, by the formats that the server reads; the largest first, which is the one. */
+/** The files that are meshes, judged by the formats that the server reads, largest first. The first one is used. */
 export function meshesOf(files: readonly NamedFile[], formats: readonly string[]): NamedFile[] {
   const ending = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
   const size = ({ data }: NamedFile) => (data instanceof Blob ? data.size : data.byteLength);

@@ -1,7 +1,7 @@
-// Shapes that are made here, as GLB: the server of a page with samples has no need to have any.
+// Generates sample shapes as GLB, so that the server does not need any sample files.
 import { type Gltf, packGlb } from 'fracture-client';
 
-/** Triangles with corners of their own where a surface has an edge. */
+/** Triangles, with separate corners where the surface has an edge. */
 export class Surface {
   readonly positions: number[] = [];
   readonly normals: number[] = [];
@@ -16,7 +16,7 @@ export class Surface {
     return this.positions.length / 3 - 1;
   }
 
-  /** Corners counter-clockwise, seen from outside. */
+  /** Corners are counter-clockwise when seen from outside. */
   quad(a: number, b: number, c: number, d: number): void {
     this.triangles.push(a, b, c, a, c, d);
   }
@@ -40,8 +40,8 @@ export class Surface {
     return this;
   }
 
-  /** A profile of (radius, height), from below to above along the outside, turned about y. `closed`: the last point joins the
-   * first (a torus, a vase with an inside); else both ends must lie on the axis. */
+  /** A profile of (radius, height), upwards along the outside, rotated about y. `closed`: the last point is joined to the
+   * first (a torus, a vase with an inside); otherwise both ends must lie on the axis. */
   lathe(profile: readonly (readonly [number, number])[], around: number, closed = false): this {
     const rows = closed ? profile.length + 1 : profile.length, at: number[][] = [];
     const point = (k: number) => profile[(k + profile.length) % profile.length]!;
@@ -65,13 +65,13 @@ export class Surface {
 }
 
 export interface Look {
-  /** Linear RGBA; translucent below an alpha of 1. */
+  /** Linear RGBA; translucent if alpha is below 1. */
   color: readonly [number, number, number, number];
   roughness: number;
   metallic?: number;
 }
 
-/** One mesh with one material. */
+/** A mesh with a single material. */
 export function glbOf(surface: Surface, name: string, { color, roughness, metallic = 0 }: Look): Uint8Array {
   const parts = [
     new Float32Array(surface.positions), new Float32Array(surface.normals), new Float32Array(surface.uvs), new Uint32Array(surface.triangles),

@@ -1,9 +1,9 @@
-// The triangles of a file as they are, for a mesh that the server refuses: so that the place of the problem is seen in it. Reads what
-// is common of OBJ, STL, PLY, OFF and GLB; of anything else there is no picture.
+// The raw triangles of a file, for a mesh that the server refuses, so that the problem's location can be shown. Reads the common
+// parts of OBJ, STL, PLY, OFF and GLB; other formats have no preview.
 import { Glb, type GltfNode } from 'fracture-client';
 import { Matrix4, Quaternion, Vector3 } from 'three';
 
-/** Corners of triangles, three numbers each; undefined where it cannot be read here. */
+/** Triangle corners, three numbers each; undefined if the file cannot be read here. */
 export function trianglesOf(name: string, bytes: Uint8Array): Float32Array | undefined {
   const ending = /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase();
   try {
@@ -17,7 +17,7 @@ export function trianglesOf(name: string, bytes: Uint8Array): Float32Array | und
 
 const textOf = (bytes: Uint8Array) => new TextDecoder().decode(bytes);
 
-/** Polygons as fans. */
+/** Polygons are split into fans. */
 function corners(points: readonly (readonly number[])[], faces: Iterable<readonly number[]>): Float32Array {
   const out: number[] = [];
   for (const face of faces) for (let k = 2; k < face.length; ++k) for (const v of [face[0]!, face[k - 1]!, face[k]!]) out.push(...points[v]!);
@@ -115,7 +115,7 @@ function glb(bytes: Uint8Array): Float32Array {
 
 const METRES: Record<string, number> = { m: 1, cm: 0.01, mm: 0.001, inch: 0.0254 };
 
-/** As the server sees it: in metres, y up. */
+/** In the server's frame: metres, y up. */
 export function framed(points: Float32Array, unit: unknown, up: unknown): Float32Array {
   const scale = METRES[String(unit)] ?? 1;
   for (let k = 0; k < points.length; k += 3) {

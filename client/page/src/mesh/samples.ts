@@ -1,11 +1,11 @@
-// What there is to break without a file: in metres, standing on the ground, and with the material that shows it best.
+// Samples to break without a file: in metres, standing on the ground, each with the material that suits it best.
 import { glbOf, type Look, Surface } from './glb';
 
 export interface Sample {
   name: string;
-  /** What is asked first, as far as the server knows it. */
+  /** The parameters of the first request, as far as the server knows them. */
   settings: Record<string, string | number>;
-  /** In the look of a material, or in its own where it is of none. */
+  /** Draws the sample in the look of a material, or in its own look if there is no material. */
   make(look?: Look): Uint8Array;
 }
 
@@ -16,7 +16,7 @@ const PANE: Look = { color: [0.62, 0.80, 0.76, 0.35], roughness: 0.05 };
 const MARBLE: Look = { color: [0.72, 0.70, 0.66, 1], roughness: 0.45 };
 const BRICK: Look = { color: [0.36, 0.12, 0.07, 1], roughness: 0.9 };
 
-/** Catmull–Rom through points of (radius, height). */
+/** A Catmull–Rom curve through points of (radius, height). */
 function smooth(points: readonly (readonly [number, number])[], steps: number): [number, number][] {
   const out: [number, number][] = [], at = (k: number) => points[Math.max(0, Math.min(points.length - 1, k))]!;
   for (let k = 0; k + 1 < points.length; ++k)
@@ -34,7 +34,7 @@ function smooth(points: readonly (readonly [number, number])[], steps: number): 
 function vase(): Surface {
   const outside = smooth([[0.11, 0], [0.15, 0.06], [0.22, 0.24], [0.2, 0.42], [0.11, 0.55], [0.09, 0.62], [0.14, 0.7]], 6);
   const wall = 0.016, inside = outside.filter(([, y]) => y > 0.04).map(([r, y]): [number, number] => [r - wall, y + 0.002]).reverse();
-  // From the middle of the foot along the outside, over the rim and down the inside to the middle again.
+  // From the centre of the foot up the outside, over the rim and down the inside, back to the centre.
   return new Surface().lathe([[0, 0], ...outside, ...inside, [0, 0.03]], 56);
 }
 

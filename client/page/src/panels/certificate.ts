@@ -1,4 +1,4 @@
-// The certificate of an answer: a seal, and what it stands for.
+// The certificate of an answer: a seal, and its explanation.
 import type { Answer } from 'fracture-client';
 import { html, nothing, type TemplateResult } from 'lit';
 import type { App } from '../app/app';
@@ -6,7 +6,7 @@ import { words } from '../words/words';
 import { digits } from './format';
 import { icons } from './icons';
 
-/** What rounding of doubles may leave of a relative difference of volumes; the server's own bound is stricter. */
+/** Relative volume difference that rounding in double precision may leave; the server's own bound is stricter. */
 const MOST_ERROR = 1e-9;
 
 export function judge(answer: Answer): 'good' | 'bad' | 'softer' {

@@ -1,4 +1,4 @@
-// A control for any parameter as the server describes it: its type, range, choices, default and unit.
+// A control for any parameter that the server describes: its type, range, choices, default and unit.
 import type { ParameterDescription, ParameterValue } from 'fracture-client';
 import { html, nothing, type TemplateResult } from 'lit';
 import { live } from 'lit/directives/live.js';
@@ -8,24 +8,24 @@ import { digits, title } from './format';
 import { icons } from './icons';
 import { parseNumbers, textOf } from './lists';
 
-/** Ranges beyond this have a field and no slider: nobody finds a value among millions. */
+/** Larger ranges get a field but no slider, because nobody finds a value among millions. */
 const SLIDER_RANGE = 1000;
-/** Counts go far beyond what people use; the slider goes so far, the field on. */
+/** Counts can be far larger than people need; the slider ends here, but the field goes on. */
 const COUNT_END = 400;
 
-/** What holds where it is not set: of the material, else the default. */
+/** The value that applies if none is set: the material's, or else the default. */
 export function effective(app: App, parameter: ParameterDescription): ParameterValue | undefined {
   const { settings } = app.state.wish, material = app.service.knowledge?.patterns.materials.find(({ name }) => name === settings['material']);
   return settings[parameter.name] ?? material?.parameters[parameter.name] ?? parameter['default'];
 }
 
-/** What the server says that 0 stands for, where that is no amount. */
+/** The meaning of 0 according to the server, if it is not an amount. */
 export function zeroOf({ description = '' }: ParameterDescription): string | undefined {
   if (/\b0: as many as\b/.test(description)) return words.break.auto;
   return /\b0: no limit\b/.test(description) ? words.break.noLimit : undefined;
 }
 
-/** By name: a number that was not taken, with the limits that it is beyond. */
+/** By name: a rejected number, with the limits that it exceeds. */
 const refused = new Map<string, string>();
 
 export function control(app: App, parameter: ParameterDescription): TemplateResult {
@@ -83,7 +83,7 @@ function numbers(app: App, parameter: ParameterDescription, id: string, value: n
     if (text.trim() === '' || !Number.isFinite(read)) return undefined;
     return whole ? Math.round(read) : read;
   };
-  // What the server would refuse is not taken, and stays as it was.
+  // A value that the server would refuse is rejected, and the old value stays.
   const taken = (input: HTMLInputElement) => {
     const next = given(input.value);
     if (next !== undefined && (next < low || next > high)) {
@@ -103,7 +103,7 @@ function numbers(app: App, parameter: ParameterDescription, id: string, value: n
       @click=${() => app.breaking.reseed()}>${icons.dice}</button></span>`;
   }
   if (!count && range > SLIDER_RANGE) return box;
-  // Squares: small values, which matter most, have most of the way.
+  // The scale is quadratic, because small values matter most.
   const bend = count || range > 20 || high / Math.max(1e-9, Number(value ?? low) || high) > 8 ? 2 : 1;
   const toSlider = (v: number) => 1000 * Math.max(0, Math.min(1, (v - low) / (end - low))) ** (1 / bend);
   const fromSlider = (s: number) => {
@@ -114,8 +114,8 @@ function numbers(app: App, parameter: ParameterDescription, id: string, value: n
     refused.delete(name);
     put(fromSlider(Number((event.target as HTMLInputElement).value)), settled);
   };
-  // A press of a key is one more, or a hundredth of the way: the browser's own step may be less than what is rounded away.
-  // It counts from what is wished for now: a key that repeats comes more often than the panel is drawn.
+  // A key press adds 1 or a hundredth of the range, because the browser's own step may be lost in rounding.
+  // It starts from the currently requested value, because a repeating key is faster than the panel is drawn.
   const pressed = (event: KeyboardEvent) => {
     const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key], now = Number(effective(app, parameter) ?? low);
     if (by === undefined) return;

@@ -1,4 +1,4 @@
-// Sets properties of an element's style by its object model: the policy of the page allows no style in markup.
+// Sets an element's style properties from code, because the page's policy forbids inline styles.
 import { noChange } from 'lit';
 import { Directive, directive, type ElementPart } from 'lit/directive.js';
 

@@ -1,4 +1,4 @@
-// Icons as strokes, in the colour of the text.
+// Icons drawn as strokes in the text colour.
 import { svg, type TemplateResult } from 'lit';
 import { html } from 'lit';
 

@@ -1,4 +1,4 @@
-// The panel of the mesh: choose a mesh, and see the report on it.
+// The mesh panel: choose a mesh, and see the report on it.
 import { html, nothing, type TemplateResult } from 'lit';
 import type { App } from '../app/app';
 import { chosenFiles } from '../mesh/files';

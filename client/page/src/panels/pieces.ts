@@ -1,4 +1,4 @@
-// The fragments: how many, how large, how long it took, and whether it is proved.
+// The fragments panel: their number and sizes, the time taken, and whether the result is proved.
 import type { Answer, Fragment } from 'fracture-client';
 import { html, nothing, type TemplateResult } from 'lit';
 import { repeat } from 'lit/directives/repeat.js';
@@ -36,7 +36,7 @@ export function piecesPanel(app: App): TemplateResult {
 const extreme = (fragments: readonly Fragment[], sign: 1 | -1): number =>
   fragments.reduce((best, fragment) => (sign * fragment.volume > sign * best.volume ? fragment : best)).id;
 
-/** In the picture and in the list, which is drawn with the next frame. */
+/** In the view and in the list, which is drawn in the next frame. */
 function find(app: App, id: number): void {
   app.chooseAndShow(id);
   requestAnimationFrame(() => document.querySelector('.fragments tr.chosen')?.scrollIntoView({ block: 'nearest' }));
@@ -48,7 +48,7 @@ function details(fragment: Fragment | undefined): TemplateResult {
   return html`<p class="hint"><b>${name}</b> ${words.pieces.details(metric(volume, 3), kilograms(mass), metric(area, 2), metric(exteriorArea, 2))}, ${words.pieces.hulls(hulls.length)}${anchored ? `, ${words.pieces.anchored}` : ''}</p>`;
 }
 
-/** Bars of equal width on a logarithmic scale; each selects its fragments. */
+/** Bars of equal width on a logarithmic scale; each bar selects its fragments. */
 function histogram(app: App, fragments: readonly Fragment[]): TemplateResult {
   const logs = fragments.map(({ volume }) => Math.log10(Math.max(1e-30, volume))), low = Math.min(...logs), high = Math.max(...logs);
   const count = Math.min(24, Math.max(1, Math.ceil(Math.sqrt(fragments.length) * 1.5))), step = (high - low || 1) / count;
@@ -73,7 +73,7 @@ function table(app: App, answer: Answer): TemplateResult {
     const [x, y] = [value(a), value(b)];
     return (sort.down ? -1 : 1) * (x < y ? -1 : x > y ? 1 : 0);
   });
-  // One that is chosen is in the list however far down it is.
+  // A selected fragment is listed, however far down it is.
   const listed = sorted.filter(({ id }, k) => k < rows || (chosen.size === 1 && chosen.has(id)));
   const head = (by: State['sort']['by'], label: string) => html`<th aria-sort=${sort.by !== by ? 'none' : sort.down ? 'descending' : 'ascending'}>
     <button class="plain" @click=${() => app.set({ sort: { by, down: sort.by === by ? !sort.down : by !== 'name' } })}>${label}<span aria-hidden="true" class="arrow">${sort.by === by ? (sort.down ? '▾' : '▴') : ''}</span></button></th>`;

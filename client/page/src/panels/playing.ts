@@ -1,4 +1,4 @@
-// What is shown while the fragments are bodies.
+// Shown while the fragments are bodies.
 import { html, type TemplateResult } from 'lit';
 import type { App } from '../app/app';
 import { words } from '../words/words';

@@ -1,4 +1,4 @@
-// What went wrong, in the words of the server, with the way out where the page knows one.
+// A problem in the server's words, with a remedy if the page knows one.
 import type { FractureError } from 'fracture-client';
 import { html, nothing, type TemplateResult } from 'lit';
 import type { App } from '../app/app';
@@ -25,7 +25,7 @@ export function problemNotice(app: App): TemplateResult {
   </div>`;
 }
 
-/** Of several meshes one was taken. */
+/** One of several meshes was chosen. */
 function leftOutNotice(app: App): TemplateResult {
   const { leftOut } = app.state;
   if (!leftOut) return html``;
@@ -34,7 +34,7 @@ function leftOutNotice(app: App): TemplateResult {
     <b>${words.mesh.taken(leftOut.taken)}</b><p>${words.mesh.leftOut(leftOut.others)}</p></div>`;
 }
 
-/** Sheets without a volume: slabs of a thickness that suits their size. */
+/** Sheets without volume: offers slabs of a thickness that suits their size. */
 function wayOut(app: App, problem: FractureError): TemplateResult | typeof nothing {
   const again = app.bringing.refusedMesh;
   if (problem.problem !== 'mesh-not-closed' || !again) return nothing;

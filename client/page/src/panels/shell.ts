@@ -1,4 +1,4 @@
-// The whole page: header, viewport with what lies over it, panel, sheets.
+// The whole page: header, viewport with its overlays, panel, sheets.
 import { html, nothing, type TemplateResult } from 'lit';
 import { live } from 'lit/directives/live.js';
 import type { App } from '../app/app';
@@ -19,7 +19,7 @@ import { takePanel } from './taking';
 
 const TABS: readonly [Tab, (app: App) => TemplateResult][] = [['mesh', meshPanel], ['break', breakPanel], ['pieces', piecesPanel], ['take', takePanel]];
 
-/** `canvas` is made once, and moves never. */
+/** `canvas` is created once and never moves. */
 export function shell(app: App, canvas: HTMLCanvasElement): TemplateResult {
   const { tab } = app.state, panel = TABS.find(([name]) => name === tab)![1];
   return html`
@@ -42,7 +42,7 @@ export function shell(app: App, canvas: HTMLCanvasElement): TemplateResult {
     ${sheets(app)}`;
 }
 
-/** Where there would be nothing to see: why, and what to do. */
+/** Explains why nothing is drawn, and what to do. */
 function instead({ service, state: { webgl, lost, source, bringing, problem } }: App): TemplateResult | typeof nothing {
   if (!webgl) return html`<p class="instead">${words.noWebgl}</p>`;
   if (lost) return html`<p class="instead" role="status">${words.lost}</p>`;

@@ -1,11 +1,11 @@
-// Pictures of materials, drawn from what the server says that they set: colour of the cuts, pattern, stretch. A material that is
-// new there has one, too.
+// Pictures of materials, drawn from the settings that the server reports: cut colour, pattern, stretch. New materials on the server
+// get a picture, too.
 import type { Patterns } from 'fracture-client';
 
 type Material = Patterns['materials'][number];
 const SIZE = 72, made = new Map<string, string>();
 
-/** A generator that gives every material the same picture each time (mulberry32). */
+/** A generator that always draws the same picture for a material (mulberry32). */
 function random(seed: number): () => number {
   return () => {
     seed = seed + 0x6d2b79f5 | 0;
@@ -15,7 +15,7 @@ function random(seed: number): () => number {
   };
 }
 
-/** The address of the picture: a data: of the page's own making. */
+/** The address of the picture: a data: URL that the page creates. */
 export function swatch(material: Material, pattern: string): string {
   const key = `${material.name} ${JSON.stringify(material.parameters)}`;
   let url = made.get(key);

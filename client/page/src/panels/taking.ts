@@ -1,4 +1,4 @@
-// Taking it away: files, the same request elsewhere, a link, presets, a picture.
+// The export panel: files, the same request elsewhere, a link, presets, a screenshot.
 import { html, nothing, type TemplateResult } from 'lit';
 import { live } from 'lit/directives/live.js';
 import type { App } from '../app/app';

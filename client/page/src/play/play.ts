@@ -1,5 +1,5 @@
-// The fragments as bodies: mass, inertia, hulls and friction are those of the file (KHR_physics_rigid_bodies), bonds hold until a
-// blow breaks them (fracture-client/three says how), and the engine is Rapier, which is loaded with this file.
+// The fragments as bodies: mass, inertia, hulls and friction come from the file (KHR_physics_rigid_bodies), bonds hold until a
+// blow breaks them (see fracture-client/three), and the engine is Rapier, which is loaded with this file.
 import RAPIER from '@dimforge/rapier3d-compat';
 import type { Answer } from 'fracture-client';
 import { type Pieces, place } from 'fracture-client/three';
@@ -9,24 +9,24 @@ import { disposeOf } from '../scene/overlays';
 import { pick } from '../scene/picking';
 import { words } from '../words/words';
 
-/** Of this file, whatever app.js is of. */
+/** The build that this file belongs to, whatever app.js belongs to. */
 declare const BUILD: string;
 export const build: string = BUILD;
 
 const STEP = 1 / 60, SLOW = 0.15;
-const MOST_STEPS = 6;      // in one frame; a slower machine plays in slow motion
-const DROP = 0.12;         // of its size above the ground, to begin with
+const MOST_STEPS = 6;      // per frame; slower machines play in slow motion
+const DROP = 0.12;         // start height above the ground, as a fraction of the size
 const BALL_DENSITY = 7200; // kg/m³: cast iron
-const QUIET_FRAMES = 20;   // without a body that is awake, and it is at rest
+const QUIET_FRAMES = 20;   // frames without an awake body, after which everything is at rest
 
 const RETREAT = 1.5;
 const CALM_AFTER = 4;     // seconds
-const TREMBLE = 0.06;     // m/s, of what has a size of a metre
+const TREMBLE = 0.06;     // m/s, for an object one metre in size
 
-/** Once: two that are on their way would each make an engine, and the second take the place of one that is in use. */
+/** Loads only once: two loads in progress would each create an engine, and the second would replace the one in use. */
 let loaded: Promise<void> | undefined;
 
-/** `wanted`: what is to be played when the engine is there, if anything still is. `made` is told before the first frame. */
+/** `wanted`: returns what is to be played once the engine is ready, if anything. `made` is called before the first frame. */
 export async function startPlay(app: App, wanted: () => Answer | undefined, made: (physics: Physics) => void): Promise<void> {
   await (loaded ??= RAPIER.init().catch((error: unknown) => {
     loaded = undefined;
@@ -51,7 +51,7 @@ export class Physics {
   private running = true;
   private behind = 0;
   private quiet = 0;
-  /** Seconds of the world. */
+  /** Simulated seconds. */
   private untouched = 0;
   private shown = '';
 
@@ -61,12 +61,12 @@ export class Physics {
     app.stage!.retreat(RETREAT);
   }
 
-  /** As it was at first: above the ground, in one piece. */
+  /** Resets everything to the start: above the ground, in one piece. */
   reset(): void {
     const { view, stage } = this.app, size = view!.size, ground = stage!.groundHeight;
     this.clear();
     this.world = new RAPIER.World({ x: 0, y: -9.81, z: 0 });
-    // What counts as touching and as slow is measured by it.
+    // Determines which distances count as touching and which speeds as slow.
     this.world.lengthUnit = Math.max(1e-3, size / 2);
     this.world.createCollider(RAPIER.ColliderDesc.cuboid(100 * size, size, 100 * size).setTranslation(0, ground - size, 0).setFriction(0.7));
     const setup = { rapier: RAPIER, world: this.world, parent: new Group(), materials: [] };
@@ -90,7 +90,7 @@ export class Physics {
       this.clear();
       this.events.free();
     } catch (error) {
-      // An engine that broke in a step does not let go of it, either.
+      // An engine that failed in a step cannot be released, either.
       console.warn(error);
     }
     this.ballGroup.removeFromParent();
@@ -126,14 +126,14 @@ export class Physics {
     return this.quiet < QUIET_FRAMES;
   }
 
-  /** Chips that wedge one another may tremble for ever below what is seen: that is rest, too. */
+  /** Chips that wedge each other may tremble forever, invisibly: that counts as rest, too. */
   private moves(body: RAPIER.RigidBody): boolean {
     if (!body.isDynamic() || body.isSleeping()) return false;
     const { x, y, z } = body.linvel(), { x: u, y: v, z: w } = body.angvel();
     return this.untouched < 2 * CALM_AFTER || Math.hypot(x, y, z) > TREMBLE * Math.sqrt(this.app.view!.size) || Math.hypot(u, v, w) > 20 * TREMBLE;
   }
 
-  /** Round things roll on a level floor for ever, and chips that lie badly tremble, which nothing does: everything gives way a
+  /** Round pieces would roll forever on a level floor, and badly placed chips would tremble, unlike in reality: so everything is damped a
    * little, and much more when nobody has touched anything for some seconds. */
   private damp(): void {
     const calm = this.untouched > CALM_AFTER, [linear, angular] = calm ? [3, 10] : [0.1, 1.2];
@@ -183,12 +183,12 @@ export class Physics {
     if (this.running) this.wake();
   }
 
-  /** From the camera to what is under the pointer. */
+  /** The direction from the camera to the point under the pointer. */
   throwAt(x: number, y: number): void {
     const { stage, view } = this.app, { origin, direction } = stage!.ray(x, y), size = view!.size, radius = 0.07 * size;
     const from = stage!.controls.target.distanceTo(origin), start = origin.clone().addScaledVector(direction, Math.max(0, from - 2.5 * size));
     const speed = 11 * Math.sqrt(size), velocity = direction.clone().multiplyScalar(speed);
-    // Up by what gravity takes on the way.
+    // Aims higher by the distance that gravity takes on the way.
     velocity.y += 9.81 * Math.min(2.5 * size, from) / speed / 2;
     const body = this.world.createRigidBody(RAPIER.RigidBodyDesc.dynamic().setTranslation(start.x, start.y, start.z)
       .setLinvel(velocity.x, velocity.y, velocity.z).setCcdEnabled(true));
@@ -204,7 +204,7 @@ export class Physics {
     this.throwAt(left + width / 2, top + height * 0.52);
   }
 
-  /** True where there is a piece to be dragged. */
+  /** True if there is a piece to drag. */
   grab(x: number, y: number): boolean {
     const { view, stage } = this.app, ray = stage!.ray(x, y), picked = view!.batch && pick(view!.batch, ray, { exterior: true, interior: true });
     const body = picked?.id === undefined ? undefined : this.pieces.bodyOf(picked.id) as RAPIER.RigidBody | undefined;
@@ -220,14 +220,14 @@ export class Physics {
     this.held.moved = true;
     this.wake();
   }
-  /** True where something was dragged. */
+  /** True if something was dragged. */
   release(): boolean {
     const dragged = this.held?.moved ?? false;
     this.held = undefined;
     return dragged;
   }
 
-  /** What is held follows the pointer like something heavy on a short rope. */
+  /** The dragged piece follows the pointer like a heavy object on a short rope. */
   private pull(): void {
     if (!this.held?.moved) return;
     const { body, local, target } = this.held;

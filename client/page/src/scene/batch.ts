@@ -1,5 +1,5 @@
-// An answer as it is drawn: one geometry for all fragments, one mesh for each material. Vertices are in the frame of their
-// fragment; Poses says where that is.
+// An answer as it is drawn: one geometry for all fragments, and one mesh per material. Vertices are in their fragment's frame;
+// Poses contains the fragment's position.
 import type { Answer, Piece } from 'fracture-client';
 import { BufferAttribute, BufferGeometry, Group, type Material, Mesh, MeshDepthMaterial, MeshStandardMaterial, Sphere, Vector3 } from 'three';
 import { normalsOf } from './normals';
@@ -11,7 +11,7 @@ const NAMES: Record<string, [string, number]> = {
   TEXCOORD_0: ['uv', 2], TEXCOORD_1: ['uv1', 2],
 };
 
-/** Triangles of one fragment and material: a range of the index. */
+/** The triangles of one fragment and material: a range of the index. */
 export interface Range {
   start: number;
   count: number;
@@ -19,7 +19,7 @@ export interface Range {
 }
 
 export interface DrawnPiece {
-  /** Of the fragment; undefined for what passed through whole. */
+  /** The fragment's id; undefined for a node that was passed through uncut. */
   id: number | undefined;
   origin: [number, number, number];
   bounds: Sphere;
@@ -27,7 +27,7 @@ export interface DrawnPiece {
   triangles: number;
 }
 
-/** What glTF draws where there is no material is a mirror; clay shows more. */
+/** Without a material, glTF would draw a mirror; clay shows more. */
 const CLAY = { color: 0xb9b4ab, roughness: 0.8, metalness: 0 };
 
 export class Batch {
@@ -42,7 +42,7 @@ export class Batch {
   private readonly geometries: BufferGeometry[] = [];
   private readonly own: Material[] = [];
 
-  /** `materials` are shared among the answers of one mesh, and not disposed of here. */
+  /** `materials` are shared by all answers of a mesh and not disposed of here. */
   constructor(readonly answer: Answer, materials: readonly Material[], software: boolean) {
     const drawn: readonly Piece[] = [...answer.fragments, ...answer.passedThrough];
     this.poses = new Poses(drawn.length);
@@ -55,7 +55,7 @@ export class Batch {
     const owner = new Float32Array(vertices), withoutNormals = !present.has('NORMAL');
     this.index = new Uint32Array(indices);
 
-    // Index ranges stand by material, so that each is one draw call.
+    // Index ranges are grouped by material, so that each material is one draw call.
     const byMaterial = new Map<number, { piece: number; first: number; triangles: ArrayLike<number>; interior: boolean }[]>();
     let first = 0;
     drawn.forEach((piece, k) => {
@@ -103,7 +103,7 @@ export class Batch {
       mesh.castShadow = !material.transparent;
       mesh.receiveShadow = !material.transparent;
       mesh.customDepthMaterial = depth;
-      // The outside first: what it hides of the cuts is not shaded.
+      // The outside comes first, so that the cuts it hides are not shaded.
       mesh.renderOrder = material.transparent ? 1 : interior ? 0.5 : 0;
       (interior ? this.interior : this.exterior).push(mesh);
       this.geometries.push(geometry);
@@ -111,7 +111,7 @@ export class Batch {
     }
   }
 
-  /** The sphere around all pieces, where they are assembled. */
+  /** The sphere around all assembled pieces. */
   bounds(): { min: Vector3; max: Vector3 } {
     const min = new Vector3(Infinity, Infinity, Infinity), max = min.clone().negate();
     this.pieces.forEach(({ origin: [x, y, z], ranges }) => {
@@ -135,7 +135,7 @@ export class Batch {
 
 function put(into: Float32Array | undefined, width: number | undefined, values: ArrayLike<number>, first: number, count: number): void {
   if (!into || !width) return;
-  const own = values.length / count;  // colours have three or four
+  const own = values.length / count;  // colours have three or four components
   if (own === width) into.set(values as Float32Array, width * first);
   else for (let k = 0; k < count; ++k) for (let c = 0; c < Math.min(own, width); ++c) into[width * (first + k) + c] = values[own * k + c]!;
 }

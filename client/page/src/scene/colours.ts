@@ -1,11 +1,11 @@
-// Colours that say something: by fragment, size, level, strength of bonds.
+// Colours with a meaning: by fragment, size, level or bond strength.
 import type { Answer } from 'fracture-client';
 import { Color } from 'three';
 
 export type ColourMode = 'material' | 'fragment' | 'size' | 'level' | 'strength';
 export const colourModes: readonly ColourMode[] = ['material', 'fragment', 'size', 'level', 'strength'];
 
-/** Viridis (van der Walt and Smith 2015), in nine steps of sRGB: it is even to the eye, and also to the colour-blind. */
+/** Viridis (van der Walt and Smith 2015) in nine sRGB steps: perceptually even, also for the colour-blind. */
 const RAMP = ['#440154', '#472d7b', '#3b528b', '#2c728e', '#21918c', '#28ae80', '#5ec962', '#addc30', '#fde725'].map(text => new Color(text));
 
 export function ramp(t: number): Color {
@@ -13,10 +13,10 @@ export function ramp(t: number): Color {
   return RAMP[k]!.clone().lerp(RAMP[k + 1]!, at - k);
 }
 
-/** Hues by the golden ratio: neighbours in number are far apart in hue. */
+/** Hues by the golden ratio, so that neighbouring numbers have very different hues. */
 export const distinct = (k: number): Color => new Color().setHSL((k * 0.618034) % 1, 0.55, 0.42 + 0.16 * ((k * 0.7548) % 1));
 
-/** The cluster of each fragment at a level, the coarsest 0; undefined where there are no levels or it is that of fragments. */
+/** The cluster of each fragment at a level, where 0 is the coarsest; undefined if there are no levels or the level is that of fragments. */
 export function clustersAt(answer: Answer, level: number): Map<number, number> | undefined {
   const levels = answer.figures.levels ?? [];
   if (level >= levels.length) return undefined;
@@ -28,14 +28,14 @@ export function clustersAt(answer: Answer, level: number): Map<number, number> |
   }));
 }
 
-/** Newtons that hold each fragment, all its bonds together. */
+/** The force in newtons that holds each fragment: the sum over its bonds. */
 export function strengthOf(answer: Answer): Map<number, number> {
   const sum = new Map<number, number>();
   for (const { a, b, strength } of answer.bonds) for (const id of [a, b]) sum.set(id, (sum.get(id) ?? 0) + strength);
   return sum;
 }
 
-/** A colour for each fragment, or none. `level`: for `level`, whose clusters. */
+/** A colour for each fragment, or none. `level`: the level that is used for colouring by level. */
 export function coloursOf(answer: Answer, mode: ColourMode, level: number): Color[] | undefined {
   const { fragments } = answer;
   if (mode === 'material') return undefined;

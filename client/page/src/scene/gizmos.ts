@@ -1,24 +1,24 @@
-// Handles by which places and directions are dragged. What a handle does is geometry alone: a ray of the pointer in, settings out.
+// Handles that drag points, regions and directions. A handle is pure geometry: it converts a pointer ray to settings.
 import type { ParameterValue } from 'fracture-client';
 import { Box3, CanvasTexture, type Color, Group, Plane, type Ray, Sphere, Sprite, SpriteMaterial, Vector3 } from 'three';
 import { type PlaceKind, radiusOf, rounding } from '../state/places';
 import type { Settings } from '../state/request';
 
 export interface Handle {
-  /** The same for as long as it is dragged. */
+  /** Stays the same while the handle is dragged. */
   key: string;
   at: Vector3;
-  /** Where the pointer is now; `facing`: the direction in which the camera looks. */
+  /** The pointer ray; `facing`: the direction in which the camera looks. */
   drag(ray: Ray, facing: Vector3): Settings;
 }
 
-/** Of the mesh: its middle, and the length of its diagonal. */
+/** The mesh's centre, and the length of its diagonal. */
 export interface Extent {
   middle: Vector3;
   size: number;
 }
 
-/** How far from the middle the tips of directions are, of the size of the mesh. */
+/** The distance of a direction's tip from the centre, as a fraction of the mesh size. */
 export const TIP = 0.55;
 
 export function handlesOf(settings: Settings, places: ReadonlyMap<string, PlaceKind>, extent: Extent): Handle[] {
@@ -57,7 +57,7 @@ const MAKERS: Record<PlaceKind, Maker> = {
           key: `${name} ${axis}${end}`, at,
           drag: ray => {
             const value = at.getComponent(axis) + amountAlong(ray, at, along), corners = [low.clone(), high.clone()] as const, thin = size * 0.005;
-            // A face stops before the one at the other side.
+            // A face stops before it reaches the opposite one.
             corners[end]!.setComponent(axis, end === 0 ? Math.min(value, high.getComponent(axis) - thin) : Math.max(value, low.getComponent(axis) + thin));
             return { [name]: corners.map(corner => rounded(corner, round)) };
           },
@@ -102,22 +102,22 @@ const MAKERS: Record<PlaceKind, Maker> = {
   },
 };
 
-/** The point of a plane that is nearest to the middle of the mesh; a plane itself has no middle. */
+/** The point of a plane that is nearest to the mesh's centre, because a plane has no centre of its own. */
 export const footOf = (point: Vector3, unit: Vector3, middle: Vector3): Vector3 =>
   middle.clone().addScaledVector(unit, -unit.dot(middle.clone().sub(point)));
 
-/** Where the ray meets the plane through `at` that faces the camera; `at` where it does not. */
+/** The point at which the ray meets the plane through `at` that faces the camera; `at` if they do not meet. */
 function across(ray: Ray, at: Vector3, facing: Vector3): Vector3 {
   return ray.intersectPlane(new Plane().setFromNormalAndCoplanarPoint(facing, at), new Vector3()) ?? at.clone();
 }
 
-/** How far from `at` along a unit vector the line is nearest to the ray; 0 where they are parallel. */
+/** The position, as a distance from `at` along a unit vector, where that line is nearest to the ray; 0 if they are parallel. */
 function amountAlong({ origin, direction }: Ray, at: Vector3, along: Vector3): number {
   const between = at.clone().sub(origin), b = along.dot(direction), determinant = 1 - b * b;
   return determinant < 1e-6 ? 0 : (b * direction.dot(between) - along.dot(between)) / determinant;
 }
 
-/** The direction from `center` to where the ray meets the sphere, on the side where the tip is; beside the sphere its rim. */
+/** The direction from `center` to the point where the ray meets the sphere, on the side of the tip; if it misses, to the sphere's rim. */
 function turned(ray: Ray, center: Vector3, unit: Vector3, radius: number): number[] {
   const near = ray.closestPointToPoint(center, new Vector3()), beside = near.distanceTo(center), found = near.clone();
   if (new Sphere(center, radius).containsPoint(near)) {
@@ -137,7 +137,7 @@ export function vectorOf(value: unknown): Vector3 | undefined {
 export const rows = (value: ParameterValue | undefined): (Vector3 | undefined)[] => (Array.isArray(value) ? value.map(vectorOf) : []);
 
 let dot: CanvasTexture | undefined;
-/** Handles as dots of one size on the screen, in front of everything. */
+/** Handles are dots of constant size on the screen, drawn in front of everything. */
 export function dotsOf(handles: readonly Handle[], color: Color): Group {
   if (!dot) {
     const canvas = document.createElement('canvas'), context = canvas.getContext('2d')!;

@@ -1,4 +1,4 @@
-/** Normals of vertices that have none, where others of the same answer have: the mean of their triangles, by area. */
+/** Computes missing vertex normals, if other vertices of the same answer have some: the area-weighted mean of the triangles. */
 export function normalsOf(positions: ArrayLike<number>, triangles: ArrayLike<number>): Float32Array {
   const normals = new Float32Array(positions.length);
   for (let t = 0; t < triangles.length; t += 3) {

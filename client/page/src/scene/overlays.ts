@@ -1,5 +1,5 @@
-// What is drawn over the mesh: open edges and filled holes, the place of a problem, bonds as a graph, the sphere of a hit, and
-// a person to compare sizes with.
+// Overlays on the mesh: open edges and filled holes, the location of a problem, bonds as a graph, the sphere of a hit, and a person
+// for scale.
 import type { Answer } from 'fracture-client';
 import {
   BufferAttribute, BufferGeometry, CanvasTexture, CapsuleGeometry, Color, CylinderGeometry, DoubleSide, Group, InstancedMesh, LineBasicMaterial, LineSegments,
@@ -19,8 +19,8 @@ export function disposeOf(object: Object3D): void {
   });
 }
 
-/** Of the whole mesh: what the service closed it with (it is of the material of cuts), and the edges around that, which were
- * open. Lines are drawn through the mesh: a hole at the back is one, too. */
+/** For the whole mesh: the faces with which the server closed it (in the cut material), and the edges around them, which were
+ * open. Lines are drawn through the mesh, so that a hole at the back is visible too. */
 export function repairsOf(whole: Answer): Group {
   const group = new Group(), edges: number[] = [], fills: number[] = [];
   for (const { primitives, positions, translation: [x, y, z] } of whole.fragments) {
@@ -54,7 +54,7 @@ export function repairsOf(whole: Answer): Group {
   return group;
 }
 
-/** Dots at places, of a size that is seen. */
+/** Dots at points, in a visible size. */
 export function markers(points: readonly (readonly number[])[], radius: number, color: number): Group {
   const group = new Group();
   for (const [x = 0, y = 0, z = 0] of points) {
@@ -66,7 +66,7 @@ export function markers(points: readonly (readonly number[])[], radius: number, 
   return group;
 }
 
-/** Bonds as bars between the middles of fragments, as thick as their area says. They follow the poses. */
+/** Bonds as bars between the centres of fragments, thicker for a larger area. They follow the poses. */
 export class BondGraph {
   readonly group = new Group();
   private readonly bars: InstancedMesh;
@@ -107,7 +107,7 @@ export class BondGraph {
   }
 }
 
-/** The reach of a hit, around the pointer or where it was. */
+/** The reach of a hit, at the pointer or at an existing hit. */
 export function hitSphere(color: Color): Mesh {
   const sphere = new Mesh(new SphereGeometry(1, 32, 20), new MeshBasicMaterial({ color, transparent: true, opacity: 0.16, depthWrite: false }));
   const core = new Mesh(new SphereGeometry(0.06, 12, 8), new MeshBasicMaterial({ color, depthTest: false, transparent: true }));
@@ -118,7 +118,7 @@ export function hitSphere(color: Color): Mesh {
 }
 
 let circle: CanvasTexture | undefined;
-/** Of the same size on the screen, wherever it is, and in front of everything. */
+/** A marker of constant size on the screen, drawn in front of everything. */
 export function ring(at: Vector3, color: Color): Sprite {
   if (!circle) {
     const canvas = document.createElement('canvas'), context = canvas.getContext('2d')!;
@@ -136,7 +136,7 @@ export function ring(at: Vector3, color: Color): Sprite {
   return sprite;
 }
 
-/** Of 1.75 metres. */
+/** 1.75 metres tall. */
 export function person(): Group {
   const group = new Group(), material = new MeshStandardMaterial({ color: 0x8a93a0, roughness: 1, transparent: true, opacity: 0.5 });
   const part = (radius: number, length: number, x: number, y: number, lean = 0) => {

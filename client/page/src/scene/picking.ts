@@ -1,14 +1,14 @@
-// What the pointer is on: fragments by their spheres first, then triangles, where the fragments are drawn.
+// Finds the fragment under the pointer: first by the fragments' spheres, then by their triangles, at their drawn positions.
 import { Quaternion, Ray, Vector3 } from 'three';
 import type { Batch } from './batch';
 
 export interface Picked {
-  /** Index of the piece in its batch. */
+  /** The piece's index in its batch. */
   piece: number;
   id: number | undefined;
-  /** Where it is drawn. */
+  /** The point in the drawn scene. */
   world: Vector3;
-  /** In the frame of the answer, where nothing has moved. */
+  /** The point in the answer's frame, before anything moved. */
   point: [number, number, number];
   normal: Vector3;
   interior: boolean;

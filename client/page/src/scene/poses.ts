@@ -1,12 +1,12 @@
-// Where each fragment is, how it is turned, whether it is there and how it is tinted, as a texture that every shader reads:
-// thousands of fragments are one draw call for each material, and moving them is one upload of 48 bytes for each.
+// Position, rotation, visibility and tint of each fragment, in a texture that every shader reads. Thousands of fragments need only one
+// draw call per material, and moving them uploads 48 bytes per fragment.
 //
 //   texel 3k      x y z  scale (0: hidden)
 //   texel 3k + 1  quaternion
-//   texel 3k + 2  r g b  share of the tint
+//   texel 3k + 2  r g b  strength of the tint
 import { DataTexture, FloatType, type Material, RGBAFormat, type WebGLProgramParametersWithUniforms } from 'three';
 
-/** Fragments in a row of the texture. */
+/** Number of fragments per row of the texture. */
 const ROW = 256;
 
 const DECLARATIONS = /* glsl */`
@@ -63,7 +63,7 @@ export class Poses {
     this.texture.dispose();
   }
 
-  /** Makes a material of three.js read the texture. */
+  /** Makes a three.js material read the texture. */
   apply<M extends Material>(material: M): M {
     material.onBeforeCompile = (shader: WebGLProgramParametersWithUniforms) => {
       shader.uniforms['poses'] = { value: this.texture };
@@ -82,10 +82,10 @@ vTint = poseTexel(2);`);
       shader.fragmentShader = shader.fragmentShader
         .replace('#include <common>', '#include <common>\nvarying vec4 vTint;')
         .replace('#include <color_fragment>', '#include <color_fragment>\ndiffuseColor.rgb = mix(diffuseColor.rgb, vTint.rgb, vTint.a);')
-        // What is chosen is seen in the shade, too.
+        // A selected fragment is visible even in the shade.
         .replace('#include <opaque_fragment>', 'outgoingLight = mix(outgoingLight, vTint.rgb, step(0.99, vTint.a) * 0.6);\n#include <opaque_fragment>');
     };
-    // A material that served another answer has its shader already: only the texture is another.
+    // A material that was used by another answer already has its shader; only the texture changes.
     const shader = material.userData['shader'] as WebGLProgramParametersWithUniforms | undefined;
     if (shader) shader.uniforms['poses']!.value = this.texture;
     material.customProgramCacheKey = () => 'poses';

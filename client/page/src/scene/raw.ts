@@ -1,4 +1,4 @@
-// A mesh as it is in its file, with the edges that only one triangle has.
+// A mesh as stored in its file, and the edges that belong to only one triangle.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, Vector3 } from 'three';
 import { RED } from './overlays';
 

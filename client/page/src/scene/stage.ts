@@ -1,4 +1,4 @@
-// The viewport: renderer, camera, light and ground. It draws when something has changed, and not otherwise.
+// The viewport: renderer, camera, light and ground. It draws only when something has changed.
 import {
   Color, DirectionalLight, type DirectionalLightShadow, Group, HemisphereLight, Mesh, Object3D, PCFShadowMap, PerspectiveCamera,
   PlaneGeometry, PMREMGenerator, Ray, Scene, ShadowMaterial, Spherical, Vector2, Vector3, WebGLRenderer,
@@ -7,25 +7,25 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { gridOf } from './grid';
 import { surroundings } from './surroundings';
 
-/** Milliseconds between frames that are too many, and frames of them in a row until it is drawn in a cheaper way. */
+/** Frame times (ms) that are too long, and how many such frames in a row lead to a cheaper way of drawing. */
 const SLOW = 90, PATIENCE = 6;
-/** Dots for each pixel of the page at most, while something moves: from all that the screen has to a blur that still follows the hand.
- * Below the first without shadows, which are half the time of a frame in software. What stands still has everything. */
+/** The maximum resolution (dots per page pixel) while something moves, from the screen's own down to a blur that still follows the hand.
+ * Below the first step there are no shadows, which take half of a software frame. Still pictures have full quality. */
 const PACES = [2, 0.8, 0.6, 0.45] as const;
-/** Milliseconds without a frame after which it stands still. */
+/** Time in ms without a frame, after which the picture is considered still. */
 const STILL = 250;
 
-/** Of the distance to what it looks at: by less the camera is moved by rounding alone. */
+/** Fraction of the distance to the target; smaller camera movements come only from rounding. */
 const UNMOVED = 1e-6;
 
-/** Pixels of the canvas that lie under what floats on it, above and below; on one so narrow (style/small.css) two rows of it stand below. */
+/** Pixels of the canvas that are covered by controls, above and below; on a narrow canvas (style/small.css) there are two rows below. */
 const OVERLAYS = 112, NARROW = 430, OVERLAYS_NARROW = 164;
 
 export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(38, 1, 0.01, 100);
   readonly controls: OrbitControls;
-  /** Everything whose frame is that of the answer. */
+  /** Everything in the frame of the answer. */
   readonly world = new Group();
   readonly renderer: WebGLRenderer;
   private readonly light = new DirectionalLight(0xffffff, 2.4);
@@ -35,23 +35,23 @@ export class Stage {
   private waiting: (() => void)[] = [];
   private lastFrame = 0;
   private slowFrames = 0;
-  /** Of PACES: what this mesh was found to need on this machine. */
+  /** An index into PACES: the pace found for this mesh on this machine. */
   private pace = 0;
   private rest: ReturnType<typeof setTimeout> | undefined;
   private stillIsDue = false;
-  /** Nothing is drawn before: at first there is nothing to see, and the page behind it has the same colour. */
+  /** Nothing is drawn before this: at first there is nothing to see, and the page behind has the same colour. */
   private from = Infinity;
-  /** There is no graphics card: plain materials, and edges as they are. */
+  /** True if there is no graphics card: plain materials and no antialiasing. */
   readonly software = drawsInSoftware();
   private beforeFrame: ((seconds: number) => boolean) | undefined;
 
-  /** Told when the graphics card goes and comes back. */
+  /** Called when the graphics card is lost or comes back. */
   lost: (gone: boolean) => void = () => {};
 
-  /** Throws where there is no WebGL. */
+  /** Throws if there is no WebGL. */
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, powerPreference: 'high-performance' });
-    // Asking for errors waits for each shader by itself, and they are made by three.js.
+    // Checking for errors would wait for each shader separately; the shaders come from three.js.
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -70,7 +70,7 @@ export class Stage {
     this.scene.add(new HemisphereLight(0xeef3ff, 0x6b6257, 1.35), this.light, this.light.target, this.ground, this.world);
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
     canvas.addEventListener('webglcontextlost', event => {
-      event.preventDefault();  // else it never comes back
+      event.preventDefault();  // otherwise it never comes back
       this.lost(true);
     });
     canvas.addEventListener('webglcontextrestored', () => {
@@ -80,7 +80,7 @@ export class Stage {
     this.resize();
   }
 
-  /** Reflections, which glass and metal need; made when the first picture is there. */
+  /** Reflections, which glass and metal need; created after the first picture. */
   reflect(): void {
     if (this.scene.environment || this.software) return;
     const generator = new PMREMGenerator(this.renderer);
@@ -98,7 +98,7 @@ export class Stage {
   }
   private lineColour = new Color(0x888888);
 
-  /** Light, ground and camera for a mesh; the camera only where it is a new one. */
+  /** Sets light and ground for a mesh, and the camera if the mesh is new. */
   frame(min: Vector3, max: Vector3, moveCamera: boolean): void {
     const middle = min.clone().add(max).multiplyScalar(0.5), radius = Math.max(1e-6, min.distanceTo(max) / 2);
     this.light.target.position.copy(middle);
@@ -122,7 +122,7 @@ export class Stage {
     this.invalidate();
   }
 
-  /** From where all of such a sphere is seen. */
+  /** The distance from which a sphere of this size is completely visible. */
   private distanceFor(radius: number): number {
     const narrow = Math.min(1, this.camera.aspect), { clientWidth: width, clientHeight: height } = this.canvas;
     const free = Math.max(0.5, 1 - (width <= NARROW ? OVERLAYS_NARROW : OVERLAYS) / Math.max(1, height));
@@ -138,7 +138,7 @@ export class Stage {
     this.placed = { at: this.camera.position.clone(), target: middle.clone(), fit: this.distanceFor(1) };
   }
 
-  /** Where the stage itself put the camera, and what `distanceFor` said of a radius of 1: until somebody moves it, it goes with the window. */
+  /** The position at which the stage placed the camera, and `distanceFor(1)`. Until somebody moves the camera, it follows the window size. */
   private placed: { at: Vector3; target: Vector3; fit: number } | undefined;
   private get isAsPlaced(): boolean {
     const { placed, camera: { position }, controls: { target } } = this;
@@ -157,19 +157,19 @@ export class Stage {
     this.scene.add(this.grid);
   }
 
-  /** Calls it before each frame until it says that nothing moves any more; undefined: no more. */
+  /** Calls this before each frame until it returns that nothing moves any more; undefined stops it. */
   animate(step: ((seconds: number) => boolean) | undefined): void {
     this.beforeFrame = step;
     this.invalidate();
   }
 
-  /** `shadows`: something moved that throws some. */
+  /** `shadows`: something that casts shadows has moved. */
   invalidate(shadows = true): void {
     if (shadows) this.renderer.shadowMap.needsUpdate = true;
     this.asked ||= requestAnimationFrame(now => this.draw(now));
   }
 
-  /** When what is there now has been drawn. */
+  /** Resolves when the current contents have been drawn. */
   drawn(): Promise<void> {
     return new Promise(resolve => {
       this.waiting.push(resolve);
@@ -177,12 +177,12 @@ export class Stage {
     });
   }
 
-  /** What is there is not worth a frame yet, which is half a second in software: better comes soon, or it is drawn after all. */
+  /** Draws nothing for this long, because a frame takes half a second in software and better contents will follow soon. */
   hold(milliseconds: number): void {
     this.from = performance.now() + milliseconds;
     setTimeout(() => this.invalidate(false), milliseconds);
   }
-  /** What was waited for is there. */
+  /** The awaited contents have arrived. */
   release(): void {
     this.from = 0;
     this.invalidate();
@@ -196,14 +196,14 @@ export class Stage {
     this.stillIsDue = false;
     const goesOn = this.beforeFrame?.(Math.min(0.1, gap / 1000)) ?? false;
     this.render(still ? 0 : this.pace);
-    // When the next one could be drawn, whether somebody asks for it or not.
+    // The time when the next frame could be drawn, even if none was requested.
     if (!still) requestAnimationFrame(next => this.measure(next - now));
     for (const resolve of this.waiting.splice(0)) resolve();
     if (goesOn) this.invalidate();
     clearTimeout(this.rest);
     if (this.pace > 0 && !still)
       this.rest = setTimeout(() => {
-        if (this.asked !== 0) return;  // it moves, and each frame takes longer than that
+        if (this.asked !== 0) return;  // something is moving, and each frame takes longer than that
         this.stillIsDue = true;
         this.invalidate(false);
       }, STILL);
@@ -214,12 +214,12 @@ export class Stage {
     const dots = Math.min(PACES[pace]!, devicePixelRatio), { clientWidth: width, clientHeight: height } = this.canvas.parentElement ?? this.canvas;
     if (dots !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(dots);
     const { x, y } = this.renderer.getSize(new Vector2());
-    // Only here: a canvas that gets a size is empty until it is drawn.
+    // Only here, because resizing a canvas clears it until it is drawn.
     if (width * height > 0 && (x !== width || y !== height)) this.renderer.setSize(width, height, false);
     this.renderer.render(this.scene, this.camera);
   }
 
-  /** One after the other is late: this machine draws in software, or nearly so. */
+  /** Frames are repeatedly late, so this machine draws in software or nearly so. */
   private measure(gap: number): void {
     if (gap > 1000 || this.pace + 1 >= PACES.length) return;
     this.slowFrames = gap > SLOW ? this.slowFrames + 1 : Math.max(0, this.slowFrames - 1);
@@ -241,7 +241,7 @@ export class Stage {
     this.invalidate(false);
   }
 
-  /** From the camera through a place of the canvas, in pixels of the page. */
+  /** The ray from the camera through a point on the canvas, in page pixels. */
   ray(x: number, y: number): Ray {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new Vector2((x - left) / width * 2 - 1, 1 - (y - top) / height * 2), ray = new Ray();
@@ -251,7 +251,7 @@ export class Stage {
     return ray;
   }
 
-  /** In pixels of the page; undefined behind the camera. */
+  /** In page pixels; undefined behind the camera. */
   pixelOf(at: Vector3): [number, number] | undefined {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     this.camera.updateMatrixWorld();
@@ -259,10 +259,10 @@ export class Stage {
     return z > 1 ? undefined : [left + (x + 1) / 2 * width, top + (1 - y) / 2 * height];
   }
 
-  /** How much farther away than somebody placed it the camera is, for what is spread. */
+  /** How much farther away the camera is than where somebody placed it, because of the exploded fragments. */
   private room = 1;
-  /** What is spread to `spread` times the radius that is usual stays in the picture; gathered again, the camera comes back. Who is
-   * nearer than all of it goes away by as much. */
+  /** Keeps fragments in view that are exploded to `spread` times the usual radius; when they come back together, so does the camera. A user
+   * who is closer is moved back by the same factor. */
   makeRoom(usual: number, spread: number): void {
     const now = this.camera.position.distanceTo(this.controls.target), own = now / this.room;
     const next = Math.max(1, this.distanceFor(usual * spread) / Math.max(own, this.distanceFor(usual)));
@@ -272,7 +272,7 @@ export class Stage {
     this.invalidate(false);
   }
 
-  /** Farther away, so that what falls apart is in the picture. */
+  /** Moves the camera back, so that falling pieces stay in the picture. */
   retreat(factor: number): void {
     const { isAsPlaced } = this;
     this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);

@@ -1,4 +1,4 @@
-// A studio that is only seen in reflections: a bright ceiling, a window, dark walls.
+// A studio that is visible only in reflections: a bright ceiling, a window, dark walls.
 import { BackSide, BoxGeometry, Mesh, MeshBasicMaterial, Scene } from 'three';
 
 export function surroundings(): Scene {

@@ -1,4 +1,4 @@
-// What is on the stage: the whole mesh or its fragments, how they are spread, coloured and marked.
+// The contents of the stage: the whole mesh or its fragments, and how they are exploded, coloured and marked.
 import type { Answer } from 'fracture-client';
 import { materialsOf } from 'fracture-client/three';
 import { Color, DoubleSide, FrontSide, Group, type Material, Mesh, MeshBasicMaterial, Texture, Vector3 } from 'three';
@@ -15,11 +15,11 @@ import type { Settings } from '../state/request';
 import type { Stage } from './stage';
 
 export interface Look {
-  /** 0: assembled; 1: each as far again from the middle. */
+  /** 0: assembled; 1: every piece is twice as far from the centre. */
   explode: number;
   cutsOnly: boolean;
   colours: ColourMode;
-  /** Which clusters move and are coloured together; as many as there are levels: fragments. */
+  /** The level whose clusters move and are coloured together; the number of levels means the fragments themselves. */
   level: number;
   bonds: boolean;
   wireframe: boolean;
@@ -28,19 +28,19 @@ export interface Look {
   chosen: ReadonlySet<number>;
 }
 
-/** Spread so far, what the camera looks at is still in the picture. */
+/** Up to this explode factor, everything that the camera frames stays in the picture. */
 export const USUAL = 0.18;
 
-/** Milliseconds in which the fragments of a mesh that is new mostly come: until then it is not drawn in one piece. */
+/** Time in ms within which the fragments of a new mesh usually arrive; until then the whole mesh is not drawn. */
 const SOON = 400;
 
-/** More rings than these say nothing, and what is larger than this part of the mesh is seen without. */
+/** More rings than this are useless, and a fragment larger than this share of the mesh is visible without one. */
 const FEW = 12, SMALL = 0.06;
 
 export class View {
   batch: Batch | undefined;
   private materials: { key: string; list: Promise<Material[]> } | undefined;
-  /** Materials that are in the picture until the next one is. */
+  /** Materials that stay in the picture until the next ones replace them. */
   private readonly retired: Promise<Material[]>[] = [];
   private turn = 0;
   private bonds: BondGraph | undefined;
@@ -48,7 +48,7 @@ export class View {
   private repairs: Group | undefined;
   private place: Group | undefined;
   private regions: Group | undefined;
-  /** Of the places that were set, and for the fingers that drag them. */
+  /** The points and regions that are set, and the handles that drag them. */
   private handles: Handle[] = [];
   private readonly figure = person();
   private readonly reach: Mesh;
@@ -59,7 +59,7 @@ export class View {
   private middle = new Vector3();
   size = 1;
   private corners: Bounds = { low: [0, 0, 0], high: [1, 1, 1] };
-  /** Physics moves the fragments: the look does not. */
+  /** Physics moves the fragments; the look does not. */
   private held = false;
 
   constructor(readonly stage: Stage, accent: Color) {
@@ -72,10 +72,10 @@ export class View {
     this.reach.traverse(object => ((object as Mesh).material as MeshBasicMaterial).color.copy(color));
   }
 
-  /** Shows an answer. `isNew`: of another mesh, which the camera has to find. */
+  /** Shows an answer. `isNew`: it belongs to another mesh, which the camera must frame. */
   async show(answer: Answer, isNew: boolean): Promise<void> {
     const turn = ++this.turn, materials = await this.materialsFor(answer, isNew);
-    if (turn !== this.turn) return;  // a newer one was faster
+    if (turn !== this.turn) return;  // a newer answer arrived first
     const batch = new Batch(answer, materials, this.stage.software), old = this.batch;
     this.batch = batch;
     this.held = false;
@@ -100,7 +100,7 @@ export class View {
     if (this.look) this.apply(this.look);
   }
 
-  /** Decoded images serve all answers of a mesh whose materials are the same. */
+  /** Decoded images are shared by all answers of a mesh that have the same materials. */
   private async materialsFor(answer: Answer, isNew: boolean): Promise<Material[]> {
     const { materials, textures } = answer.document.json, normals = answer.fragments.some(({ normals }) => normals !== undefined);
     const key = `${answer.mesh.id} ${normals} ${JSON.stringify([materials, textures])}`;
@@ -133,30 +133,30 @@ export class View {
     }
     if (this.bonds && (before?.explode !== look.explode || before.level !== look.level)) this.bonds.update();
     if (this.repairs) this.repairs.visible = look.repairs;
-    // A person beside a city or a nut says nothing.
+    // A person next to a city or a nut is not helpful.
     this.haloes(batch, look);
     this.figure.visible = look.person && this.size < 40 && this.size > 0.25;
     this.stage.invalidate();
   }
 
-  /** Physics moves the fragments from now on: what is drawn around places where they were goes. */
+  /** From now on physics moves the fragments, so overlays at their old positions are removed. */
   hold(): void {
     this.held = true;
     this.rings.clear();
     this.reach.visible = false;
   }
-  /** They are where the look says again. */
+  /** The look positions the fragments again. */
   letGo(look: Look): void {
     this.held = false;
     this.apply(look);
   }
 
-  /** What the explode slider spreads is seen as a whole. */
+  /** Keeps all exploded fragments in view. */
   makeRoom(explode: number): void {
     this.stage.makeRoom(this.size / 2 * (1 + USUAL), Math.max(1, (1 + explode) / (1 + USUAL)));
   }
 
-  /** Fragments away from the middle, or clusters, which stay together. */
+  /** Moves fragments away from the centre, or whole clusters. */
   private spread(batch: Batch, { explode, level }: Look): void {
     const clusters = clustersAt(batch.answer, level), levels = batch.answer.figures.levels?.[level];
     const centerOf = new Map<number, Vector3>((levels?.['id'] as number[] ?? []).map((id, k) => [id, new Vector3(...levels!['center_of_mass'][k] as [number, number, number])]));
@@ -180,7 +180,7 @@ export class View {
     batch.poses.commit();
   }
 
-  /** Rings around few that are chosen, so that crumbs are found. */
+  /** Draws rings around the selected fragments if there are few, so that crumbs can be found. */
   private haloes(batch: Batch, { chosen }: Look): void {
     this.rings.clear();
     if (this.held) return;
@@ -209,7 +209,7 @@ export class View {
     this.wires = [];
   }
 
-  /** A mesh of which there is no answer: its triangles, and the edges that have no other side. */
+  /** A mesh without an answer: its triangles, and its edges with only one face. */
   showRaw(points: Float32Array): void {
     this.clear();
     this.raw = rawMesh(points);
@@ -221,7 +221,7 @@ export class View {
     this.stage.release();
   }
 
-  /** Open edges and filled holes of the whole mesh. */
+  /** The open edges and filled holes of the whole mesh. */
   repaired(whole: Answer | undefined): void {
     if (this.repairs) disposeOf(this.repairs);
     this.repairs = whole && repairsOf(whole);
@@ -231,7 +231,7 @@ export class View {
     }
   }
 
-  /** Places and directions that were set, with the handles that drag them. */
+  /** The points, regions and directions that are set, with their handles. */
   wished(settings: Settings, places: ReadonlyMap<string, PlaceKind>): void {
     if (this.regions) disposeOf(this.regions);
     const { color } = this.reach.material as MeshBasicMaterial, extent = { middle: this.middle, size: this.size };
@@ -244,7 +244,7 @@ export class View {
     return this.corners;
   }
 
-  /** The handle within so many pixels of a place of the page; the nearest. */
+  /** The nearest handle within this many pixels of a point on the page. */
   handleAt(x: number, y: number, within: number): string | undefined {
     let best: string | undefined, nearest = within;
     for (const { key, at } of this.handles) {
@@ -253,12 +253,12 @@ export class View {
     }
     return best;
   }
-  /** What a handle makes of the pointer there. */
+  /** The new value when a handle is dragged to this pointer position. */
   dragged(key: string, x: number, y: number): Settings | undefined {
     return this.handles.find(handle => handle.key === key)?.drag(this.stage.ray(x, y), this.stage.camera.getWorldDirection(new Vector3()));
   }
 
-  /** Where a problem is. */
+  /** The location of a problem. */
   mark(points: readonly (readonly number[])[]): void {
     if (this.place) disposeOf(this.place);
     this.place = points.length > 0 ? markers(points, 0.012 * this.size, RED) : undefined;
@@ -279,7 +279,7 @@ export class View {
     this.stage.invalidate(false);
   }
 
-  /** After physics has moved fragments. */
+  /** Called after physics has moved fragments. */
   moved(): void {
     this.batch?.poses.commit();
     this.bonds?.update();
@@ -302,7 +302,7 @@ export class View {
   }
 }
 
-/** With the textures and decoded images, which are theirs alone. */
+/** Also disposes of the textures and decoded images, which belong to them alone. */
 function free(materials: readonly Material[]): void {
   for (const material of materials) {
     for (const value of Object.values(material)) {

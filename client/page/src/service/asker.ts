@@ -1,10 +1,10 @@
-// Answers while a slider moves. Every value may be asked for; the newest wins; an older answer never replaces a newer one.
+// Answers while a slider moves. Every value may be requested; the newest wins; an older answer never replaces a newer one.
 //
 //   values   1  2  3  4  5  6  7 …
-//   asked    1  2        5     7      at most `MOST` at a time; the newest waits for a place, others are forgotten
-//   shown       2        5     7      an answer that comes takes back all that are older
+//   asked    1  2        5     7      at most `MOST` at a time; the newest value waits for a slot, others are dropped
+//   shown       2        5     7      an answer that arrives cancels all older requests
 
-/** Requests on their way. The service works on two; a third would only queue before the newest. */
+/** Maximum number of requests in progress. The service works on two; a third would only queue ahead of the newest. */
 const MOST = 2;
 
 interface Asked {
@@ -18,13 +18,13 @@ export class Asker<Question, Answer> {
   private last = 0;
   private shown = 0;
 
-  /** `ask` is given the time of the input; `show` only ever newer answers; `fail` what went wrong with the newest. */
+  /** `ask` is called with the time of the input, `show` only with ever newer answers, `fail` with the error of the newest request. */
   constructor(private readonly ask: (question: Question, signal: AbortSignal) => Promise<Answer>,
               private readonly show: (answer: Answer, question: Question, at: number) => void,
               private readonly fail: (error: unknown, question: Question) => void,
               private readonly changed: (inFlight: number) => void) {}
 
-  /** `settled`: nobody is dragging: what is on its way is of no use any more. */
+  /** `settled`: dragging has ended, so the requests in progress are no longer needed. */
   put(question: Question, settled = true): void {
     const next = { number: ++this.last, question, at: performance.now() };
     if (settled) this.drop(next.number);
@@ -32,7 +32,7 @@ export class Asker<Question, Answer> {
     else this.waiting = next;
   }
 
-  /** The value that was put last is the one: what is older is of no use any more. */
+  /** The latest value is final, so older requests are no longer needed. */
   settle(): void {
     this.drop(this.last);
     const next = this.waiting;
@@ -42,7 +42,7 @@ export class Asker<Question, Answer> {
     }
   }
 
-  /** Takes everything back. */
+  /** Cancels everything. */
   cancel(): void {
     this.waiting = undefined;
     this.shown = this.last;

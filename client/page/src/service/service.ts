@@ -1,4 +1,4 @@
-// The server that the page came from: what it can do, whether it is there, and the token that it asks for.
+// The server that sent the page: what it can do, whether it is available, and the token that it requires.
 import { Client, FractureError, type Limits, type ParameterDescription, type Patterns } from 'fracture-client';
 
 export type ServiceState = 'connecting' | 'ready' | 'absent' | 'token';
@@ -9,17 +9,17 @@ export interface Knowledge {
   patterns: Patterns;
 }
 
-const AGAIN = 1500;  // ms between questions to a server that is away
+const AGAIN = 1500;  // ms between requests to a server that is away
 
 export class Service {
   readonly client: Client;
   knowledge: Knowledge | undefined;
   state: ServiceState = 'connecting';
-  /** In memory only: a reload asks for it again. */
+  /** Kept only in memory: after a reload, the page asks for it again. */
   private token = '';
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** `changed`: the state is another; `back`: the server is there (again). */
+  /** `changed`: the state has changed; `back`: the server has become available (again). */
   constructor(private readonly changed: () => void, private readonly back: () => void) {
     this.client = new Client('', { token: () => this.token, retries: 2 });
   }
@@ -36,7 +36,7 @@ export class Service {
     }
   }
 
-  /** Every failure is told here. True where it only says that the server is away or asks for a token. */
+  /** Every failure is reported here. Returns true if it only means that the server is away or requires a token. */
   noticed(error: unknown): boolean {
     if (!(error instanceof FractureError)) return false;
     if (error.problem === 'unauthorized') {
@@ -64,12 +64,12 @@ export class Service {
   }
 
   private become(state: ServiceState): void {
-    // Also where it is what it was: a token may have been the wrong one.
+    // Even if the state is the same, because the token may have been wrong.
     this.state = state;
     this.changed();
   }
 
-  /** Every parameter once, with the patterns that have it alone. */
+  /** Every parameter once, with the patterns that alone use it. */
   get parameters(): (ParameterDescription & { patterns?: string[] })[] {
     if (!this.knowledge) return [];
     const { limits, patterns } = this.knowledge, shared = new Set(patterns.parameters.map(({ name }) => name));
@@ -79,13 +79,13 @@ export class Service {
     });
   }
 
-  /** The pattern that settings come to: their own, that of their material, or the server's default. */
+  /** The pattern that applies to these settings: their own, their material's, or the server's default. */
   patternOf(settings: Readonly<Record<string, unknown>>): string {
     const material = this.knowledge?.patterns.materials.find(({ name }) => name === settings['material']);
     return String(settings['pattern'] ?? material?.parameters['pattern'] ?? this.parameters.find(({ name }) => name === 'pattern')?.['default'] ?? '');
   }
 
-  /** Those that decide the solid before it is fractured: /limits has them, and no pattern. */
+  /** The parameters that shape the solid before it is fractured: those that are in /limits but in no pattern. */
   get solidParameters(): Set<string> {
     if (!this.knowledge) return new Set();
     const { limits, patterns } = this.knowledge;

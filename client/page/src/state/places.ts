@@ -1,12 +1,12 @@
-// Parameters that say a place or a direction in the mesh, which belong to one mesh and are dragged in its picture. Known by what the
-// server says of them, so that new ones are found: spheres (x_center with x_radius), boxes (x_box), planes (x_plane: a point and a
+// Parameters for points, regions and directions, which belong to one mesh and can be dragged in its view. They are recognized by the
+// server's description, so that new ones are found: spheres (x_center with x_radius), boxes (x_box), planes (x_plane: a point and a
 // normal), directions (three numbers without a unit), and families of planes (lists of such).
 import type { ParameterDescription, ParameterValue } from 'fracture-client';
 import type { Settings } from './request';
 
 export type PlaceKind = 'sphere' | 'box' | 'plane' | 'direction' | 'normals';
 type Triple = [number, number, number];
-/** Of the mesh, in metres, in the frame of the answer. */
+/** The mesh, in metres, in the answer's frame. */
 export interface Bounds {
   low: Triple;
   high: Triple;
@@ -14,7 +14,7 @@ export interface Bounds {
 
 const POINT = 'x,y,z', POINTS = 'x,y,z;x,y,z';
 
-/** By the name that holds the place: of a sphere that of its middle. */
+/** By the name of the parameter that has the position: for a sphere, that of its centre. */
 export function placesIn(parameters: readonly ParameterDescription[]): Map<string, PlaceKind> {
   const names = new Set(parameters.map(({ name }) => name)), places = new Map<string, PlaceKind>();
   for (const { name, type, text, unit } of parameters) {
@@ -30,9 +30,9 @@ export function placesIn(parameters: readonly ParameterDescription[]): Map<strin
 
 export const radiusOf = (center: string): string => center.replace(/_center$/, '_radius');
 
-/** What holds for other meshes, too: no lists of metres, no planes, and no radius without its middle. */
+/** The settings that also apply to other meshes: no lists in metres, no planes, and no radius without its centre. */
 export function withoutPlaces(settings: Settings, parameters: readonly ParameterDescription[]): Settings {
-  const places = placesIn(parameters), gone = new Set(['local_radius', 'local_sites', 'broken']);  // of hits, and of fragments
+  const places = placesIn(parameters), gone = new Set(['local_radius', 'local_sites', 'broken']);  // for hits and fragments
   for (const { name, type, unit } of parameters) {
     const kind = places.get(name);
     if (type !== 'array' || (unit !== 'm' && kind !== 'plane')) continue;
@@ -42,7 +42,7 @@ export function withoutPlaces(settings: Settings, parameters: readonly Parameter
   return Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
 }
 
-/** Where a place begins before it is dragged: a sphere in the upper half, the lower part as a box, the ground as a plane. */
+/** The initial position before dragging: a sphere in the upper half, the lower part as a box, the ground as a plane. */
 export function firstPlace(name: string, kind: PlaceKind, { low, high }: Bounds, known: ParameterValue | undefined): Settings {
   const size = Math.hypot(...low.map((value, k) => high[k]! - value)), round = rounding(size);
   const at = (share: Triple): Triple => low.map((value, k) => round(value + share[k]! * (high[k]! - value))) as Triple;
@@ -55,12 +55,12 @@ export function firstPlace(name: string, kind: PlaceKind, { low, high }: Bounds,
   }
 }
 
-/** Without the settings of a place. */
+/** Removes the settings of a region. */
 export function withoutPlace(settings: Settings, name: string): Settings {
   return Object.fromEntries(Object.entries(settings).filter(([each]) => each !== name && each !== radiusOf(name)));
 }
 
-/** To a ten-thousandth of the mesh, which a hand cannot see: links stay short. */
+/** Rounds to a ten-thousandth of the mesh size, which is finer than a hand can move, so that links stay short. */
 export function rounding(size: number): (value: number) => number {
   const digits = Math.max(0, Math.min(12, 4 - Math.floor(Math.log10(Math.max(1e-9, size)))));
   return value => Number(value.toFixed(digits)) + 0;

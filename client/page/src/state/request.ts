@@ -1,11 +1,11 @@
-// What is asked for, as the page keeps it: what was set, and the hits after it. Everything else is derived from it.
+// The request as the page keeps it: the settings, and the hits that follow. Everything else is derived from it.
 import type { Answer, ParameterValue, Vector3 } from 'fracture-client';
 
 export type Settings = Readonly<Record<string, ParameterValue>>;
 
 export interface Hit {
   point: Vector3;
-  /** Metres. */
+  /** In metres. */
   radius: number;
 }
 
@@ -14,7 +14,7 @@ export interface Wish {
   hits: readonly Hit[];
 }
 
-/** The parameters of one request that says it all. */
+/** The parameters of a single request that includes everything. */
 export function parametersOf({ settings, hits }: Wish): Record<string, ParameterValue> {
   if (hits.length === 0) return { ...settings };
   return {
@@ -29,8 +29,8 @@ export function withSetting(settings: Settings, name: string, value: ParameterVa
   return next;
 }
 
-/** Without those of the page's `own` settings that a problem says exclude one that somebody set: its `details` name both, in
- * quotes. Undefined where there is none to give up. */
+/** Drops those of the page's `own` settings that, according to a problem, exclude a setting of the user: its `details` quote both
+ * names. Undefined if there is nothing to drop. */
 export function withoutExcluded(settings: Settings, own: Settings, details: readonly string[]): Settings | undefined {
   const isOwn = (name: string) => own[name] !== undefined && JSON.stringify(own[name]) === JSON.stringify(settings[name]);
   const gone = new Set(details.flatMap(detail => {
@@ -40,32 +40,32 @@ export function withoutExcluded(settings: Settings, own: Settings, details: read
   return gone.size === 0 ? undefined : Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
 }
 
-/** What is left of a wish under another pattern, which refuses what belongs to others alone: impacts become hits of this radius, where there are none yet. */
+/** The settings that remain with another pattern, which refuses other patterns' parameters: impacts become hits with this radius, if there are no hits yet. */
 export function underPattern({ settings, hits }: Wish, pattern: string, parameters: readonly { name: string; patterns?: string[] }[], radius: number): Wish {
   const foreign = new Set(parameters.filter(({ patterns }) => patterns && !patterns.includes(pattern)).map(({ name }) => name)), { impacts } = settings;
   const moved = foreign.has('impacts') && Array.isArray(impacts) ? (impacts as Vector3[]).map(point => ({ point, radius })).filter(({ point }) => !hits.some(hit => String(hit.point) === String(point))) : [];
   return { settings: Object.fromEntries(Object.entries(settings).filter(([name]) => !foreign.has(name))), hits: [...moved, ...hits] };
 }
 
-/** A wish and what came of it: what undo goes back to. */
+/** A request and its result, to which undo returns. */
 export interface Step extends Wish {
   answer: Answer | undefined;
-  /** Its number: the values of one drag are one step. */
+  /** Its number: all values of a drag are one step. */
   gesture: number;
 }
 
-/** Answers that are kept; older ones are asked for again, and are the same. */
+/** Number of answers that are kept; older ones are requested again and are identical. */
 const KEPT = 8;
-const ONE_GESTURE = 900;  // ms between two presses of a key, or two drags, that belong together
+const ONE_GESTURE = 900;  // ms between two key presses or drags that belong together
 
-/** Which values belong together: those of one drag, however long their answers take, and what follows at once on the same thing. */
+/** Decides which values belong together: those of one drag, however long their answers take, and changes to the same thing soon after. */
 export class Gestures {
   private number = 0;
   private cause = '';
   private held = false;
   private at = -Infinity;
 
-  /** The number of the gesture that gave a value at `now`, in ms. `cause`: what was changed, '' for what stands alone; `settled`: it is let go. */
+  /** The number of the gesture that set a value at `now` (ms). `cause`: what was changed, '' if it stands alone; `settled`: it was released. */
   of(cause: string, settled: boolean, now: number): number {
     if (cause === '' || cause !== this.cause || !(this.held || now - this.at < ONE_GESTURE)) ++this.number;
     this.cause = cause;
@@ -88,7 +88,7 @@ export class History {
   get canRedo(): boolean {
     return this.at + 1 < this.steps.length;
   }
-  /** Puts the steps of this moment back. */
+  /** Restores the steps of this moment. */
   keep(): () => void {
     const { steps, at } = this;
     return () => {

@@ -1,6 +1,6 @@
-// What a browser does with text and files.
+// Browser functions for text and files.
 
-/** False where it may not; over plain HTTP from another machine there is no clipboard, and a field that is selected does. */
+/** Returns false if copying is not allowed. Over plain HTTP from another machine there is no clipboard, so a selected field is used. */
 export async function copy(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);

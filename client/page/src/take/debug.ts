@@ -1,4 +1,4 @@
-// What somebody needs who is to see the same: versions, parameters, digests, report, problem. No token, no mesh.
+// Everything needed to reproduce what is shown: versions, parameters, digests, report, problem. No token, no mesh.
 import type { App } from '../app/app';
 import { parametersOf } from '../state/request';
 import { linkOf } from './link';

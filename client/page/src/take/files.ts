@@ -1,4 +1,4 @@
-// The answer as files. Variants are the same fragments in another form, which the server makes.
+// The answer as files. Variants are the same fragments in another form, which the server produces.
 import type { Parameters } from 'fracture-client';
 import type { App } from '../app/app';
 import { asProblem } from '../app/failures';
@@ -19,7 +19,7 @@ export async function saveGlb(app: App, variant: Parameters): Promise<void> {
   }
 }
 
-/** A sample, or what the server offers: neither lies on a disk here. */
+/** A sample, or a mesh offered by the server: neither is on the user's disk. */
 export function saveMesh({ state: { source } }: App): void {
   const { name, data } = (source?.fetched && source.input ? source.input : {}) as { name?: string; data?: Uint8Array<ArrayBuffer> };
   if (name && data) saveAs(new Blob([data], { type: name.endsWith('.glb') ? 'model/gltf-binary' : 'application/octet-stream' }), name);

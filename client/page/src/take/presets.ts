@@ -1,4 +1,4 @@
-// What was set, as a file for other meshes: without places, which are those of one mesh.
+// The settings as a file, for use with other meshes. Points and regions are left out, because they belong to one mesh.
 import type { App } from '../app/app';
 import { withoutPlaces } from '../state/places';
 import type { Settings } from '../state/request';

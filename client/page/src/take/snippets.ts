@@ -1,20 +1,20 @@
-// The same request for who works elsewhere: in a shell, in a script, without a server, in a farm.
+// The same request for use elsewhere: in a shell, in a script, without a server, or on a farm.
 import type { ParameterValue } from 'fracture-client';
 import type { App } from '../app/app';
 import { textOf } from '../panels/lists';
 import { parametersOf } from '../state/request';
 import { words } from '../words/words';
 
-/** One word of a shell line, whatever characters it has. */
+/** A single shell word, whatever characters it contains. */
 const shell = (text: string) => (/^[\w./:=,+@%-]+$/.test(text) ? text : `'${text.replaceAll('\'', '\'\\\'\'')}'`);
 const json = (value: unknown) => JSON.stringify(value);
-/** A file of a form of curl, which gives commas, semicolons and blanks a meaning unless the name is in quotes. */
+/** A file in a curl form. In curl, commas, semicolons and spaces have a meaning unless the name is quoted. */
 const formFile = (name: string) => (!/^[\w./-]+$/.test(name) ? `"${name.replace(/["\\]/g, '\\$&')}"` : name);
-/** curl ends the value of a form, too, at a semicolon, which occurs only in strings of a JSON. */
+/** curl also ends a form value at a semicolon, which in JSON occurs only inside strings. */
 const formJson = (value: unknown) => json(value).replaceAll(';', '\\u003b');
-/** A path that no program takes for an option. */
+/** A path that no program mistakes for an option. */
 const fileWord = (name: string) => shell(name.startsWith('-') ? `./${name}` : name);
-/** Text for the rest of one line. */
+/** Text for the rest of a line. */
 const oneLine = (text: string) => text.replace(/[\p{Cc}\p{Zl}\p{Zp}]/gu, ' ');
 
 function python(value: ParameterValue): string {
@@ -34,13 +34,13 @@ export function snippets(app: App): Snippets {
   const { shown, source } = app.state, parameters = parametersOf((shown ?? app.state).wish), server = location.origin;
   const file = source?.label.includes('.') ? source.label : `${source?.label ?? 'mesh'}.glb`, out = 'fragments.glb', token = app.service.hasToken;
   const others = Array.isArray(source?.input) ? source.input.map(({ name }) => String(name)).filter(name => name.split('/').pop() !== file) : [];
-  // A sample is on no disk, unless somebody puts it there; shells take a remark on a line of its own, JSON takes none.
+  // A sample is not on disk unless somebody saves it. Shells need a comment on its own line; JSON allows none.
   const remark = (mark: string) => (source?.fetched ? `${mark} ${oneLine(words.take.sampleFile(file))}` : ''), before = (mark: string) => (source?.fetched ? `${remark(mark)}\n` : '');
   const after = source?.fetched ? `\n${remark('#')}` : '';
   return {
     curl: ['curl --fail-with-body', token ? '-H "Authorization: Bearer $TOKEN"' : '', ...[`mesh=@${formFile(file)}`, ...others.map(name => `file=@${formFile(name)}`)].map(part => `-F ${shell(part)}`),
       `\\\n  -F ${shell(`params=${formJson(parameters)};type=application/json`)}`, `\\\n  ${shell(`${server}/fracture`)} -o ${out}`].filter(Boolean).join(' ') + after,
-    // What the mesh names is found beside it.
+    // Files that the mesh references are found next to it.
     python: `${before('#')}from fracture_client import Client\n\nwith Client(${json(server)}${token ? ', token=TOKEN' : ''}) as client:\n    mesh = client.put(${json(file)})\n` +
       `    answer = mesh.fracture({${Object.entries(parameters).map(([name, value]) => `\n        ${json(name)}: ${python(value)},`).join('')}\n    })\n    answer.save(${json(out)})\n`,
     javascript: `${before('//')}import { readFile, writeFile } from 'node:fs/promises';\nimport { Client } from 'fracture-client';\n\n` +

@@ -1,4 +1,4 @@
-// Fragments in a game of three.js and Rapier.
+// Fragments in a game that uses three.js and Rapier.
 //
 //     const setup = { rapier, world, parent: scene, materials };
 //     const intact = place(await mesh.fracture({ sites: 1 }), setup, { position: [0, 2, 0] });
@@ -13,15 +13,15 @@ import type { Vec3 } from './mass.js';
 import { type PieceOptions, Pieces, type Pose, type World } from './pieces.js';
 import type { RapierBody } from './rapier.js';
 
-/** Your own body and its drawn object. Its frame is that of the mesh, or is at `origin` in it. */
+/** Your own body and its drawn object. The body's frame is the mesh's frame, or is at `origin` in it. */
 export interface OwnBody {
   body: RapierBody;
   object3D: Object3D;
   origin?: Vec3;
 }
 
-/** Puts an answer into the world. `whole`: as one unbroken body, with the mass and inertia of its fragments, also without bonds.
- * Throws FractureError (bad-argument) for an answer without rigid bodies. */
+/** Puts an answer into the world. `whole`: as a single unbroken body with the mass and inertia of its fragments, even if they have no
+ * bonds. Throws FractureError (bad-argument) for an answer without rigid bodies. */
 export function place(answer: Answer, world: World, how: Pose & PieceOptions & { whole?: boolean } = {}): Pieces {
   const { whole = false, position = [0, 0, 0], rotation = [0, 0, 0, 1], ...options } = how;
   const pieces = new Pieces(answer, world, options);
@@ -29,9 +29,9 @@ export function place(answer: Answer, world: World, how: Pose & PieceOptions & {
   return pieces;
 }
 
-/** Replaces one moving body by the fragments of an answer of the same mesh. Call it between two steps. The body and its drawn object
- * are removed. Momentum is kept, unless a fragment is anchored; `pieces.swaps` has the figures. `impact`: with `bonded`, the blow
- * that breaks the first bonds. Throws FractureError (bad-argument). */
+/** Replaces a moving body with the fragments of an answer for the same mesh. Call it between two steps. The body and its drawn object
+ * are removed. Momentum is conserved unless a fragment is anchored; `pieces.swaps` records it. `impact`: with `bonded`, the blow that
+ * breaks the first bonds. Throws FractureError (bad-argument). */
 export function swap(object: Pieces | OwnBody, answer: Answer, world: World, how: PieceOptions & { impact?: Blow } = {}): Pieces {
   const { impact, ...options } = how;
   const pieces = new Pieces(answer, world, options);

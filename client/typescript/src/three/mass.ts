@@ -1,11 +1,11 @@
 // Mass, centre and inertia of rigid bodies in double precision, their sums, and the momentum of a set of bodies. Units: kg, m, s.
-// Physics engines for games compute in floats, so values that must agree exactly are computed here.
+// Game physics engines compute in floats, so values that must agree exactly are computed here.
 import type { Motion } from '../fragments.js';
 
 export type Vec3 = [number, number, number];
 /** x, y, z, w; unit. */
 export type Quat = [number, number, number, number];
-/** Row by row. An inertia is symmetric. */
+/** Row-major. An inertia is symmetric. */
 export type Mat3 = [number, number, number, number, number, number, number, number, number];
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -48,7 +48,7 @@ export function inertiaOf(moments: Vec3, axes: Quat): Mat3 {
 export const turned = (inertia: Mat3, by: Quat): Mat3 => product(product(matrixOf(by), inertia), transposed(matrixOf(by)));
 const sum = (a: Mat3, b: Mat3): Mat3 => a.map((value, k) => value + b[k]!) as Mat3;
 
-/** Mass properties of a body, in any frame. */
+/** A body's mass properties, in any frame. */
 export interface MassProperties {
   /** kg */
   mass: number;
@@ -58,13 +58,13 @@ export interface MassProperties {
   inertia: Mat3;
 }
 
-/** The mass properties of a fragment, in the frame of the mesh. `translation`: that of its node. */
+/** A fragment's mass properties in the mesh's frame. `translation`: that of its node. */
 export function massOf(motion: Motion, translation: Vec3): MassProperties {
   const inertia = inertiaOf(motion.inertiaDiagonal, motion.inertiaOrientation);
   return { mass: motion.mass, center: add(translation, motion.centerOfMass), inertia };
 }
 
-/** The same mass properties in the world. The frame of the mesh is at `at` and has the rotation `turn`. */
+/** The same mass properties in world space. The mesh's frame is at `at` and has the rotation `turn`. */
 export function placed({ mass, center, inertia }: MassProperties, at: Vec3, turn: Quat): MassProperties {
   return { mass, center: add(at, rotate(turn, center)), inertia: turned(inertia, turn) };
 }
@@ -77,7 +77,7 @@ export function pointInertia(mass: number, [x, y, z]: Vec3): Mat3 {
   ];
 }
 
-/** The mass properties of all parts as one rigid body (Huygens–Steiner). Without parts the mass is 0. */
+/** The mass properties of all parts as a single rigid body (Huygens–Steiner). If there are no parts, the mass is 0. */
 export function combine(parts: readonly MassProperties[]): MassProperties {
   let mass = 0, moment: Vec3 = [0, 0, 0];
   for (const part of parts) {
@@ -107,7 +107,7 @@ export function principalAxes(inertia: Mat3): { moments: Vec3; axes: Quat } {
   return { moments: [m[0], m[4], m[8]], axes: axes.map(c => c / size) as Quat };
 }
 
-/** A rigid body in the world; centre and inertia are along the world's axes. */
+/** A rigid body in the world; centre and inertia use the world's axes. */
 export interface MovingBody extends MassProperties {
   /** m/s, of the centre. */
   velocity: Vec3;
@@ -125,7 +125,7 @@ export interface Momentum {
   center: Vec3;
 }
 
-/** The momentum of all bodies together, about their common centre of mass or about another point. */
+/** The total momentum of all bodies, about their common centre of mass or another point. */
 export function momentumOf(bodies: readonly MovingBody[], about?: Vec3): Momentum {
   const { mass, center: own } = combine(bodies), center = about ?? own;
   let linear: Vec3 = [0, 0, 0], angular: Vec3 = [0, 0, 0];
@@ -143,7 +143,7 @@ export function setMomentum(bodies: MovingBody[], wanted: Momentum): void {
   if (!(mass > 0)) return;
   const now = momentumOf(bodies, wanted.center);
   const push = scale(1 / mass, sub(wanted.linear, now.linear));
-  // The push acts at the common centre, which may differ from the point of the wanted momentum.
+  // The push acts at the common centre, which may differ from the reference point of the wanted momentum.
   const turn = sub(sub(wanted.angular, now.angular), cross(sub(center, wanted.center), scale(mass, push)));
   const { moments, axes } = principalAxes(inertia), along = rotate(conjugate(axes), turn);
   const least = 1e-12 * Math.max(...moments);  // no spin about an axis without inertia, as in a needle
@@ -154,8 +154,8 @@ export function setMomentum(bodies: MovingBody[], wanted: Momentum): void {
   }
 }
 
-/** Replaces a moving body by parts. Each part gets the velocity v + ω × r at its centre. Then all parts get one common rigid motion,
- * so that their linear and angular momentum equal those of the body, also if the masses differ. All in the world's frame. */
+/** Replaces a moving body with parts. Each part gets the velocity v + ω × r at its centre. Then all parts get a common rigid motion, so
+ * that their linear and angular momentum equal the body's even if the masses differ. Everything is in world space. */
 export function inherit(body: MovingBody, parts: readonly MassProperties[]): MovingBody[] {
   const made = parts.map(part => ({
     ...part, velocity: add(body.velocity, cross(body.spin, sub(part.center, body.center))), spin: [...body.spin] as Vec3,

@@ -1,8 +1,8 @@
-// Fragments as meshes of three.js. They share the buffers of the file: one for each attribute and one for the indices. Nothing is
-// copied, and 200 fragments need 3 uploads to the graphics card instead of 600.
+// Fragments as three.js meshes. They share the file's buffers: one per attribute and one for the indices. Nothing is copied, and 200
+// fragments need 3 uploads to the graphics card instead of 600.
 //
 //   POSITION   | fragment 0 | fragment 1 | fragment 2 | …     an attribute with an offset for each fragment
-//   indices16  | fragment 0 | fragment 1 | fragment 2 | …     one attribute, groups for each fragment
+//   indices16  | fragment 0 | fragment 1 | fragment 2 | …     one attribute, with groups for each fragment
 import {
   Box3, BufferAttribute, BufferGeometry, InterleavedBuffer, InterleavedBufferAttribute, type Material, Mesh, Sphere, Vector3,
 } from 'three';
@@ -35,7 +35,7 @@ class SharedBuffers {
   attribute(index: number): SharedAttribute {
     const accessor = this.glb.accessorAt(index), width = widthOf(accessor), view = accessor.bufferView;
     if (view === undefined || accessor.componentType !== 5126 || accessor.sparse)
-      throw localError('bad-argument', `Accessor ${index} is not a dense array of floats, which meshesOf() needs. Use an unchanged ` +
+      throw localError('bad-argument', `Accessor ${index} is not a dense array of floats, as meshesOf() requires. Use an unchanged ` +
         'GLB of the server.', { parameter: 'answer' });
     let buffer = this.buffers.get(view);
     if (!buffer) {
@@ -46,7 +46,7 @@ class SharedBuffers {
     return new SharedAttribute(buffer, width, (accessor.byteOffset ?? 0) / (4 * width), accessor.count);
   }
 
-  /** All indices of one width, with the range of this accessor. */
+  /** All indices of the same width, with the range of this accessor. */
   index(index: number): { attribute: BufferAttribute; start: number; count: number } {
     const accessor = this.glb.accessorAt(index), size = bytesPerComponent(accessor.componentType), view = accessor.bufferView!;
     let attribute = this.indices.get(view);
@@ -59,9 +59,9 @@ class SharedBuffers {
   }
 }
 
-/** One three.js mesh for each fragment, at its place in the frame of the mesh; `userData.fragment` is its id. Their geometries share
- * buffers: dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of the answer, such
- * as answer.passedThrough. Throws FractureError (bad-argument) for a GLB that was changed. */
+/** One three.js mesh per fragment, at its position in the mesh's frame; `userData.fragment` is its id. The geometries share buffers:
+ * dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of the answer, such as
+ * answer.passedThrough. Throws FractureError (bad-argument) for a modified GLB. */
 export function meshesOf(answer: Answer, materials: readonly Material[], pieces: readonly Piece[] = answer.fragments): Mesh[] {
   const buffers = new SharedBuffers(answer.document);
   const flat = new Map<Material, Material>();  // for surfaces without normals, because glTF shades their triangles flat

@@ -1,6 +1,6 @@
-// Fragments in a world of Rapier, drawn by three.js. Fragments that bonds hold together are one compound body. If bonds break, several
-// bodies replace it. Each gets the velocity v + ω × r, and then all get one common rigid motion, so that linear and angular
-// momentum stay exactly the same, also if the masses differ.
+// Fragments in a Rapier world, drawn by three.js. Fragments that are held together by bonds form one compound body. If bonds break,
+// several bodies replace it. Each gets the velocity v + ω × r, and then all get a common rigid motion, so that linear and angular
+// momentum stay exactly the same even if the masses differ.
 import { Group, type Material, type Mesh, type Object3D } from 'three';
 import type { Answer } from '../answer.js';
 import { localError } from '../problems.js';
@@ -12,10 +12,10 @@ import { colliders, movingBody, quat, setMotion, vec, xyz, xyzw } from './rapier
 import type { ContactForce, Rapier, RapierBody, RapierCollider, RapierWorld } from './rapier.js';
 
 export interface World {
-  /** The module of Rapier. */
+  /** The Rapier module. */
   rapier: Rapier;
   world: RapierWorld;
-  /** The object whose frame is that of the world, usually the scene. */
+  /** The object whose frame is the world's frame, usually the scene. */
   parent: Object3D;
   /** The materials of the answer (materialsOf()), or your own. */
   materials: readonly Material[];
@@ -34,11 +34,11 @@ export interface Pose {
   rotation?: readonly [number, number, number, number];
 }
 
-/** One replacement of a body by others. Both momenta are about the same point. */
+/** The replacement of a body by others. Both momenta are about the same point. */
 export interface SwapRecord {
   before: Momentum;
   after: Momentum;
-  /** True if the old body was fixed or a new one is anchored, so that momentum went into the ground. */
+  /** True if the old body was fixed or a new one is anchored, so that the ground absorbed momentum. */
   held: boolean;
   /** Number of new bodies. */
   bodies: number;
@@ -49,24 +49,24 @@ interface Body {
   members: number[];
   /** Origin of the body's frame, in the frame of the mesh. */
   origin: Vec3;
-  /** It sleeps, and its meshes are already at its place. */
+  /** The body sleeps, and its meshes are already in position. */
   settled: boolean;
 }
 
-/** A contact on a group counts as a blow only above this multiple of its weight. */
+/** Only a contact force above this multiple of a group's weight is a blow. */
 const QUIET = 4;
 
 export class Pieces {
   /** The parent of the fragments' meshes; its userData.pieces is this object. */
   readonly object3D = new Group();
   readonly meshes: Mesh[];
-  /** The replacements of bodies so far, the newest last. */
+  /** All replacements of bodies so far, newest last. */
   readonly swaps: SwapRecord[] = [];
   private readonly bodies = new Set<Body>();
   private readonly bodyOfMember = new Map<number, Body>();
   private readonly memberOfCollider = new Map<number, number>();
   private readonly indexOf: Map<number, number>;
-  /** Indices of the bonds that hold. */
+  /** Indices of the unbroken bonds. */
   private readonly holding = new Set<number>();
   private cutsShown = true;
   private blows: { member: number; energy: number }[] = [];
@@ -81,11 +81,11 @@ export class Pieces {
     this.object3D.add(...this.meshes);
   }
 
-  /** One body for each loose fragment and each group that holds together. */
+  /** One body for each loose fragment and each connected group. */
   get rigidBodies(): RapierBody[] {
     return [...this.bodies].map(body => body.rigid);
   }
-  /** The body that a fragment is in, by its id. */
+  /** The body that contains the fragment with this id. */
   bodyOf(id: number): RapierBody | undefined {
     return this.bodyOfMember.get(this.indexOf.get(id) ?? -1)?.rigid;
   }
@@ -94,19 +94,19 @@ export class Pieces {
     const body = [...this.bodies].find(({ rigid: { handle } }) => handle === rigid.handle);
     return (body?.members ?? []).map(member => this.answer.fragments[member]!.id);
   }
-  /** Number of bonds that hold. */
+  /** Number of unbroken bonds. */
   get bondsLeft(): number {
     return this.holding.size;
   }
-  /** The momentum of all moving bodies, about their common centre of mass or about another point. */
+  /** The momentum of all moving bodies, about their common centre of mass or another point. */
   momentum(about?: Vec3): Momentum {
     return momentumOf(this.rigidBodies.filter(rigid => rigid.isDynamic()).map(movingBody), about);
   }
-  /** Converts a point on a fragment from the world to the frame of the mesh before anything moved. Hits need such points. Throws
-   * FractureError (bad-argument) for an unknown id. */
+  /** Converts a point on a fragment from the world to the mesh's frame before anything moved, as hits require. Throws FractureError
+   * (bad-argument) for an unknown id. */
   pointOf(id: number, point: Vec3): Vec3 {
     const body = this.bodyOfMember.get(this.indexOf.get(id) ?? -1);
-    if (!body) throw localError('bad-argument', `These pieces have no fragment with the id ${id}.`, { parameter: 'id' });
+    if (!body) throw localError('bad-argument', `None of these pieces has the id ${id}.`, { parameter: 'id' });
     const [x, y, z, w] = quat(body.rigid.rotation());
     return add(body.origin, rotate([-x, -y, -z, w], sub(point, vec(body.rigid.translation()))));
   }
@@ -138,15 +138,15 @@ export class Pieces {
     for (const own of [a, b]) {
       const member = this.memberOfCollider.get(own);
       if (member === undefined || this.bodyOfMember.get(member)!.members.length < 2) continue;
-      // A resting body presses with each step, so only a force above a multiple of its weight is a blow.
+      // A resting body presses on its contacts in each step, so only a force above a multiple of its weight is a blow.
       const weight = Math.max(moves(a), moves(b)) * Math.hypot(world.gravity.x, world.gravity.y, world.gravity.z) * world.timestep;
       const rest = impulse - QUIET * weight;
       if (rest > 0) this.blows.push({ member, energy: energyOf(rest, moves(a), moves(b)) });
     }
   }
 
-  /** Breaks bonds by the contacts of a step, and separates the groups that they held. Call it after onContact(). Returns the number
-   * of broken bonds. */
+  /** Breaks bonds according to a step's contacts, and separates the groups that they held together. Call it after onContact().
+   * Returns the number of broken bonds. */
   breakBonds(): number {
     const blows = this.blows;
     this.blows = [];
@@ -158,8 +158,8 @@ export class Pieces {
     return broken;
   }
 
-  /** Hits the group of a fragment. `point`: in the frame of the mesh (m). `energy`: J. `id`: the fragment; default: the nearest one.
-   * A loose fragment does not break. Returns the number of broken bonds. */
+  /** Hits a fragment's group. `point`: in the mesh's frame (m). `energy`: J. `id`: the fragment; default: the nearest one. A loose
+   * fragment does not break. Returns the number of broken bonds. */
   strike(point: Vec3, energy: number, id?: number): number {
     const body = this.bodyOfMember.get(id === undefined ? this.nearest(point) : this.indexOf.get(id) ?? -1);
     if (!body || body.members.length < 2) return 0;
@@ -176,7 +176,7 @@ export class Pieces {
     this.remove();
   }
 
-  /** Removes bodies and meshes from world and scene, and frees their buffers on the graphics card. Materials are not disposed of. */
+  /** Removes bodies and meshes from world and scene, and frees their buffers on the graphics card. Does not dispose of materials. */
   remove(): void {
     for (const { rigid } of this.bodies) this.setup.world.removeRigidBody(rigid);
     this.bodies.clear();
@@ -194,7 +194,7 @@ export class Pieces {
     this.enter();
   }
 
-  /** Replaces a body whose frame is at `origin` in the frame of the mesh. @internal */
+  /** Replaces a body whose frame is at `origin` in the mesh's frame. @internal */
   startAs(rigid: RapierBody, origin: Vec3, blow: Blow | undefined): void {
     const all = this.answer.fragments.map((_, k) => k);
     if (blow) for (const bond of this.broken(blow, all)) this.holding.delete(bond);
@@ -252,7 +252,7 @@ export class Pieces {
     const made = parts.map(members => this.add(members, frame, turn, field)), moving = made.filter(rigid => rigid.isDynamic());
     const held = !old.isDynamic() || moving.length < made.length;
     const before = momentumOf(old.isDynamic() ? [field] : []);
-    // Twice: the second round corrects the rounding to floats.
+    // This runs twice: the second round corrects the rounding to floats.
     for (let round = 0; round < 2 && !held; ++round) {
       const bodies = moving.map(movingBody);
       setMomentum(bodies, before);

@@ -1,4 +1,4 @@
-// The parts of Rapier that this package uses. The caller passes the module in; any 3D package of Rapier works.
+// The parts of Rapier that this package uses. The caller passes in the module; any 3D Rapier package works.
 import type { Fragment } from '../fragments.js';
 import { inertiaOf, type MovingBody, multiply, type Quat, type Vec3 } from './mass.js';
 
@@ -56,7 +56,7 @@ export const xyzw = ([x, y, z, w]: Quat): Xyzw => ({ x, y, z, w });
 export const vec = ({ x, y, z }: Xyz): Vec3 => [x, y, z];
 export const quat = ({ x, y, z, w }: Xyzw): Quat => [x, y, z, w];
 
-/** The present motion of a Rapier body, in double precision. */
+/** The current motion of a Rapier body, in double precision. */
 export function movingBody(body: RapierBody): MovingBody {
   const axes = multiply(quat(body.rotation()), quat(body.principalInertiaLocalFrame()));
   return {
@@ -71,12 +71,12 @@ export function setMotion(body: RapierBody, { velocity, spin }: Pick<MovingBody,
   body.setAngvel(xyz(spin), true);
 }
 
-/** Descriptions of the colliders of a fragment, in the frame of a body in which the fragment is at `offset`. They have no mass,
- * because mass and inertia belong to the body. `threshold`: force (N) above which contacts are reported. */
+/** Descriptions of a fragment's colliders, in the frame of a body in which the fragment is at `offset`. They have no mass, because mass
+ * and inertia belong to the body. `threshold`: force (N) above which contacts are reported. */
 export function colliders({ ColliderDesc, ActiveEvents }: Rapier, fragment: Fragment, offset: Vec3, threshold: number | undefined): any[] {
   const { hulls, surface: { friction, restitution }, collisionSystem } = fragment;
   return hulls.flatMap(({ positions, triangles }) => {
-    // Rapier computes the hull again from the points: it merges faces that are almost flat, so a step takes half the time.
+    // Rapier recomputes the hull from the points and merges almost coplanar faces, so a step takes half the time.
     const shape = ColliderDesc.convexHull(positions) ?? ColliderDesc.convexMesh(positions, Uint32Array.from(triangles));
     if (!shape) return [];
     shape.setTranslation(...offset).setDensity(0).setFriction(friction).setRestitution(restitution);
