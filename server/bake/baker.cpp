@@ -6,9 +6,10 @@ Expected<RequestParameters> parse_parameters(const ParameterTable& table,
                                              const std::vector<RawParameter>& given) {
   Expected<RequestParameters> parsed = table.parse(given);
   if (parsed && !parsed->of.empty())
-    return fail(ErrorCode::kNoSuchAnswer,
-                "A bake makes each file from its own parameters: 'of' names an answer that no baker keeps.",
-                "of");
+    return fail(
+        ErrorCode::kNoSuchAnswer,
+        "bake keeps no answers, so 'of' cannot name one. Give the parameters that the answer contains instead.",
+        "of");
   return parsed;
 }
 

@@ -29,7 +29,7 @@ Expected<Form> write_form(std::span<const FormPart> parts) {
     if (has_control_character(part.filename))
       return fail(
           ErrorCode::kExternalResource,
-          "A file that the mesh names has a control character in its name and cannot be sent: rename it.");
+          "A file that the mesh references has a control character in its name and cannot be sent: rename it.");
     size += part.body.size() + part.filename.size() + 200;
   }
   std::string boundary = "fracture-bake";

@@ -264,19 +264,18 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
       named(head.title) + "</h1>\n";
   if (head.stopped)
     page += "<p class=\"bad\">Stopped: " + grouped(head.jobs - std::min(head.jobs, lines.size())) +
-            " jobs were not done. The same command continues.</p>\n";
+            " jobs were not done. The same command continues the bake.</p>\n";
   if (!head.no_pictures.empty()) page += "<p>No pictures were drawn: " + as_html(head.no_pictures) + "</p>\n";
   page += "<dl>\n" + figure("Jobs", grouped(head.jobs)) + figure("Made", grouped(made.size()));
-  if (head.kept > 0) page += figure("of them kept from an earlier run", grouped(head.kept));
+  if (head.kept > 0) page += figure("Kept from an earlier run", grouped(head.kept));
   if (totals.refused > 0)
     page += figure("Refused", "<a href=\"#not-made\">" + grouped(totals.refused) + "</a>", "bad");
   if (totals.failed > 0)
     page += figure("Failed", "<a href=\"#not-made\">" + grouped(totals.failed) + "</a>", "bad");
   if (totals.warned > 0) page += figure("With warnings", grouped(totals.warned), "warn");
-  page += figure("Fragments", grouped(totals.fragments)) +
-          figure("Size of the outputs", in_bytes(totals.bytes)) +
+  page += figure("Fragments", grouped(totals.fragments)) + figure("Output size", in_bytes(totals.bytes)) +
           figure("Time of this run", in_time(head.seconds)) +
-          figure("Time of all meshes, added up", in_time(totals.seconds)) + "</dl>\n";
+          figure("Total time of all meshes", in_time(totals.seconds)) + "</dl>\n";
   if (!not_made.empty()) {
     page +=
         "<h2 id=\"not-made\">Not made</h2>\n<table class=\"plain\">\n<thead><tr><th>Mesh</th><th></th><th>Why</th></tr></thead>\n<tbody>\n";
@@ -284,7 +283,7 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
     page += "</tbody>\n</table>\n";
   }
   if (!made.empty()) {
-    page += "<h2 id=\"made\">Made, the slowest first</h2>\n<table>\n<thead><tr>";
+    page += "<h2 id=\"made\">Made, slowest first</h2>\n<table>\n<thead><tr>";
     if (pictures) page += "<th></th>";
     page +=
         "<th>Mesh</th><th class=\"n\">Fragments</th><th class=\"n\">ms</th><th class=\"n\">Size</th>"

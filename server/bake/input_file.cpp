@@ -40,8 +40,8 @@ Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byt
     if (const auto format = format_from_extension(ending.substr(1))) return *format;
   if (const auto format = format_from_content(bytes)) return *format;
   const std::string what = path == kStandardStream
-                               ? "The first bytes of standard input do not show its format"
-                               : "The name '" + path + "' has no known ending";
+                               ? "The first bytes of standard input do not identify its format"
+                               : "The name '" + path + "' has no known file extension";
   return fail(ErrorCode::kUnknownFormat, what + "; give its format with --format.", "format");
 }
 

@@ -105,10 +105,10 @@ Expected<MeshNames> names_in(const std::string& path, std::span<const std::byte>
   const bool read = !gltf || read_gltf(text, names);
   if (format == MeshFormat::kObj) read_obj(text, names);
   if (names.full())
-    return fail(ErrorCode::kTooLarge, "For rules by node or material a mesh may have " +
+    return fail(ErrorCode::kTooLarge, "For rules by node or material, a mesh may have at most " +
                                           std::to_string(kMaxMeshNames) + " names with " +
                                           std::to_string(kMaxMeshNameBytes) +
-                                          " bytes together; this one has more.");
+                                          " bytes in total; this one has more.");
   return read ? std::move(names).take() : MeshNames{};
 }
 

@@ -43,9 +43,9 @@ Expected<OutputKind> kind_of_output(const std::string& path) {
   if (format == MeshFormat::kStl) return OutputKind::kStl;
   if (format != MeshFormat::kObj)
     return fail(ErrorCode::kBadParameter,
-                "'" + ending + "' is not written: the output '" + path +
-                    "' must end in .glb, .gltf (one JSON text), .obj (with .mtl and textures), .ply or "
-                    ".stl, or have no ending (GLB).",
+                "'" + ending + "' cannot be written: the output '" + path +
+                    "' must end in .glb, .gltf (a single JSON document), .obj (with .mtl and textures), "
+                    ".ply or .stl, or have no extension (GLB).",
                 {}, {{"known", {".glb", ".gltf", ".obj", ".ply", ".stl"}}});
   const std::string name = fs::path(path).filename().string();
   const bool breaks = std::any_of(name.begin(), name.end(),
@@ -53,7 +53,7 @@ Expected<OutputKind> kind_of_output(const std::string& path) {
   if (breaks || name.front() == ' ' || name.front() == '-')
     return fail(
         ErrorCode::kBadParameter,
-        "An OBJ cannot name the materials of '" + path +
+        "An OBJ cannot reference the .mtl file of '" + path +
             "': the name of the OBJ must not begin with a space or '-', nor contain control characters.");
   return OutputKind::kObj;
 }

@@ -130,8 +130,8 @@ class Conversation {
   static Step otherwise(const std::string& key) {
     return {.next = Next::kWhole,
             .trouble = "The server gave the answer the address " + key +
-                       ", but this program expects another one. Perhaps the server has the mesh in another "
-                       "format, or has another version."};
+                       ", but this program expects another address. Perhaps the server has the mesh in "
+                       "another format, or is another version."};
   }
 
   std::vector<std::pair<std::string, std::string>> fields() const {
@@ -285,7 +285,7 @@ class RemoteBaker : public Baker {
     if (algorithm != kAlgorithmVersion)
       return fail_with("has algorithm version " + std::to_string(algorithm) +
                        ", and this program has version " + std::to_string(kAlgorithmVersion) +
-                       ", so the files would have other bytes. Use equal versions.");
+                       ", so the bytes of the files would differ. Use the same version.");
     const Expected<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
     if (!limits) return tl::unexpected(limits.error());
     const nlohmann::json list = json_or_null(limits->body, kOfAServer);

@@ -31,7 +31,7 @@ class Places {
     if (std::optional<Error> refused = refuse_output(path)) return tl::unexpected<Error>(std::move(*refused));
     const FileIdentity identity = identity_of(path);
     if (const auto at = read_.find(identity); at != read_.end())
-      return wrong("Writing '" + path + "' would overwrite " + at->second + ": choose another place.");
+      return wrong("Writing '" + path + "' would overwrite " + at->second + ": choose another path.");
     if (const auto [at, fresh] = written_.emplace(identity, whose); !fresh)
       return wrong(at->second + " and " + whose + " would both be written to '" + path + "'.");
     return {};
@@ -70,7 +70,7 @@ Expected<void> check_places(const BakePlan& plan, const BakeSource& source, Line
     if (auto place = places.write(plan.html, "the page"); !place) return place;
     if (!may_be_html_report(plan.html))
       return wrong("'" + plan.html +
-                   "' exists and is not a page of a bake: move it or choose another --html.");
+                   "' exists and was not written by a bake: move it or choose another --html.");
   }
   if (!plan.report.empty()) {
     if (plan.report == kStandardStream)
@@ -78,7 +78,7 @@ Expected<void> check_places(const BakePlan& plan, const BakeSource& source, Line
     if (auto place = places.write(plan.report, "the report"); !place) return place;
     if (!BakeReport::may_be(plan.report))
       return wrong("'" + plan.report +
-                   "' exists and is not a report of a bake: move it or choose another --report.");
+                   "' exists and is not a bake report: move it or choose another --report.");
   }
   if (!source.depfile.empty()) {
     if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||

@@ -54,10 +54,10 @@ Expected<std::shared_ptr<const RedisTls>> RedisTls::load(const RedisTlsConfig& c
                       SSL_CTX_use_PrivateKey_file(context, config.key_file.c_str(), SSL_FILETYPE_PEM) == 1 &&
                       SSL_CTX_check_private_key(context) == 1);
   ERR_clear_error();
-  if (!trusts) return fail(ErrorCode::kFileAccess, config.ca_file + " has no certificate that can be read");
+  if (!trusts) return fail(ErrorCode::kFileAccess, config.ca_file + " contains no readable certificate");
   if (!shows)
     return fail(ErrorCode::kFileAccess,
-                config.cert_file + " and " + config.key_file + " are not a certificate and its key");
+                config.cert_file + " and " + config.key_file + " are not a matching certificate and key");
   return tls;
 }
 

@@ -109,7 +109,7 @@ void tell_of(const FailureKeeper& failures) {
   const KeptFailures f = failures.figures();
   if (const std::size_t kept = f.kept + f.known; kept > 0)
     say("kept " + std::to_string(kept) + (kept > 1 ? " failures" : " failure") + " in " + failures.folder() +
-        "; \"command\" in request.json repeats one");
+        "; \"command\" in a request.json reproduces its failure");
   if (f.dropped > 0)
     say("no room for " + std::to_string(f.dropped) + " more failures in " + failures.folder());
 }
@@ -278,7 +278,7 @@ int bake(const BakeOptions& options) {
   const bool remote = !options.server.empty();
   const Watched watched(options);
   if (remote && (watched.flips || watched.dump))
-    return wrong_command_line("--insertion and --dump-stages work on this machine only: leave out --server.");
+    return wrong_command_line("--insertion and --dump-stages work only on this machine: leave out --server.");
   const int cores = available_cores();
   const int jobs = plan->single ? 1 : options.jobs > 0 ? options.jobs : remote ? kRemoteJobs : cores;
   ServiceConfig service = options.service;
@@ -331,8 +331,7 @@ int bake(const BakeOptions& options) {
     if (!summary.empty() && !plan->html.empty()) summary += "; page in " + plan->html;
     if (!summary.empty()) std::fprintf(words, "%s\n", printable_lines(summary).c_str());
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
-    if (f.cancelled > 0 && !run.report.empty())
-      std::fprintf(words, "The same command continues from there.\n");
+    if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command continues the bake.\n");
   }
   const int code = exit_code(f, options.allow_refused);
   return code == kExitDone && watched.dump && watched.dump->failed() ? kExitSystem : code;

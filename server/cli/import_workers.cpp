@@ -31,7 +31,7 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
   for (const auto& [layer, in_force] : layers)
     writer.gauge(
         "fracture_import_sandbox",
-        "1 if this layer of the sandbox of import processes is in force. seccomp is the main layer; Landlock is a "
+        "1 if this layer of the import processes' sandbox is in force. seccomp is the main layer; Landlock is a "
         "second one, for files.",
         in_force, {{"layer", layer}});
   const ImportCounters counters = imports.counters();
@@ -43,16 +43,15 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
   for (const auto& [outcome, count] : outcomes)
     writer.counter(
         "fracture_imports_total",
-        "Imports by their end: imported, refused (error of the file), crashed, limited (by the sandbox), interrupted, "
-        "remembered (refused without a reader, because the file is known), no-room (no reader for it).",
+        "Imports by outcome: imported, refused (an error in the file), crashed, limited (by the sandbox), interrupted, "
+        "remembered (refused without a reader, because the file is known), no-room (no reader could start).",
         static_cast<double>(count), {{"outcome", outcome}});
-  writer.counter("fracture_import_workers_started_total", "Import processes forked, one for each file.",
+  writer.counter("fracture_import_workers_started_total", "Import processes forked, one per file.",
                  static_cast<double>(counters.started));
-  writer.counter("fracture_import_zygotes_started_total",
-                 "Processes started to fork the import processes from.",
+  writer.counter("fracture_import_zygotes_started_total", "Processes started to fork import processes from.",
                  static_cast<double>(counters.zygotes));
-  writer.gauge("fracture_import_workers", "Import processes alive.", counters.workers);
-  writer.gauge("fracture_import_workers_busy", "Import processes at work.", counters.busy);
+  writer.gauge("fracture_import_workers", "Live import processes.", counters.workers);
+  writer.gauge("fracture_import_workers_busy", "Import processes that are reading a file.", counters.busy);
 }
 
 }  // namespace fracture::cli

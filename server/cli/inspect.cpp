@@ -23,7 +23,7 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   const Mesh& source = *mesh.solid.source;
   std::printf("%s: %s\n", input.c_str(), mended ? "usable after repair" : "a closed solid as it is");
   const Vec3d size = mesh.solid.box.size();
-  std::printf("  size       %.6g x %.6g x %.6g m (%.9g m in one unit: %s; %s up: %s)\n", size.x, size.y,
+  std::printf("  size       %.6g x %.6g x %.6g m (one unit is %.9g m: %s; %s up: %s)\n", size.x, size.y,
               size.z, mesh.frame.metres_per_unit, name_of(mesh.frame.unit_from), mesh.frame.z_up ? "z" : "y",
               name_of(mesh.frame.up_from));
   std::printf("  volume     %.9g m³, area %.9g m²\n", r.volume, r.area);

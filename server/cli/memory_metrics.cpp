@@ -33,11 +33,11 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
       {"mesh_store", api.meshes().figures().bytes},
       {"job_results", api.jobs().figures().result_bytes},
       {"answer_ledger", api.ledger().held_bytes()}};
-  writer.gauge("fracture_memory_limit_bytes",
-               "Most resident memory of this server: --memory, or the limit of its control group or machine.",
-               static_cast<double>(options.memory));
-  writer.gauge("fracture_memory_base_bytes",
-               "Part of the limit that is reserved for a server that holds nothing.",
+  writer.gauge(
+      "fracture_memory_limit_bytes",
+      "Limit of this server's resident memory: --memory, or the limit of its control group or machine.",
+      static_cast<double>(options.memory));
+  writer.gauge("fracture_memory_base_bytes", "Part of the limit that is reserved for an idle server.",
                static_cast<double>(base_memory(options)));
   for (const MemoryShare& share : memory_shares(options)) {
     const ops::MetricWriter::Labels labels = {{"part", share.part}};

@@ -135,8 +135,8 @@ std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string
     return {
         "memory: " + in_mib(base) + " at rest + " + std::to_string(kResidentPerByte).substr(0, 3) + " x (" +
         sum + ") = " + in_mib(needed) + ", which is more than the " + in_mib(static_cast<double>(available)) +
-        " that this server may have (--memory, the limit of its control group, or the memory of the machine); the least "
-        "that works is " +
+        " that this server may use (--memory, its control group's limit, or the machine's memory); the smallest value that "
+        "works is " +
         std::to_string(least_memory(needed - on_their_way, pending, any_tier(o))) + " MiB"};
   }
   if (fixed + elastic > room) {

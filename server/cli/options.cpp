@@ -59,7 +59,7 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
     }
   }
   app.footer(
-      "Each setting can also be an environment variable (FRACTURE_MAX_BODY for --max-body) or a line of the "
+      "Each setting can also be an environment variable (FRACTURE_MAX_BODY for --max-body) or a line in the "
       "--config file. A flag overrides the variable, and the variable overrides the file.\n\n" +
       std::string(kExitCodesInWords));
 }
@@ -75,7 +75,7 @@ void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const 
         [&parameters, name = spec.name](const std::string& value) {
           parameters.push_back({name, value, true});
         },
-        spec.name == "format" ? "Format of the mesh, if its name does not show it" : spec.doc);
+        spec.name == "format" ? "Mesh format, if the file name does not show it" : spec.doc);
     option->group(kParameterGroup)->type_name("");
     if (!spec.default_value.is_null()) option->default_str(as_text(spec.default_value).value_or(""));
   }
@@ -113,60 +113,59 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("");
   app.add_option(
          "-o,--output", o.source.output,
-         "For one mesh: the file to write. .glb or no ending: GLB. .gltf: one JSON text. .obj (with .mtl and "
-         "textures), .ply, .stl: without physics and figures. - is standard output. For several meshes: a "
-         "folder, in which sub/barrel.obj becomes sub/barrel.obj.glb")
+         "For one mesh: the file to write. .glb or no extension: GLB. .gltf: a single JSON document. .obj (with "
+         ".mtl and textures), .ply, .stl: geometry and appearance only. - is standard output. For several "
+         "meshes: a folder, in which sub/barrel.obj becomes sub/barrel.obj.glb")
       ->type_name("PATH");
   app.add_option("--manifest", o.source.manifest,
-                 "Instead of input and --output: a file of lines {\"input\": ..., \"output\": ..., "
-                 "\"parameters\": {...}}, with paths relative to the file")
+                 "Instead of input and --output: a file with one {\"input\": ..., \"output\": ..., "
+                 "\"parameters\": {...}} per line; paths are relative to the file")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_option(
          "--rules", o.source.rules,
          "JSON file with parameters for meshes by path, node or material: {\"rules\": [{\"match\": {\"path\": "
          "\"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}. The first rule that matches applies. "
-         "It overrides the command line; a line of the manifest overrides the rule")
+         "It overrides the command line; a manifest line overrides the rule")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_flag("--explain", o.explain,
-               "Only print which rule matches each mesh and why, and the parameters of the mesh");
-  app.add_option("-j,--jobs", o.jobs,
-                 "Meshes computed at the same time, 0: one for each core, or 8 with --server")
+               "Only print, for each mesh, the rule that matches, the reason, and the parameters");
+  app.add_option("-j,--jobs", o.jobs, "Meshes computed at the same time; 0: one per core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
   add_threads(app, o.threads,
-              "Threads if there is one mesh, 0: one for each core; several meshes have one thread each");
+              "Threads for a single mesh; 0: one per core. Several meshes use one thread each");
   add_bytes(app, "--memory", o.memory,
             "Memory for all meshes computed at the same time, divided evenly among -j meshes; default: three "
             "quarters of the memory of this machine or its control group");
   app.add_option("--shard", o.shard,
-                 "I/N: every N-th mesh, beginning with mesh I (0 to N - 1); auto/N: take I from "
+                 "I/N: every N-th mesh, starting with mesh I (0 to N - 1); auto/N: take I from "
                  "FRACTURE_SHARD, JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
       ->type_name("I/N");
   app.add_option("--report", o.source.report,
-                 "File with one JSON line for each mesh; the next run keeps the outputs that still match it. "
+                 "File with one JSON line per mesh; the next run keeps the outputs that still match it. "
                  "Default: bake.ndjson in the output folder, or MANIFEST.report")
       ->type_name("FILE")
       ->check(not_empty);
-  app.add_flag("--force", o.force, "Make all outputs again, also those that are up to date");
+  app.add_flag("--force", o.force, "Make all outputs again, even those that are up to date");
   app.add_option("--allow-refused", o.allow_refused, "Exit with 0 if at most this many meshes were refused")
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--depfile", o.source.depfile,
-                 "For one mesh: write the files that it was made from, as a rule for make or Ninja")
+                 "For one mesh: write a make or Ninja rule that lists the files it was made from")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_option("--keep-failures", o.source.failures,
-                 "Save each failure by a bug of this program, and each result that fails its check, to this "
-                 "folder: mesh, parameters, versions and the command that repeats it; at most 100 failures "
-                 "and 1 GiB")
+                 "Save to this folder each failure caused by a bug in this program, and each result that "
+                 "fails its check: mesh, parameters, versions and the command that reproduces it; at most "
+                 "100 failures and 1 GiB")
       ->type_name("FOLDER")
       ->check(not_empty);
   app.add_flag("-q,--quiet", o.quiet, "No progress, notes or summary");
 
-  constexpr const char* kLookGroup = "Pictures of the results, drawn by fracture-render of the client";
+  constexpr const char* kLookGroup = "Pictures of the results, drawn by the client's fracture-render";
   app.add_option(
          "--preview", o.source.preview,
          "Draw the fragments a little apart. For one mesh: a PNG file. For several: a folder, in which "
@@ -175,8 +174,8 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->group(kLookGroup);
   app.add_option(
          "--html", o.source.html,
-         "Write a page of all meshes, the slowest first, with refusals and their reasons. If there is a "
-         "renderer, with pictures from the folder of --preview (default: FILE's name with .pictures)")
+         "Write an HTML page about all meshes, slowest first, with refusals and their reasons. With a renderer "
+         "it has pictures, in the folder of --preview (default: FILE's name with .pictures)")
       ->type_name("FILE")
       ->group(kLookGroup);
   app.add_option("--preview-size", o.preview_size,
@@ -184,7 +183,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->check(CLI::Range(64, 2048))
       ->type_name("N")
       ->group(kLookGroup);
-  app.add_option("--preview-timeout", o.preview_timeout_s, "Longest time for one picture in seconds")
+  app.add_option("--preview-timeout", o.preview_timeout_s, "Time limit for one picture, in seconds")
       ->check(CLI::Range(1, 3600))
       ->type_name("S")
       ->capture_default_str()
@@ -196,26 +195,27 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->group(kLookGroup);
 
-  constexpr const char* kWatchGroup = "To examine the algorithm; the bytes stay the same";
+  constexpr const char* kWatchGroup = "Examining the algorithm; the output bytes stay the same";
   app.add_option(
          "--insertion", o.insertion,
          "How sites are inserted into the Delaunay tetrahedralization: by cavities, or by flips as in "
-         "the source paper, with a report on the flips")
+         "the source paper (the number of flips is then printed)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Insertion>{{"cavity", Insertion::kCavity},
                                                                            {"flips", Insertion::kFlips}})
                       .description(""))
       ->type_name("cavity|flips")
       ->default_str("cavity")
       ->group(kWatchGroup);
-  app.add_option("--dump-stages", o.source.stages,
-                 "For one mesh, which is made again: write the result of each stage (mesh, solid, sites, "
-                 "tetrahedra, fragments moved apart) as OBJ to this folder; no file is overwritten")
+  app.add_option(
+         "--dump-stages", o.source.stages,
+         "For one mesh, even if it is up to date: write the result of each stage (mesh, solid, sites, "
+         "tetrahedra, fragments moved apart) as OBJ to this folder, without overwriting any file")
       ->type_name("FOLDER")
       ->group(kWatchGroup)
       ->check(not_empty);
 
   constexpr const char* kServerGroup =
-      "To bake on a server, or on a farm behind a proxy; files and report are the same";
+      "Baking on a server, or on a farm behind a proxy; files and report are the same";
   app.add_option("--server", o.server, "http://host:port or https://host:port")
       ->type_name("URL")
       ->group(kServerGroup)
@@ -227,12 +227,12 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->group(kServerGroup);
   app.add_option("--token", o.token,
-                 "Token for the server; use the variable, because lists of processes show flags")
+                 "Token for the server; prefer the variable, because process lists show flags")
       ->type_name("TOKEN")
       ->envname("FRACTURE_TOKEN")
       ->group(kServerGroup);
   app.add_option("--patience", o.patience_s,
-                 "Time in seconds for which the server may be absent or busy before the bake stops")
+                 "Seconds for which the server may be unreachable or busy before the bake stops")
       ->check(CLI::Range(0, 86400))
       ->type_name("S")
       ->capture_default_str()
@@ -245,26 +245,25 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "fracture-server bake assets/ -o broken/ --html broken.html\n"
       "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - > fragments.glb\n\n" +
       std::string(kExitCodesInWords) +
-      " bake exits with 3 if more meshes than --allow-refused were refused. After 130 the finished files "
-      "stay, and the same command continues.");
+      " bake exits with 3 if more meshes than --allow-refused were refused. After 130, finished files "
+      "stay, and the same command continues the bake.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_option("input", o.input, "Mesh file; - is standard input")->required();
-  app.add_flag("--json", o.json, "The report as JSON");
-  add_threads(app, o.threads, "Computing threads, 0: one for each core");
+  app.add_flag("--json", o.json, "Print the report as JSON");
+  add_threads(app, o.threads, "Computing threads; 0: one per core");
   add_parameters(app, o.parameters, o.service);
   app.footer(kExitCodesInWords);
 }
 
 void add_health(CLI::App& app, HealthOptions& o) {
-  app.add_option(
-      "url", o.url,
-      "http://host[:port][/path]; default: the admin listener of this machine, from the environment "
-      "and --config");
-  app.add_option("--config", o.config_file, "The server's file of settings")->type_name("FILE");
+  app.add_option("url", o.url,
+                 "http://host[:port][/path]; default: this machine's admin listener, as set by the "
+                 "environment and --config");
+  app.add_option("--config", o.config_file, "The server's config file")->type_name("FILE");
   app.add_flag("--ready", o.ready,
-               "Ask whether it accepts requests (/readyz) instead of whether it runs (/livez)");
+               "Ask whether the server accepts requests (/readyz) instead of whether it runs (/livez)");
   app.add_option("--timeout", o.timeout, "Seconds to wait for the connection, and again for the answer")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
@@ -296,18 +295,18 @@ int run(int argc, char** argv) {
   BakeOptions bake_options;
   bake_options.service.formats = FormatSet::all();  // the file is the caller's own
   CLI::App& bake_command =
-      *app.add_subcommand("bake", "Fracture files: the same bytes as the server's answers");
+      *app.add_subcommand("bake", "Fracture files, with the same bytes as the server's answers");
   bake_command.preparse_callback([&](std::size_t) { add_bake(bake_command, bake_options); });
 
   InspectOptions inspect_options;
   inspect_options.service.formats = FormatSet::all();
   CLI::App& inspect_command =
-      *app.add_subcommand("inspect", "Report whether a mesh can be fractured, also by the exit code");
+      *app.add_subcommand("inspect", "Report whether a mesh can be fractured, in words and as the exit code");
   inspect_command.preparse_callback([&](std::size_t) { add_inspect(inspect_command, inspect_options); });
 
   HealthOptions health_options;
   CLI::App& health_command = *app.add_subcommand(
-      "health", "Ask a server whether it is healthy, and report it also by the exit code");
+      "health", "Ask a server whether it is healthy, and report it in words and as the exit code");
   health_command.preparse_callback([&](std::size_t) { add_health(health_command, health_options); });
 
   try {

@@ -45,7 +45,7 @@ sigset_t handled_signals() {
 
 /// SIGHUP: the token file is read again. A file that is wrong changes nothing.
 void reload_tokens(const std::string& path, http::HttpServer& server) {
-  if (path.empty()) return spdlog::info("SIGHUP: this server has no token file to read again");
+  if (path.empty()) return spdlog::info("SIGHUP: this server has no token file to reload");
   auto tokens = tenants::TokenFile::load(path);
   if (!tokens) {
     spdlog::error("token-file {}; the old tokens stay in force", tokens.error().detail);
@@ -53,7 +53,7 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   }
   const std::size_t names = tokens->size();
   server.replace_tokens(std::move(*tokens));
-  spdlog::info("token-file {} was read again: {} names", path, names);  // when it is in force
+  spdlog::info("token-file {} was reloaded: {} names", path, names);  // when it is in force
 }
 
 /// What large meshes leave behind goes back to the system when nobody has asked for it again in seconds; soon where it is
@@ -67,8 +67,7 @@ void trim_memory(std::uint64_t memory) {
 
 void tell_of_jobs(const http::Api& api) {
   if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
-    spdlog::info("{} jobs of an earlier process were found, {} of them unfinished", jobs.jobs,
-                 jobs.unfinished);
+    spdlog::info("found {} jobs of an earlier process, {} of them unfinished", jobs.jobs, jobs.unfinished);
 }
 
 /// Called a few times a second while another server has the folder. `trouble`: why it could not be taken the last time,
@@ -79,7 +78,8 @@ void take_folder(http::Api& api, const std::string& folder, std::string& trouble
     const Expected<bool> taken = api.take_folder();
     if (taken && !*taken) return;
     if (taken) {
-      spdlog::info("cache-dir {} was released by the other server and is used by this one: ready", folder);
+      spdlog::info("cache-dir {} was released by the other server and is now used by this one: ready",
+                   folder);
       return tell_of_jobs(api);
     }
     why = taken.error().detail;
@@ -135,8 +135,8 @@ int serve_until_stopped(const ServeOptions& options) {
   }
   if (api.waits_for_folder())
     spdlog::warn(
-        "cache-dir {} is in use by another server: this server is not ready until the other one ends, and answers "
-        "requests without the folder until then",
+        "cache-dir {} is in use by another server: until that server ends, this one is not ready and answers "
+        "requests without the folder",
         options.service.tiers.folder);
   else
     tell_of_jobs(api);
@@ -144,10 +144,10 @@ int serve_until_stopped(const ServeOptions& options) {
   if (failures.any())
     api.metrics().add_source([&failures](ops::MetricWriter& writer) {
       const KeptFailures figures = failures.figures();
-      writer.counter("fracture_failures_kept_total", "Failures saved to repeat them.",
+      writer.counter("fracture_failures_kept_total", "Failures saved so that they can be reproduced.",
                      static_cast<double>(figures.kept));
       writer.counter("fracture_failures_not_kept_total",
-                     "Failures that were not saved, for lack of room or by an error.",
+                     "Failures that were not saved, because of an error or a lack of room.",
                      static_cast<double>(figures.dropped + figures.unwritten));
     });
   api.metrics().add_source([&imports](ops::MetricWriter& writer) { write_import_metrics(*imports, writer); });
@@ -183,9 +183,8 @@ int serve_until_stopped(const ServeOptions& options) {
     if (server.connections() + jobs() > 0) {
       const JobFigures figures = api.jobs().figures();
       spdlog::warn(
-          "{} connections are still open and {} jobs unfinished: stopping their work; {} jobs are on the "
-          "disk and go "
-          "on after a restart",
+          "{} connections are still open and {} jobs unfinished: stopping their work; {} jobs are on disk "
+          "and continue after a restart",
           server.connections(), figures.unfinished, figures.durable);
       server.cancel_jobs();
       const steady_clock::time_point last = steady_clock::now() + std::chrono::seconds(2);

@@ -69,7 +69,7 @@ void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& 
   if (!redis.tls.on && !(redis.tls.ca_file.empty() && redis.tls.cert_file.empty()))
     refuse("redis-ca-file and redis-cert-file need --redis-tls");
   if (redis.tls.on && redis.address.starts_with('/'))
-    refuse("redis-tls needs a redis at host:port, not at the path of a socket");
+    refuse("redis-tls needs a redis at host:port, not a socket path");
   if (redis.tls.on)
     if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error().detail);
   if (!o.farm_key_file.empty())
@@ -102,52 +102,54 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
   group(
       "Listening",
       {text("address", "ADDRESS", o.server.address, "Numeric address of the public listener"),
-       number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener, 0: any free one"),
+       number("port", "PORT", o.server.port, 0, kPort, "Port of the public listener; 0: any free port"),
        text("admin-address", "ADDRESS", o.server.admin_address,
             "Numeric address of the admin listener, which needs no token"),
        number("admin-port", "PORT", o.server.admin_port, 0, kPort,
-              "Port of /livez, /readyz and /metrics, 0: any free one"),
+              "Port of /livez, /readyz and /metrics; 0: any free port"),
        text("token-file", "FILE", o.token_file,
             "Names, tokens and shares of the clients that may use this server: a JSON file, or lines 'name "
-            "token'; read again on SIGHUP"),
+            "token'; reloaded on SIGHUP"),
        list("trusted-proxy", "CIDR", o.trusted_proxies,
-            "Trust proxies of this network to name their clients by Forwarded and the PROXY protocol"),
+            "Trust proxies in this network to identify their clients by Forwarded or the PROXY protocol"),
        flag("no-page", o.no_page, "Send no page to browsers; they get JSON, as programs do"),
        list("page-sample", "FILE", o.page_samples,
-            "A mesh that the page offers to every visitor, in addition to the shapes that it makes"),
-       flag("insecure-bind", o.insecure_bind, "Accept clients of other machines without tokens"),
+            "A mesh that the page offers to every visitor, in addition to its own shapes"),
+       flag("insecure-bind", o.insecure_bind, "Accept clients from other machines without tokens"),
        list("cors-origin", "ORIGIN", o.server.cors_origins,
-            "Accept requests of web pages from this origin (https://example.org), or '*': from any origin"),
+            "Accept requests from web pages of this origin (https://example.org), or '*': of any origin"),
        list("allow-host", "NAME", o.server.allowed_hosts,
-            "Without tokens: accept requests to this host name, or '*': to any name; requests to an address "
+            "Without tokens: accept requests to this host name, or '*': to any name. Requests to an address "
             "or to localhost are always accepted")});
   group(
       "Work",
-      {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read and write"),
-       number("threads", "N", o.threads, 0, 1024, "Computing threads, 0: one for each core"),
-       number("memory", "BYTES", o.memory, 0, kTiB,
-              "Resident memory of server and import processes, 0: the limit of their control group, or the "
-              "machine's memory; memory budgets that are not given are lowered until all fit"),
+      {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read requests and write answers"),
+       number("threads", "N", o.threads, 0, 1024, "Computing threads; 0: one per core"),
+       number(
+           "memory", "BYTES", o.memory, 0, kTiB,
+           "Resident memory of the server and its import processes; 0: the limit of their control group, or the "
+           "machine's memory. Memory budgets that are not given are lowered until all fit"),
        number("max-queue", "N", o.max_queue, 0, 1'000'000,
               "Requests of one client that may wait for a computing thread; all clients together may have up "
               "to four times as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files at the same time"),
        number("import-memory", "BYTES", o.import_memory, 0, kTiB,
-              "Bytes that an import process may use for a file, above its size at the start, 0: no limit"),
-       choice("require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
-              "Refuse to start if import processes cannot be sandboxed; auto: if other machines can reach "
-              "this server"),
+              "Bytes by which an import process may grow while it reads a file; 0: no limit"),
+       choice(
+           "require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
+           "Refuse to start if import processes cannot be sandboxed; auto: only if other machines can reach "
+           "this server"),
        list("enable-format", "FORMAT", o.enabled_formats,
             "Also read this format (blend, fbx and others): their parsers are large and off by default"),
        flag("all-formats", o.all_formats, "Read all formats")});
   group("Logs",
         {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
-                "Lowest level of the lines that are written"),
+                "Lowest level that is logged"),
          choice("log-format", o.log_format, {"auto", "json", "text"},
-                "Form of the lines; auto: text on a terminal, else JSON"),
+                "Format of log lines; auto: text on a terminal, otherwise JSON"),
          text("keep-failures", "FOLDER", o.keep_failures,
-              "Save to this folder what is needed to repeat a bug, or an answer that failed its check")});
+              "Save to this folder what is needed to reproduce a bug, or an answer that failed its check")});
   group("Limits",
         {number("max-body", "BYTES", l.max_body, 1, kTiB, "Bytes of a request body before decompression"),
          number("max-bodies", "BYTES", l.max_bodies, 1, kTiB,
@@ -155,14 +157,13 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          number("max-small-bodies", "BYTES", l.max_small_bodies, 1, kTiB,
                 "Bytes of all request bodies up to 64 KiB that are held at the same time"),
          number("max-bodies-per-address", "BYTES", l.max_bodies_per_address, 0, kTiB,
-                "Bytes of bodies of one client address, 0: a quarter of all; a single body may exceed it"),
+                "Bytes of bodies from one client address; 0: a quarter of all. A single body may exceed it"),
          number("max-answers", "BYTES", l.max_answers, 1, kTiB,
                 "Bytes of all answers that are being written at the same time"),
          number("max-answers-per-address", "BYTES", l.max_answers_per_address, 0, kTiB,
-                "Bytes of answers of one client address, 0: a quarter of all; a single answer may exceed it"),
+                "Bytes of answers to one client address; 0: a quarter of all. A single answer may exceed it"),
          number("answer-ledger", "BYTES", l.answer_ledger, 0, kTiB,
-                "Bytes of the ledger of the answers that each name of the token file may see, 512 for each "
-                "entry"),
+                "Bytes of the record of which answers each name in the token file may see, 512 per entry"),
          number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2, "Bytes of a request header"),
          number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Bytes of a request target"),
          number("max-sites", "N", s.max_sites, 1, kMostSitesAnywhere, "Sites of one request"),
@@ -171,66 +172,66 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
                 "Bytes of a body or a mesh after decompression"),
          number("max-connections", "N", l.max_connections, 1, 1'000'000, "Open connections"),
          number("max-connections-per-address", "N", l.max_connections_per_address, 1, 1'000'000,
-                "Open connections of one client address"),
-         seconds("deadline", l.deadline, "Longest time of a computation, including its time in the queue"),
+                "Open connections from one client address"),
+         seconds("deadline", l.deadline, "Time limit of a computation, including its time in the queue"),
          seconds("realtime-deadline", l.realtime_deadline,
-                 "Longest time of a realtime computation, including its time in the queue"),
+                 "Time limit of a realtime computation, including its time in the queue"),
          number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
-                "Bytes of working memory of all computations, by estimate"),
-         seconds("header-timeout", l.header_timeout, "Time for a whole header"),
+                "Estimated bytes of working memory of all computations"),
+         seconds("header-timeout", l.header_timeout, "Time limit of a whole header"),
          seconds("body-grace", l.body_grace, "Time before --body-rate applies to a body"),
-         number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Slowest speed of a request body"),
-         seconds("body-timeout", l.body_timeout, "Time for a whole body"),
+         number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Minimum speed of a request body"),
+         seconds("body-timeout", l.body_timeout, "Time limit of a whole body"),
          number("answer-rate", "BYTES/S", l.answer_rate, 1, kTiB,
-                "Slowest speed at which a client may take its answer, after --write-stall"),
-         seconds("write-stall", l.write_stall, "Longest time in which a client takes no byte of its answer"),
-         seconds("idle", l.idle, "Longest time between requests of a connection")});
-  group("Caches",
-        {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
-         number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
-                "Bytes of tetrahedralizations, and of answers kept for hits on them"),
-         number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
-         text("cache-dir", "FOLDER", s.tiers.folder, "Also keep finished answers in this folder"),
-         number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB,
-                "Bytes of answers in the folder of --cache-dir"),
-         text("redis", "HOST:PORT", s.tiers.redis.address,
-              "Share finished answers through the Redis at this address or socket path"),
-         text("redis-user", "NAME", s.tiers.redis.user,
-              "User of Redis (ACL of Redis 6); default: the default user"),
-         secret("redis-password", "TEXT", s.tiers.redis.password,
-                "Password of Redis; use the environment or a file, because other users can see flags"),
-         text("redis-password-file", "FILE", o.redis_password_file,
-              "File whose first line is the password of Redis"),
-         flag("redis-tls", s.tiers.redis.tls.on, "Use TLS to Redis and check its certificate"),
-         text("redis-ca-file", "FILE", s.tiers.redis.tls.ca_file,
-              "Certificate authorities to trust for Redis (PEM); default: those that this machine trusts"),
-         text("redis-cert-file", "FILE", s.tiers.redis.tls.cert_file,
-              "Client certificate of this server, if Redis asks for one"),
-         text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "Key of the client certificate"),
-         text("farm-key-file", "FILE", o.farm_key_file,
-              "Sign answers in Redis and accept only signed ones: one key in each line; the first key signs, "
-              "and both are accepted"),
-         flag("sign-disk-cache", s.tiers.sign_disk,
-              "Also sign answers and jobs in the folder of --cache-dir")});
+                "Minimum speed at which a client must read its answer, after --write-stall"),
+         seconds("write-stall", l.write_stall, "Longest time without a client reading any of its answer"),
+         seconds("idle", l.idle, "Longest time between requests on a connection")});
+  group(
+      "Caches",
+      {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
+       number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
+              "Bytes of tetrahedralizations, and of answers kept for hits on them"),
+       number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
+       text("cache-dir", "FOLDER", s.tiers.folder, "Also keep finished answers in this folder"),
+       number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB,
+              "Bytes of answers in the folder of --cache-dir"),
+       text("redis", "HOST:PORT", s.tiers.redis.address,
+            "Share finished answers through the Redis at this address or socket path"),
+       text("redis-user", "NAME", s.tiers.redis.user, "Redis user (Redis 6 ACL); default: the default user"),
+       secret("redis-password", "TEXT", s.tiers.redis.password,
+              "Redis password; prefer the environment or a file, because other users can see flags"),
+       text("redis-password-file", "FILE", o.redis_password_file,
+            "File whose first line is the Redis password"),
+       flag("redis-tls", s.tiers.redis.tls.on, "Connect to Redis over TLS and check its certificate"),
+       text("redis-ca-file", "FILE", s.tiers.redis.tls.ca_file,
+            "Certificate authorities to trust for Redis (PEM); default: those that this machine trusts"),
+       text("redis-cert-file", "FILE", s.tiers.redis.tls.cert_file,
+            "Client certificate of this server, if Redis asks for one"),
+       text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "Key of the client certificate"),
+       text(
+           "farm-key-file", "FILE", o.farm_key_file,
+           "Sign answers in Redis and accept only signed ones. One or two keys, one per line: the first signs, "
+           "and both are accepted"),
+       flag("sign-disk-cache", s.tiers.sign_disk,
+            "Also sign answers and jobs in the folder of --cache-dir")});
   group("Stores",
         {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Bytes of all stored meshes"),
          seconds("mesh-ttl", o.store.ttl, "Time after which an unused stored mesh is deleted"),
-         number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000,
-                "Jobs at the same time, including finished ones"),
-         number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of results of jobs"),
+         number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000, "Known jobs, including finished ones"),
+         number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of job results"),
          seconds("job-ttl", o.jobs.ttl, "Time after which a finished job is deleted"),
          seconds("job-deadline", o.jobs.deadline,
-                 "Longest time of a job from its request, or from a restart of the server, to its end"),
-         number("job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
-                "Bytes of meshes and requests of jobs in the folder of --cache-dir, so that jobs survive a "
-                "restart; 0: they do not survive it")});
+                 "Time limit of a job, from its request (or a restart of the server) to its end"),
+         number(
+             "job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
+             "Bytes of the meshes and requests of jobs in the folder of --cache-dir, with which jobs survive "
+             "a restart; 0: jobs do not survive it")});
   group(
       "Stopping",
-      {seconds(
-           "drain-delay", o.drain_delay,
-           "Time after SIGTERM in which the server still accepts requests, with /readyz at 503; 0 by default "
-           "on a terminal"),
-       seconds("grace", o.grace, "Longest time after --drain-delay to finish requests in progress")});
+      {seconds("drain-delay", o.drain_delay,
+               "Time after SIGTERM during which the server still accepts requests, with /readyz at 503; 0 by "
+               "default on a terminal"),
+       seconds("grace", o.grace, "Time limit, after --drain-delay, for finishing requests in progress")});
   return settings;
 }
 

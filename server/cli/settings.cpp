@@ -91,7 +91,7 @@ Setting seconds(std::string name, std::chrono::milliseconds& target, std::string
     double value = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
     if (error != std::errc() || end != given.data() + given.size() || !(value >= 0) || value > 86400)
-      return "must be seconds from 0 to 86400";
+      return "must be a number of seconds from 0 to 86400";
     target = std::chrono::milliseconds(std::llround(value * 1000));
     return std::nullopt;
   };

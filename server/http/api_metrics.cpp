@@ -6,11 +6,11 @@
 namespace fracture::http {
 
 void Api::write_metrics(ops::MetricWriter& writer) const {
-  writer.gauge("fracture_build_info", "1; version of the server and of its algorithm.", 1,
+  writer.gauge("fracture_build_info", "1; labels: the versions of the server and its algorithm.", 1,
                {{"version", FRACTURE_VERSION}, {"algorithm", std::to_string(kAlgorithmVersion)}});
   writer.gauge(
       "fracture_ready",
-      "1 while the server takes requests, 0 while it drains or waits for a folder that another server has.",
+      "1 while the server accepts requests, 0 while it drains or waits for a folder that another server uses.",
       ready() ? 1 : 0);
   const WorkerPool& pool = dispatcher_.pool();
   writer.gauge("fracture_queue_depth", "Jobs that wait for a computing thread.",
@@ -31,10 +31,10 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
     writer.counter(name, help, static_cast<double>(value));
   };
   count("fracture_results_computed_total", "Results computed to the end.", work.computed);
-  count("fracture_requests_collapsed_total", "Requests that waited for the computation of another one.",
+  count("fracture_requests_collapsed_total", "Requests that waited for another request's computation.",
         work.collapsed);
   count("fracture_waiters_left_total",
-        "Requests that left before their result: closed, cancelled or past their deadline.", work.abandoned);
+        "Requests that ended before their result: closed, cancelled or past their deadline.", work.abandoned);
   count("fracture_jobs_expired_total", "Jobs whose deadline had passed when their turn came.", work.expired);
   count("fracture_requests_not_admitted_total", "Requests refused at once for lack of time or memory.",
         work.refused);
@@ -72,13 +72,12 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   count("fracture_jobs_forgotten_total", "Finished jobs deleted after --job-ttl.", jobs.expired);
   count("fracture_jobs_resumed_total", "Jobs that continued after a restart.", jobs.resumed);
   if (const auto disk = jobs_.disk_figures()) {
-    writer.gauge("fracture_jobs_durable", "Jobs on the disk, including finished ones.",
+    writer.gauge("fracture_jobs_durable", "Jobs on disk, including finished ones.",
                  static_cast<double>(disk->jobs));
-    writer.gauge("fracture_job_store_bytes", "Bytes of jobs on the disk.", static_cast<double>(disk->bytes));
-    count("fracture_job_store_failures_total", "Files of jobs that could not be read or written.",
+    writer.gauge("fracture_job_store_bytes", "Bytes of jobs on disk.", static_cast<double>(disk->bytes));
+    count("fracture_job_store_failures_total", "Job files that could not be read or written.",
           disk->failures);
-    count("fracture_job_store_damaged_total", "Damaged files of jobs that were put aside.",
-          disk->quarantined);
+    count("fracture_job_store_damaged_total", "Damaged job files that were set aside.", disk->quarantined);
   }
   count("fracture_jobs_evicted_total", "Finished jobs deleted to make room for others.", jobs.evicted);
   count("fracture_job_results_evicted_total",
@@ -104,14 +103,14 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                  labels);
     writer.counter("fracture_cache_evictions_total", "Entries deleted to make room for others.",
                    static_cast<double>(tiers.disk->evictions), labels);
-    writer.counter("fracture_cache_damaged_total", "Damaged entries that were put aside.",
+    writer.counter("fracture_cache_damaged_total", "Damaged entries that were set aside.",
                    static_cast<double>(tiers.disk->quarantined), labels);
     writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
                    static_cast<double>(tiers.disk->failures), labels);
   }
   if (tiers.redis) {
     const ops::MetricWriter::Labels labels = {{"cache", "result"}, {"tier", "redis"}};
-    writer.counter("fracture_cache_damaged_total", "Damaged entries that were put aside.",
+    writer.counter("fracture_cache_damaged_total", "Damaged entries that were set aside.",
                    static_cast<double>(tiers.redis->damaged), labels);
     writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
                    static_cast<double>(tiers.redis->failures), labels);

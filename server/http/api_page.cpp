@@ -17,7 +17,7 @@ constexpr const char* kPolicy =
 constexpr const char* kWithout =
     "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>fracture-server</title>\n"
     "<h1>fracture-server</h1>\n<p>POST a mesh to <code>/fracture</code> and get exact, watertight fragments back as one "
-    "GLB.</p>\n<p>This server was built without its page: there was no node when it was built. Everything else works; "
+    "GLB.</p>\n<p>This server was built without its page, because npm was missing. Everything else works; "
     "<a href=\"/openapi.json\">the interface</a>, <a href=\"/limits\">limits and parameters</a>, "
     "<a href=\"/patterns\">patterns and materials</a>.</p>\n</html>\n";
 

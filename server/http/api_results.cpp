@@ -15,8 +15,9 @@ namespace fracture::http {
 namespace {
 
 Problem no_result() {
-  return Problem(HttpProblem::kNotFound,
-                 "This result is not (or no longer) in the cache. Send the same fracture again to make it.");
+  return Problem(
+      HttpProblem::kNotFound,
+      "This result is not (or no longer) in the cache. Send the same fracture request again to recompute it.");
 }
 
 struct Range {
@@ -236,7 +237,7 @@ Answered Api::found_result(const std::shared_ptr<Request>& request,
   const std::string match = request->head.field("if-match");
   if (!match.empty() && !names_etag(match, representation->etag, Comparison::kStrong))
     return refuse(HttpProblem::kPreconditionFailed,
-                  "The ETag here is " + representation->etag + ", which If-Match does not name.");
+                  "The current ETag is " + representation->etag + ", which If-Match does not list.");
   const std::string none_match = request->head.field("if-none-match");
   if (!none_match.empty() && names_etag(none_match, representation->etag, Comparison::kWeak)) {
     Response response = result_response(result, *representation, nullptr);

@@ -107,7 +107,7 @@ OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::str
   for (;;) {
     if (body.substr(at, 2) == "--") {
       const std::size_t epilogue = body.size() - at - 2;
-      if (epilogue > kMaxAround) return around(epilogue, "behind its last");
+      if (epilogue > kMaxAround) return around(epilogue, "after its last");
       return parts;
     }
     while (at < body.size() && (body[at] == ' ' || body[at] == '\t')) ++at;  // transport padding

@@ -124,9 +124,9 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
     }
     if (outcome.wire_bytes > kMaxWireFactor * received + kWireAllowance)
       co_return refused(Problem(HttpProblem::kHeaderTooLarge,
-                                "The body is in chunks too small, or with extensions too long: " +
-                                    std::to_string(outcome.wire_bytes) + " bytes for " +
-                                    std::to_string(received) + " of its own."));
+                                "The body's chunks are too small, or their extensions too long: " +
+                                    std::to_string(outcome.wire_bytes) + " bytes were sent for " +
+                                    std::to_string(received) + " bytes of content."));
     if (parser.is_done()) break;
     const std::size_t room =
         std::min(std::max(kPiece, buffer.capacity() - buffer.size()), buffer.max_size() - buffer.size());

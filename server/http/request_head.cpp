@@ -70,7 +70,7 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
   const std::size_t mark = target.find('?');
   if (has_escaped_slash(target.substr(0, mark)))
     return malformed_request(
-        "The path has a '/' written as %2F: proxies and servers disagree about what that names.");
+        "The path has a '/' written as %2F: proxies and servers disagree about its meaning.");
   const std::optional<std::string> path = percent_decode(target.substr(0, mark), Plus::kIsPlus);
   if (!path || path->find('\0') != std::string::npos)
     return malformed_request("The path has a malformed percent escape.");

@@ -59,7 +59,7 @@ OrProblem<Representation> represent(const RequestHead& head, const FractureResul
                     large
                         ? "An answer of " + std::to_string(size) + " bytes is not compressed; the limit is " +
                               std::to_string(kMostCompressed) + ", and Accept-Encoding excludes identity."
-                        : "Accept-Encoding excludes all codings there are: zstd, gzip, identity.");
+                        : "Accept-Encoding excludes all available codings: zstd, gzip, identity.");
     chosen.coding = *best;
   }
   chosen.etag = etag_of(result, chosen);

@@ -168,9 +168,10 @@ class HttpServer::Impl {
       writer.gauge("fracture_requests_in_progress",
                    "From the first byte of a request to the last of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
-      writer.counter("fracture_io_bulk_turns_total",
-                     "Turns of io threads that hashed, inflated, parsed or sorted more than they may: a bug.",
-                     static_cast<double>(bulk_.exceeded.load()));
+      writer.counter(
+          "fracture_io_bulk_turns_total",
+          "Turns of io threads that hashed, inflated, parsed or sorted more than they should: a bug.",
+          static_cast<double>(bulk_.exceeded.load()));
       const auto holdings = [this](const std::string& name) {
         return Holdings{api_.meshes().bytes_of(name) + api_.jobs().disk_bytes_of(name),
                         api_.ledger().bytes_of(name)};

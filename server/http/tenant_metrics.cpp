@@ -13,9 +13,9 @@ void write(ops::MetricWriter& writer, const std::string& name, const tenants::Ac
     labels.insert(labels.end(), more.begin(), more.end());
     writer.counter(metric, help, value, labels);
   };
-  count("fracture_tenant_requests_total", "Requests of each name, refused ones included.",
+  count("fracture_tenant_requests_total", "Requests of each name, including refused ones.",
         static_cast<double>(figures.requests));
-  count("fracture_tenant_over_share_total", "Requests of each name that were refused as over its share.",
+  count("fracture_tenant_over_share_total", "Requests refused because the name exceeded its share.",
         static_cast<double>(figures.over_share));
   count("fracture_tenant_processor_seconds_total", "Processor seconds that each name is charged for.",
         figures.processor_seconds);
@@ -24,11 +24,11 @@ void write(ops::MetricWriter& writer, const std::string& name, const tenants::Ac
         {{"direction", "in"}});
   count("fracture_tenant_body_bytes_total", kBytes, static_cast<double>(figures.bytes_out),
         {{"direction", "out"}});
-  writer.gauge("fracture_tenant_computations", "Computations of each name that are queued or run.",
+  writer.gauge("fracture_tenant_computations", "Queued and running computations of each name.",
                static_cast<double>(figures.computations), {{"tenant", name}});
   writer.gauge("fracture_tenant_stored_mesh_bytes",
-               "Bytes of stored meshes of each name, equal ones counted.", static_cast<double>(holds.stored),
-               {{"tenant", name}});
+               "Bytes of each name's stored meshes, including those that other names stored too.",
+               static_cast<double>(holds.stored), {{"tenant", name}});
   writer.gauge("fracture_tenant_answer_bytes", "Bytes of answers that each name can fetch again.",
                static_cast<double>(holds.cached), {{"tenant", name}});
 }

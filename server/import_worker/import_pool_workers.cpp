@@ -178,7 +178,7 @@ std::string import_worker_beside_this_program() {
   program.replace(program.rfind('/') + 1, std::string::npos, "fracture-import");
   if (::access(program.c_str(), X_OK) != 0)
     throw std::runtime_error("there is no program " + program +
-                             ", which reads files for this one: install both");
+                             ", which reads mesh files: install it with this one");
   return program;
 }
 

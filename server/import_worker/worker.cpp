@@ -93,11 +93,11 @@ std::vector<std::byte> reply_to(const ImportFunction& import, const ImportJob& j
   } catch (const std::bad_alloc&) {
   } catch (const std::length_error&) {  // a vector asked to grow beyond the address space
   }
-  return encode_reply(
-      fail(ErrorCode::kImporterLimit,
-           "The importer needed more memory for this file than one import may have. Send a smaller mesh, or "
-           "raise the server's --import-memory.",
-           {}, {{"limit", "memory"}}));
+  return encode_reply(fail(
+      ErrorCode::kImporterLimit,
+      "The importer needed more memory for this file than a single import may use. Send a smaller mesh, or "
+      "raise the server's --import-memory.",
+      {}, {{"limit", "memory"}}));
 }
 
 /// A reader needs locale facets, lazily bound symbols and static tables at its first call: now, while files

@@ -159,12 +159,12 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     case WorkerDeath::kCpuLimit:
       return fail(ErrorCode::kImporterLimit,
                   "The importer needed more than the " + std::to_string(cpu_.count()) +
-                      " seconds of processor time that one import may have. Send a smaller mesh.",
+                      " seconds of processor time that a single import may use. Send a smaller mesh.",
                   {}, {{"limit", "cpu"}, {"seconds", cpu_.count()}});
     case WorkerDeath::kMemoryLimit:
       return fail(
           ErrorCode::kImporterLimit,
-          "The importer needed more memory for this file than one import may have. Send a smaller mesh, or "
+          "The importer needed more memory for this file than a single import may use. Send a smaller mesh, or "
           "raise the server's --import-memory.",
           {}, {{"limit", "memory"}});
     case WorkerDeath::kSizeLimit:
@@ -176,7 +176,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
           no_room_to_read("the system refused memory within the limit of one import (--import-memory)"));
     case WorkerDeath::kKilled:
       return tl::unexpected<Error>(
-          no_room_to_read("it was ended from outside with " + last_words_ +
+          no_room_to_read("it was stopped from outside with " + last_words_ +
                           ", by an operator or by a system that is short of memory"));
     default:
       return fail(ErrorCode::kImporterCrashed,

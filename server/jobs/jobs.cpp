@@ -267,8 +267,8 @@ bool Jobs::cancel(const std::string& id) {
 void Jobs::fail_locked(const Shared& job, Error error) {
   if (error.code == ErrorCode::kDeadlineExceeded)
     error.detail =
-        "The job was given up because its deadline passed: that of the server (--job-deadline) or the "
-        "Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or raise it.";
+        "The job was stopped because its deadline passed: the server's --job-deadline or the request's "
+        "Request-Timeout. Ask for fewer sites or a smaller mesh, or raise the deadline.";
   const Counted recount(*this, *job);
   job->waiting = false;
   job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;

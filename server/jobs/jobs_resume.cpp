@@ -232,7 +232,7 @@ void Jobs::pump() {
     try {
       refused = resume_one(next);
     } catch (const std::bad_alloc&) {
-      finish(next, fail(ErrorCode::kOutOfMemory, "There was not enough memory to go on with this job."));
+      finish(next, fail(ErrorCode::kOutOfMemory, "There was not enough memory to continue this job."));
     } catch (const std::exception& e) {
       finish(next, fail(ErrorCode::kInternal, e.what()));
     }

@@ -72,23 +72,23 @@ struct Metrics::Impl {
   Family<Counter>& requests = counter(
       "fracture_requests_total",
       "Requests by route of the interface document (none: no such path, or not well-formed) and status "
-      "(0: the client went away before its request was whole; 499: before there was an answer).");
+      "(0: the client left before its request was complete; 499: before there was an answer).");
   Family<Counter>& bytes = counter("fracture_body_bytes_total", "Bytes of bodies by direction (in, out).");
   Family<Counter>& undelivered =
-      counter("fracture_answers_undelivered_total", "Answers that the client did not take whole.");
+      counter("fracture_answers_undelivered_total", "Answers that the client did not read in full.");
   Family<Counter>& caches =
-      counter("fracture_cache_lookups_total", "Consultations of each cache by outcome (hit, miss).");
+      counter("fracture_cache_lookups_total", "Lookups in each cache by outcome (hit, miss).");
   Family<Counter>& connections =
-      counter("fracture_connections_total", "Connections accepted, refused ones included.");
+      counter("fracture_connections_total", "Connections accepted, including refused ones.");
   Family<Counter>& refused = counter("fracture_connections_refused_total",
-                                     "Connections that were only told that there are too many.");
+                                     "Connections that were only told that there were too many.");
   Family<Counter>& abandoned =
       counter("fracture_work_abandoned_total",
               "Requests that were stopped because their client closed or reset its connection (status 499).");
-  Family<Histogram>& durations =
-      histogram("fracture_request_duration_seconds", "From the whole header to the last byte of the answer.");
+  Family<Histogram>& durations = histogram("fracture_request_duration_seconds",
+                                           "From the complete header to the last byte of the answer.");
   Histogram& queue_wait =
-      histogram("fracture_queue_wait_seconds", "From the whole request to the start of its computation.")
+      histogram("fracture_queue_wait_seconds", "From the complete request to the start of its computation.")
           .Add({}, kSeconds);
 
   Histogram& io_turns =

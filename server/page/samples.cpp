@@ -21,20 +21,22 @@ std::string name_of(std::size_t number) { return "sample-" + std::to_string(numb
 
 Expected<Samples> Samples::load(const std::vector<std::string>& paths) {
   if (paths.size() > kMostSamples)
-    return fail(ErrorCode::kTooLarge, "There are " + std::to_string(paths.size()) + " page-samples, and " +
-                                          std::to_string(kMostSamples) + " at most.");
+    return fail(ErrorCode::kTooLarge, "There are " + std::to_string(paths.size()) +
+                                          " page-samples; the limit is " + std::to_string(kMostSamples) +
+                                          ".");
   Samples samples;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::uint64_t all = 0;
   for (const std::string& path : paths) {
     std::error_code error;
     if (!fs::is_regular_file(path, error))
-      return fail(ErrorCode::kFileAccess, printable(path) + (error ? ": " + error.message() : " is no file"));
+      return fail(ErrorCode::kFileAccess,
+                  printable(path) + (error ? ": " + error.message() : " is not a file"));
     all += fs::file_size(path, error);
     if (error) return fail(ErrorCode::kFileAccess, printable(path) + ": " + error.message());
     if (all > kMostSampleBytes)
       return fail(ErrorCode::kTooLarge, "With " + printable(path) + " the page-samples are larger than " +
-                                            std::to_string(kMostSampleBytes >> 20) + " MiB together.");
+                                            std::to_string(kMostSampleBytes >> 20) + " MiB in total.");
     std::ifstream file(path, std::ios::binary);
     std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     if (!file || bytes.empty())

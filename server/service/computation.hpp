@@ -41,8 +41,8 @@ inline Error told_to_all(Error error, const Urgency& urgency) {
   if (error.code != ErrorCode::kOverShare || !urgency.is_of_several()) return error;
   error.code = ErrorCode::kOverloaded;
   error.detail =
-      "Another client waits for the same computation, its memory counts as that client's, and other computations "
-      "of that client hold too much now.";
+      "Another client waits for the same computation, so its memory is charged to that client, whose other "
+      "computations hold too much now.";
   return error;
 }
 

@@ -107,13 +107,14 @@ Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) co
   const MemoryBudget& working = working_.whole();
   const std::chrono::seconds later = whole_seconds(pool_.backlog(Priority::kBatch).count());
   if (verdict == MemoryBudget::Verdict::kOverShare)
-    return Error{.code = ErrorCode::kOverShare,
-                 .detail = "This computation needs " + std::to_string(bytes) +
-                           " bytes, and the others of this client use its share of the working memory. All "
-                           "computations use " +
-                           std::to_string(working.used()) + " bytes by estimate; a client alone may use " +
-                           std::to_string(working_.share()) + ".",
-                 .retry_after = later};
+    return Error{
+        .code = ErrorCode::kOverShare,
+        .detail = "This computation needs " + std::to_string(bytes) +
+                  " bytes, and this client's other computations use its share of the working memory. All "
+                  "computations use " +
+                  std::to_string(working.used()) + " bytes by estimate; a lone client may use " +
+                  std::to_string(working_.share()) + ".",
+        .retry_after = later};
   Error error = overloaded("The computations in progress use " + std::to_string(working.used()) +
                                " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
                            later);

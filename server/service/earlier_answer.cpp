@@ -82,7 +82,7 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     if (earlier.contains("fragment"))
       return wrong(
           "of",
-          "'of' names an answer with the parts of one fragment, but hits need an answer of a whole mesh.");
+          "'of' names an answer with the parts of one fragment, but hits need an answer for a whole mesh.");
     taken["local_point"] = continued(earlier, "local_point", own.local_point, [](const Vec3d& p) {
       return nlohmann::json{p.x, p.y, p.z};
     });

@@ -62,7 +62,7 @@ Error to_error(const Interrupted& interrupted) {
   return {
       interrupted.code,
       interrupted.code == ErrorCode::kDeadlineExceeded
-          ? "The work was given up because its deadline passed: the server's --deadline or --realtime-deadline, "
+          ? "The work was stopped because its deadline passed: the server's --deadline or --realtime-deadline, "
             "or the Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or for more time."
           : "The work was cancelled before it was done."};
 }

@@ -154,11 +154,11 @@ class WorkerPool::Running final : public Turn {
   }
   void end_if_too_many() const {
     if (must_end)
-      throw Interrupted(
-          Error{.code = ErrorCode::kOverloaded,
-                .detail = "This computation was given up for more urgent ones: as many of its class run as "
-                          "may, or they need the memory that it held. Ask again.",
-                .retry_after = std::chrono::seconds(1)});
+      throw Interrupted(Error{
+          .code = ErrorCode::kOverloaded,
+          .detail = "This computation was stopped for more urgent ones: no more of its class may run, or "
+                    "the others need the memory that it held. Ask again.",
+          .retry_after = std::chrono::seconds(1)});
   }
 };
 

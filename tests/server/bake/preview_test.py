@@ -356,7 +356,7 @@ class WithScripts(Case):
         renderer = self.renderer()
         note = self.write("note.html", "<p>mine</p>")
         self.bake("in", "-o", "out", "--html", "note.html", *renderer, code=2)
-        self.assertIn("not a page of a bake", self.words)
+        self.assertIn("was not written by a bake", self.words)
         self.assertEqual(note.read_text(encoding="utf-8"), "<p>mine</p>")
         for wrong in (["in", "-o", "out", "--preview", "x.png"], ["in", "-o", "out", "--preview", "in/box.obj"],
                       ["in", "-o", "out", "--preview", "-"], ["in", "-o", "out", "--html", "-"],

@@ -351,7 +351,7 @@ TEST_F(BakeRulesTest, TheFileIsReadWithThePlanWrittenOverByNothingAndNamedInTheD
       plan_bake({.inputs = {mesh}, .output = folder / "a.glb", .rules = path, .depfile = path});
   ASSERT_FALSE(lost);
   EXPECT_EQ(lost.error().detail,
-            "Writing '" + path + "' would overwrite the rules '" + path + "': choose another place.");
+            "Writing '" + path + "' would overwrite the rules '" + path + "': choose another path.");
   EXPECT_FALSE(plan_bake({.inputs = {mesh}, .output = folder / "a.glb", .rules = mesh}));
 }
 

@@ -179,8 +179,7 @@ TEST_F(BakeSafety, ReportAndDepfileAreNoInputNoOutputAndNothingElseThatIsThere) 
   expect_refused({.inputs = {mesh}, .output = "-", .depfile = folder / "d"}, {"--depfile"});
   expect_refused({.inputs = {"-"}, .output = out, .depfile = folder / "d"}, {"--depfile"});
   for (const char* text : {"notes\n", "{\"a\": 1}", "{\n  \"output\": 5\n}\n", "\n\nx"})
-    expect_refused({.inputs = {mesh}, .output = out, .report = put("notes", text)},
-                   {"is not a report of a bake"});
+    expect_refused({.inputs = {mesh}, .output = out, .report = put("notes", text)}, {"is not a bake report"});
   for (const char* text :
        {"", "{\"input\": \"a\", \"output\": \"b\", \"status\": \"made\"}\n", "{\"bytes\": 5, \"cer"})
     EXPECT_EQ(refused({.inputs = {mesh}, .output = out, .report = put("report", text)}), "") << text;

@@ -96,7 +96,7 @@ TEST(MemoryPlan, TheLeastThatItNamesWorksAndAMebibyteLessDoesNot) {
         };
         const std::vector<std::string> refused = plan(100 * kMiB);
         ASSERT_THAT(refused, testing::SizeIs(1));
-        const std::string words = "the least that works is ";
+        const std::string words = "the smallest value that works is ";
         const std::size_t at = refused[0].find(words);
         ASSERT_NE(at, std::string::npos) << refused[0];
         const std::uint64_t least = std::stoull(refused[0].substr(at + words.size()));

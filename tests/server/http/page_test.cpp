@@ -136,8 +136,8 @@ TEST(Page, SamplesThatCannotBeHeldAreRefusedByName) {
     return samples ? std::string("taken") : samples.error().detail;
   };
   EXPECT_NE(why({folder / "none.glb"}).find("none.glb"), std::string::npos);
-  EXPECT_NE(why({folder / ""}).find("is no file"), std::string::npos);
-  EXPECT_NE(why({"/dev/zero"}).find("is no file"), std::string::npos);
+  EXPECT_NE(why({folder / ""}).find("is not a file"), std::string::npos);
+  EXPECT_NE(why({"/dev/zero"}).find("is not a file"), std::string::npos);
   EXPECT_NE(why({folder.write("empty.glb", "")}).find("is empty"), std::string::npos);
   const std::string large = folder.write("large.glb", std::string(page::kMostSampleBytes / 2 + 1, 'x'));
   EXPECT_EQ(why({large}), "taken");

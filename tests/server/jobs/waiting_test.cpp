@@ -94,7 +94,7 @@ TEST_F(WaitingJob, BeginsAgainWhenItWasHurriedAndIsOneTooManyNow) {
   std::atomic<int> cuts{0};
   host_engine->cut_error = [&]() -> std::optional<Error> {
     if (cuts++ > 0) return std::nullopt;
-    return Error{ErrorCode::kOverloaded, "As many of its class run as may."};  // as the worker pool says it
+    return Error{ErrorCode::kOverloaded, "No more of its class may run."};  // as the worker pool says it
   };
   host.emplace("", host_engine);
   host->wait_for(host->start(1), JobState::kDone);

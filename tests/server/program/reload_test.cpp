@@ -29,7 +29,7 @@ TEST(Reload, ANewTokenFileDecidesAndAWrongOneIsRefused) {
 
   write(path, tenant_file({tenant("ana"), tenant("cyd")}));
   server.signal(SIGHUP);
-  EXPECT_NE(server.error_line_with("was read again"), "");
+  EXPECT_NE(server.error_line_with("was reloaded"), "");
   EXPECT_EQ(ask(server.port, "GET", "/version", by("bob")).status, 401);
   EXPECT_EQ(ask(server.port, "GET", "/version", by("cyd")).status, 200);
 

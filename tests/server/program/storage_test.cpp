@@ -54,7 +54,7 @@ std::vector<std::string> with(std::vector<std::string> flags) {
 /// By what a server says that has too little.
 std::uint64_t least_memory() {
   const Ended refused(with({"--memory", "64MiB"}));
-  const std::string words = "the least that works is ";
+  const std::string words = "the smallest value that works is ";
   const std::size_t at = refused.said.find(words);
   EXPECT_NE(at, std::string::npos) << refused.said;
   return at == std::string::npos ? 0 : std::stoull(refused.said.substr(at + words.size()));
