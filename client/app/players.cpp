@@ -37,13 +37,14 @@ Expected<Options> as_host(Options options, const json& header) {
     const json said = header.value(name, json());
     if (!said.is_boolean())
       return fail(ErrorCode::kBadJson,
-                  std::string("The header of the host's game must have true or false for '") + name + "'.");
+                  std::string("In the header of the host's game, '") + name + "' must be true or false.");
     *value = said.get<bool>();
   }
   const json seconds = header.value("seconds", json());
   constexpr double kMostSeconds = 3600;
   if (!seconds.is_number() || !(seconds >= 0) || !(seconds <= kMostSeconds))
-    return fail(ErrorCode::kBadJson, "The header of the host's game must have 0 to 3600 'seconds'.");
+    return fail(ErrorCode::kBadJson,
+                "In the header of the host's game, 'seconds' must be a number from 0 to 3600.");
   begun->seconds = seconds.get<double>();
   begun->answer_steps = header.at("answer_steps").get<unsigned>();
   return begun;

@@ -253,7 +253,7 @@ Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
 
 Expected<void> Film::add(const render::Picture& picture) {
   if (picture.width != settings_.width || picture.height != settings_.height)
-    return fail(ErrorCode::kBadParameter, "A picture of the film does not have the film's size.");
+    return fail(ErrorCode::kBadParameter, "A frame has a different size from the film.");
   const std::size_t number = frames_++;
   if (program_) return program_->write(picture.pixels.data(), picture.pixels.size() * sizeof(render::Color));
   char name[32];

@@ -107,7 +107,7 @@ void decode_primitive(GltfDocument& document, json& primitive, const ImportLimit
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t index = face[k].value();
       if (index >= points)
-        refuse(ErrorCode::kMalformedMesh, "A Draco triangle names a point that does not exist.", inner);
+        refuse(ErrorCode::kMalformedMesh, "A Draco triangle refers to a point that does not exist.", inner);
       std::memcpy(&indices[f * 12 + k * 4], &index, 4);
     }
   }

@@ -127,7 +127,7 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHits,
        .doc =
-           "With `delta`: number of new hits, counted from the end of the list. With `of`, the server determines it."},
+           "With `delta`: how many hits at the end of the list are new. With `of`, the server determines it."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {

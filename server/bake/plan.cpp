@@ -180,7 +180,7 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
   BakeSource source = given;
   std::error_code error;
   if (source.manifest.empty() == source.inputs.empty())
-    return wrong("Give either files, folders or globs, or a --manifest.");
+    return wrong("Give either input paths (files, folders, globs) or a --manifest, but not both.");
   if (source.manifest.empty()) {
     if (source.output.empty())
       return wrong("--output is missing: give a file for one mesh, or a folder for several.");

@@ -48,7 +48,8 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
         static_cast<double>(count), {{"outcome", outcome}});
   writer.counter("fracture_import_workers_started_total", "Import processes forked, one per file.",
                  static_cast<double>(counters.started));
-  writer.counter("fracture_import_zygotes_started_total", "Processes started to fork import processes from.",
+  writer.counter("fracture_import_zygotes_started_total",
+                 "Processes started from which import processes are forked.",
                  static_cast<double>(counters.zygotes));
   writer.gauge("fracture_import_workers", "Live import processes.", counters.workers);
   writer.gauge("fracture_import_workers_busy", "Import processes that are reading a file.", counters.busy);

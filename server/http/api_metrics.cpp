@@ -13,7 +13,7 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
       "1 while the server accepts requests, 0 while it drains or waits for a folder that another server uses.",
       ready() ? 1 : 0);
   const WorkerPool& pool = dispatcher_.pool();
-  writer.gauge("fracture_queue_depth", "Jobs that wait for a computing thread.",
+  writer.gauge("fracture_queue_depth", "Jobs waiting for a computing thread.",
                static_cast<double>(pool.queued()));
   writer.gauge("fracture_jobs_running", "Jobs that are being computed.", static_cast<double>(pool.running()));
   writer.counter("fracture_jobs_escaped_total", "Jobs that ended with an exception: a bug.",
@@ -67,7 +67,7 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
 
   const JobFigures jobs = jobs_.figures();
   writer.gauge("fracture_jobs", "Jobs, including finished ones.", static_cast<double>(jobs.jobs));
-  writer.gauge("fracture_jobs_unfinished", "Jobs that wait or run.", static_cast<double>(jobs.unfinished));
+  writer.gauge("fracture_jobs_unfinished", "Jobs waiting or running.", static_cast<double>(jobs.unfinished));
   count("fracture_jobs_started_total", "Jobs started by Prefer: respond-async.", jobs.started);
   count("fracture_jobs_forgotten_total", "Finished jobs deleted after --job-ttl.", jobs.expired);
   count("fracture_jobs_resumed_total", "Jobs that continued after a restart.", jobs.resumed);

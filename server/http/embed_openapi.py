@@ -8,7 +8,7 @@ import yaml
 
 
 def add_common_headers(document):
-    """components/headers are those of every answer of the public listener: into each response, also those that are shared."""
+    """Adds the headers in components/headers, which every answer of the public listener has, to each response."""
     common = {name: {"$ref": f"#/components/headers/{name}"} for name in document["components"]["headers"]}
     for item in document["paths"].values():
         if "servers" in item:  # the admin listener's

@@ -20,7 +20,7 @@ LONGEST = 600  # seconds that npm may take
 
 
 def run(command, folder):
-    """Why it failed; nothing where it did not."""
+    """Runs the command. Returns the reason if it fails, otherwise an empty string."""
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=LONGEST)
     except subprocess.TimeoutExpired:
@@ -29,7 +29,7 @@ def run(command, folder):
 
 
 def build(page):
-    """Leaves it in page/dist. Why it could not; nothing where it could."""
+    """Builds the page in page/dist. Returns the reason if it cannot, otherwise an empty string."""
     if not (page / "package.json").exists():
         return f"{page} is not there"
     if not shutil.which("npm"):

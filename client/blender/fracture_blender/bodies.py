@@ -39,7 +39,7 @@ def add_bodies(scene, answer, objects, shape):
 def threshold(bond, scene, factor=1.0):
     """The impulse at which Blender breaks a constraint.
 
-    A bond withstands a force, its strength (N): the material's strength (Pa) times the bond's area. Bullet checks a constraint's
+    A bond withstands forces up to its strength (N), the material's strength (Pa) times the bond's area. Bullet checks a constraint's
     impulse within one step, which takes 1 / (frames per second * substeps per frame) seconds. Its lengths are in Blender units,
     so 1 N is 1 / scale there.
     """

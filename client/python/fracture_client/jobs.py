@@ -110,7 +110,7 @@ class Job:
         while not self.state.is_finished:
             left = longest if end is None else min(longest, end - time.monotonic())
             if left <= 0:
-                raise FractureError("timeout", f"The job {self.id} did not finish within {timeout:g} s; it is at "
+                raise FractureError("timeout", f"Job {self.id} did not finish within {timeout:g} s; it is at "
                                                f"{self.state.percent} % and keeps running. Call wait() again, or cancel().")
             asked = time.monotonic()
             headers = {"Prefer": f"wait={int(left)}"} if left >= 1 else {}
@@ -127,7 +127,7 @@ class Job:
         if state.state != "done":
             if state.error:
                 raise FractureError.of_problem(state.error)
-            raise FractureError("cancelled", f"The job {self.id} was cancelled.")
+            raise FractureError("cancelled", f"Job {self.id} was cancelled.")
         answer = self._client.answer(state.result, timeout=timeout, cancel=cancel)
         assert answer is not None  # None only with `unless`
         return answer if self._mesh is None else answer.of_mesh(self._mesh)
