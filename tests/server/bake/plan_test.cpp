@@ -101,7 +101,7 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
   const std::string line = ".ndjson'";
   for (const auto& [source, part] : std::vector<std::pair<BakeSource, std::string>>{
            {{}, "--manifest"},
-           {{.inputs = {"a"}, .manifest = "b"}, "Give either files"},
+           {{.inputs = {"a"}, .manifest = "b"}, "Give either input paths"},
            {{.inputs = {folder / "in"}}, "--output"},
            {{.manifest = "m", .output = "o"}, "leave out --output"},
            {{.manifest = folder / "absent"}, "absent"},
@@ -154,7 +154,7 @@ nonsense
       said,
       testing::ElementsAre(
           begins("Lines 1, 6 to 8" + of + "There is no parameter 'sitess'. Did you mean 'sites'?"),
-          begins("Line 2" + of + "it is not a JSON object"), begins("Line 4" + of + "'.fbx' is not written"),
+          begins("Line 2" + of + "it is not a JSON object"), begins("Line 4" + of + "'.fbx' cannot be written"),
           testing::AllOf(begins("Line 4" + of), testing::HasSubstr("'sites' must be"),
                          testing::HasSubstr("'seed' must be")),
           "Line 9" + of + "'output' is missing.",
