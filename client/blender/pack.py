@@ -43,7 +43,7 @@ def main():
 
 
 def described(program_or_url):
-    """The description in the add-on's own format. Loads only those modules of the add-on that do not need Blender."""
+    """Returns the description in the add-on's own format. Loads only those modules of the add-on that do not need Blender."""
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(PACKAGE.parent))
     package = types.ModuleType("fracture_blender")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The steps by which an engine breaks objects with the service: store the mesh once, send a request on a collision, read the fragments.
+"""How an engine breaks objects with the service: store the mesh once, send a request on a collision, read the fragments.
 
     integrate.py http://127.0.0.1:8080 barrel.glb out.glb '{"material": "wood", "impacts": [[0, 0.5, 0]]}'
 """
@@ -16,7 +16,7 @@ if len(sys.argv) not in (4, 5):
 server, mesh_file, out_file, *parameters = sys.argv[1:]
 try:
     with Client(server) as client:
-        mesh = client.put(mesh_file)  # when the level is loaded: sent only where the server has not got it yet
+        mesh = client.put(mesh_file)  # when the level is loaded: sent only if the server does not have it yet
         answer = mesh.fracture(json.loads(parameters[0]) if parameters else {})  # at the collision: a few bytes
         answer.save(out_file)
 except (FractureError, OSError, ValueError) as error:

@@ -1,4 +1,4 @@
-"""The SVG chart in tests/bench/README.md: how many times as fast as other programs we are, for each day in tests/bench/results.
+"""The SVG chart in tests/bench/README.md. For each day in tests/bench/results, it shows our speed as a multiple of other programs' speed.
 
 Each line compares one benchmark with one other program: the geometric mean of the cases that all days of the line contain. The
 label is at the last point; labels are moved apart if they would overlap.
@@ -9,11 +9,11 @@ import math
 PATH = "tests/bench/results/history.svg"
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 640, 300, 44, 190, 30, 30
 COLOURS = ("#1b6ca8", "#c8553d", "#3f7d20", "#7b4fa3", "#b8860b", "#4a4a4a", "#0f8b8d", "#a23b72")
-FIRST = "205c8dc"  # the only release that results of several days are compared with
+FIRST = "205c8dc"  # the only release in the chart, because the results of several days contain comparisons with it
 
 
 def series(files):
-    """{label: {file: mean ratio}} for comparisons with at least two days."""
+    """Returns {label: {file: mean ratio}} for comparisons with at least two days."""
     ratios = {}
     for name, results in files.items():
         for result in results:
@@ -31,7 +31,7 @@ def series(files):
 
 
 def spread(places, least):
-    """The positions in their order, moved down so that neighbours keep this distance."""
+    """Returns the positions in their order, moved down so that neighbours are at least this far apart."""
     moved = []
     for place in places:
         moved.append(max(place, moved[-1] + least) if moved else place)

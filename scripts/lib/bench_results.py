@@ -1,8 +1,8 @@
 """Results of scripts/bench: one CSV file per day in tests/bench/results, and the table in tests/bench/README.md.
 
 Each line is one comparison: our value, and the value of a peer or an earlier release, or a target in the same unit. A case with
-two peers has two lines; a case without a comparison has an empty `kind`. `ratio` says how many times as fast (or as
-small) as the other program we are, and `goal` is the ratio to reach. An empty cell means unknown.
+two peers has two lines; a case without a comparison has an empty `kind`. `ratio` compares
+us with the other program: 2 means twice as fast, or half the size. `goal` is the ratio to reach. An empty cell means unknown.
 """
 import csv
 import dataclasses
@@ -45,7 +45,7 @@ COLUMNS = [field.name for field in dataclasses.fields(Result)]
 
 
 def number(value):
-    """The value with three digits."""
+    """Formats a value with three significant digits."""
     return f"{value:.3g}" if value < 100 else f"{value:.0f}"
 
 
@@ -68,18 +68,18 @@ def write(results):
 
 
 def read_all(root):
-    """The results of each file, by its name, the oldest first."""
+    """Returns each file's results by the file's name, oldest first."""
     return {path.name: read(path.read_text(encoding="utf-8")) for path in sorted((root / FOLDER).glob("*.csv"))}
 
 
 def merge(old, new):
-    """The old results with the new ones, which replace all results of the rows that they measure again."""
+    """Returns the old results with the new ones added. New results replace all old results of the same row."""
     again = {result.row for result in new}
     return [result for result in old if result.row not in again] + new
 
 
 def latest(files):
-    """{row: its results in the newest file that has it}, in the order of the files that named them first."""
+    """Returns {row: its results in the newest file that has it}. Rows are in the order in which the files first mention them."""
     found = {}
     for results in files.values():
         of_file = {}
@@ -90,7 +90,7 @@ def latest(files):
 
 
 def is_shown(results):
-    """The table shows only rows that have a peer or a goal; the files contain all rows."""
+    """Returns whether the table shows these results. It shows only rows with a peer or a goal; the files contain all rows."""
     return any(result.kind == "peer" or result.goal for result in results)
 
 
@@ -98,7 +98,7 @@ HEAD = "|benchmark|threads|ours|release|peers|goal|version|date|\n|---|---|---|-
 
 
 def line(results):
-    """A row of the table, from all results of one case."""
+    """Returns a row of the table, from all results of one case."""
     first = results[0]
     of_kind = {kind: ", ".join(compared(result) for result in results if result.kind == kind) for kind in KINDS}
     goals = [result for result in results if result.goal]
@@ -119,7 +119,7 @@ def table(files):
 
 
 def with_table(page, files):
-    """The page with these results in its table."""
+    """Returns the page with these results in its table."""
     before, begin, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:

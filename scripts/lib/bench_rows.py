@@ -16,11 +16,11 @@ import time
 
 NUMBER = r"([\d.]+)"
 LONGEST = 900  # seconds that one program may take
-MOST_SITES, HIT_SITES = 100_000, 30  # of a request (common/pipeline); that a hit of bench_local_impact adds
+MOST_SITES, HIT_SITES = 100_000, 30  # maximum sites of a request (common/pipeline); sites that a hit of bench_local_impact adds
 
 
 class Unknown(Exception):
-    """A program of an earlier release does not support the row."""
+    """Raised if the program of an earlier release does not support a row."""
 
 
 @dataclasses.dataclass
@@ -41,7 +41,7 @@ class Row:
     goal_last: float = 0  # times as fast as 205c8dc, if that is the release to compare with; 0: none
     target: float = 0  # target value in the row's unit; 0: none
     quick: bool = False
-    rounds: int = 0  # maximum; 0: the requested number
+    rounds: int = 0  # maximum number of rounds; 0: the requested number
     larger_is_better: bool = False
     memory: bool = False  # compare peak memory in MiB
 
@@ -53,7 +53,7 @@ class Row:
 
 @dataclasses.dataclass
 class Build:
-    folder: pathlib.Path  # of CMake
+    folder: pathlib.Path  # CMake's build folder
     known: bool = True  # True if its programs come from this checkout
 
     def program(self, name):
@@ -72,7 +72,7 @@ class Bench:
 
 
 def run(command, environment=None):
-    """Standard output and peak memory. RuntimeError if the program reports a failure."""
+    """Runs a program. Returns its standard output and its peak memory (KiB). Raises RuntimeError if it reports a failure."""
     with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
         child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=errors,
                                  env={**os.environ, **(environment or {})})
@@ -125,7 +125,8 @@ def manifold(mesh, sites):
 # -- the tetrahedralization
 
 def delaunay(workload, peer=""):
-    """CGAL must find the same tetrahedra, except in lattices, where each program has its own rule for ties."""
+    """Returns the function that measures a workload. CGAL must find the same tetrahedra, except in lattices, where each program
+    breaks ties in its own way."""
     compared = peer == "cgal" and not workload.startswith("lattice")
 
     def ask(bench, build):
@@ -199,7 +200,7 @@ def bake_one(bench, build):
 
 
 def bake_many(bench, build, files=200):
-    """Small files per second, one job each, with two workers."""
+    """Measures how many small files are baked per second, one job each, with two workers."""
     with tempfile.TemporaryDirectory(dir=bench.work) as folder:
         with open(f"{folder}/jobs.ndjson", "w") as jobs:
             for k in range(files):
@@ -214,7 +215,7 @@ def bake_many(bench, build, files=200):
 
 def all_rows():
     rows, cores = [], os.cpu_count()
-    # mesh, sites: milliseconds of the peer and of the goal with hulls; of 205c8dc with hulls
+    # mesh, sites: milliseconds of the peer, of the goal with hulls, and of 205c8dc with hulls
     for mesh, sites, peer, goal, before in (
             ("sphere2k", 10, 20.8, 0.6, 1.24), ("sphere2k", 50, 56, 1.4, 2.89), ("sphere2k", 200, 148, 3.6, 7.6),
             ("sphere2k", 1000, 529, 14, 29.7), ("sphere20k", 50, 337, 4, 8.9), ("sphere20k", 200, 778, 7.5, 17.5),

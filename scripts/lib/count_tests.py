@@ -49,7 +49,7 @@ def main(arguments):
 
 
 def read_reasons(file):
-    """{program: why it may be skipped}. A line without a reason is an error."""
+    """Returns {program: why it may be skipped}. A line without a reason is an error."""
     reasons = {}
     with open(file, encoding="utf-8") as lines:
         for line in lines:

@@ -23,7 +23,7 @@ from gallery_meshes import MESHES, box
 SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
 ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
 ASSET_BYTES = 400_000
-# The mesh that proto/materials.md shows for each material and pattern, because it suits them.
+# The mesh that proto/materials.md shows for each material and pattern. It was chosen because it suits them.
 SHOWN = {"glass": "pane", "wood": "wall", "concrete": "column", "stone": "monkey", "brick": "wall", "ceramic": "vase",
          "metal": "monkey", "cast_iron": "column", "ice": "monkey", "plaster": "monkey", "terracotta": "vase",
          "sandstone": "column", "crystal": "monkey"}
@@ -54,7 +54,8 @@ class Server:
             time.sleep(0.1)
 
     def ask(self, method, path, body=None, kind="application/json"):
-        """The bytes of the answer. If the server refuses, RuntimeError with the server's message."""
+        """Sends a request and returns the bytes of the answer. Raises RuntimeError with the server's message if the server refuses
+        it."""
         request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", body, {"Content-Type": kind}, method=method)
         try:
             with urllib.request.urlopen(request) as answer:
@@ -94,7 +95,7 @@ class Mesh:
 
 
 def sites_for(mesh, pattern, patterns):
-    """Number of pieces and point of impact, if the pattern has these parameters."""
+    """Returns the parameters for the number of pieces and the point of impact, as far as the pattern has them."""
     known = {p["name"] for p in patterns.get(pattern, [])} or {"sites"}
     parameters = {"seed": 7}
     if "sites" in known:
@@ -144,7 +145,8 @@ class Gallery:
         return made
 
     def model(self, mesh, label, parameters):
-        """The output file of a request, relative to the sheets. None if the server refuses the request."""
+        """Fractures a mesh and writes the answer to a file. Returns its path relative to the sheets; None if the server refuses the
+        request."""
         path = self.models / f"{mesh.name}_{label}.glb"
         if not (self.keep and path.exists()):
             try:
@@ -155,7 +157,7 @@ class Gallery:
         return str(path.relative_to(self.folder))
 
     def sheet(self, name, title, columns, rows, options=None):
-        """rows: (label, options, [options for each cell, None for an empty cell])."""
+        """Draws a sheet. `rows`: (label, options, [options for each cell, None for an empty cell])."""
         rows = [row for row in rows if all(cell is not None for cell in row[2])]
         if not rows:
             return
@@ -188,7 +190,7 @@ class Gallery:
         rows = []
         for pattern in self.patterns:
             if pattern == "points":
-                continue  # the caller's own
+                continue  # this pattern needs the caller's own points
             request = {"pattern": pattern} if len(self.patterns) > 1 else {}
             cells = []
             for mesh in meshes:
@@ -199,7 +201,7 @@ class Gallery:
                    {"view": "exploded", "explode": 0.25, "colors": "fragment"})
 
     def rough_sheet(self):
-        """The materials with rough cuts, next to the same cuts when flat, without textures."""
+        """Draws the materials with rough cuts, next to the same cuts when flat, without textures."""
         if not self.wants("rough"):
             return
         text, impact = box((1, 1, 1), (0.5, 0.8, 0.5))  # thin objects leave little room for relief
@@ -217,7 +219,7 @@ class Gallery:
                    rows, {"view": "exploded", "explode": 0.9, "colors": "interior"})
 
     def paper_sheet(self, meshes):
-        """The paper's cells next to ours, on the paper's mesh if it is available."""
+        """Draws the paper's cells next to ours, on the paper's mesh if it is available."""
         if not self.wants("paper"):
             return
         mesh = meshes[0]
@@ -230,7 +232,7 @@ class Gallery:
                     ("cut faces", {"view": "exploded", "colors": "interior"})], rows)
 
     def overview_sheet(self, meshes):
-        """The README's picture: one object for each of six materials."""
+        """Draws the README's picture: one object for each of six materials."""
         if not self.wants("overview"):
             return
         by_name = {mesh.name: mesh for mesh in meshes}
@@ -247,7 +249,8 @@ class Gallery:
                    [("exploded", {"view": "exploded", "explode": 0.4}, cells), ("hit", {"view": "impact"}, cells)])
 
     def page_pictures(self, meshes):
-        """One small picture of each material and pattern, written directly to proto/pictures (only on request by name)."""
+        """Draws a small picture of each material and pattern, written directly to proto/pictures. This happens only if it is
+        requested by name."""
         if self.only is None or "page" not in self.only:
             return
         by_name = {mesh.name: mesh for mesh in meshes}
@@ -271,7 +274,7 @@ class Gallery:
         print(f"   {len(wanted)} pictures in proto/pictures")
 
     def level_sheet(self, meshes):
-        """One hierarchy: each level separately, with a colour per cluster, then the fragments."""
+        """Draws one hierarchy: each level separately, with a colour per cluster, then the fragments."""
         if not self.wants("levels"):
             return
         levels = [6, 30, 150]
@@ -285,7 +288,7 @@ class Gallery:
         self.sheet("levels", f"levels={levels}", columns, rows, {"view": "exploded", "explode": 0.5})
 
     def local_sheet(self, meshes):
-        """A hit that breaks only the area around it. The rest stays in one piece, or the pattern breaks it."""
+        """Draws a hit that breaks only the area around it. The rest stays in one piece, or breaks as the pattern determines."""
         if not self.wants("local"):
             return
         rows = []
@@ -300,7 +303,7 @@ class Gallery:
                    rows, {"explode": 0.3, "colors": "fragment"})
 
     def asset_sheet(self):
-        """Textured third-party meshes with their own materials."""
+        """Draws textured third-party meshes with their own materials."""
         folder = os.environ.get("FRACTURE_TEST_MESHES", "").split(":")[0]
         if not folder or not self.wants("assets"):
             return
@@ -353,7 +356,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of the sheet blind")
     parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
     arguments = parser.parse_args()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that the server is stopped on the way out
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # as an exception, so that the script stops the server before it exits
     try:
         return Gallery(arguments.root, arguments).run()
     except (RuntimeError, subprocess.CalledProcessError) as error:

@@ -23,11 +23,11 @@ MORE_FOR_EACH_PART = 2  # so that the parts of a mesh with several parts break, 
 BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "stone or concrete": ["stone", "concrete"],
                    "ice": ["ice"], "ceramic": ["ceramic"], "metal": ["metal"]}
 BLIND_NOT = {"banner", "building", "plate"}
-# Bricks suit walls. From any other mesh, the preset makes rubble, which is stone, and a warning says so.
+# Bricks suit walls. The preset breaks any other mesh into rubble, which is stone, and a warning says so.
 BLIND_ONLY = {"brick": {"wall", "stairs"}}
-BLIND_COLUMNS = 5  # of a sheet; with more columns the pictures would be too small
+BLIND_COLUMNS = 5  # number of columns of a sheet; with more columns, the pictures would be too small
 DETAILS = {"stone", "concrete", "wood", "brick"}  # materials whose cuts have a grain that is visible only close up
-REPEATS = 2  # of it, along the longest side
+REPEATS = 2  # number of times that the grain repeats along the longest side
 EXPLODED = {"view": "exploded", "explode": 0.5, "margin": 0.8}
 HIT = {"view": "impact", "margin": 0.85}
 CLOSE = {"view": "exploded", "explode": 0.5, "margin": 0.35}
@@ -38,7 +38,8 @@ def document_of(glb):
 
 
 def bounds_of(glb):
-    """Corners of the world-space bounding box of one of the server's GLB files (its nodes only translate)."""
+    """Returns the corners of the world-space bounding box of one of the server's GLB files, in which nodes have only a
+    translation."""
     document = document_of(glb)
     low, high = [float("inf")] * 3, [float("-inf")] * 3
     for node in document["nodes"]:
@@ -59,7 +60,7 @@ class AssetSheets:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def files(self):
-        """(label, path) for each available asset."""
+        """Returns {label: path} for each available asset."""
         folders = [pathlib.Path(f) for f in os.environ.get("FRACTURE_TEST_MESHES", "").split(":") if f]
         found = {}
         for label, name in ASSETS.items():
@@ -72,7 +73,7 @@ class AssetSheets:
         return found
 
     def bake(self, jobs):
-        """jobs: (input, output, parameters). bake reports refused jobs, which get no output."""
+        """Runs bake. `jobs`: (input, output, parameters). bake reports refused jobs, which get no output."""
         if self.gallery.keep:
             jobs = [job for job in jobs if not job[1].exists()]
         if not jobs:
@@ -84,7 +85,7 @@ class AssetSheets:
                        check=False)
 
     def broken(self, pairs, more=None):
-        """The files made for (material, label) pairs, and each asset's hit: point and radius."""
+        """Returns the files made for (material, label) pairs, and each asset's hit: point and radius."""
         files = self.files()
         intact = {label: self.folder / f"{label}.glb" for label in files}
         self.bake([(files[label], intact[label], {"sites": 1}) for label in files])
@@ -112,13 +113,13 @@ class AssetSheets:
         return {pair: output for pair, output in made.items() if output.exists()}, hits
 
     def cell(self, output, hit):
-        """Options for a picture of this file."""
+        """Returns the options for a picture of this file."""
         return {"file": str(output.relative_to(self.gallery.folder)), "impact": hit[0], "impact-radius": hit[1],
                 "impact-direction": [-0.25, 0, -1]}
 
     @staticmethod
     def close(cell):
-        """Centres the picture on the hit."""
+        """Returns a cell's options with the picture centred on the hit."""
         return {**cell, "target": cell["impact"]}
 
     def draw(self):
@@ -132,7 +133,7 @@ class AssetSheets:
                                 ("close by", CLOSE)], rows)
 
     def draw_blind(self, seed):
-        """Ten cells of seven materials without colours or names, for a judge who must identify them. blind.key contains the
+        """Draws ten cells of seven materials without colours or names, for a judge who must identify them. blind.key contains the
         answers. Each object has the roughness, metalness, opacity and grain of its material."""
         draw = random.Random(seed)
         materials = list(BLIND_MATERIALS) + draw.sample(sorted(BLIND_MATERIALS), 3)

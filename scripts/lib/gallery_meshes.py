@@ -9,7 +9,7 @@ CREASE = math.cos(math.radians(35))  # faces that meet at a larger angle keep th
 
 
 def _normal(points):
-    """Newell's normal of a polygon, unit length."""
+    """Returns a polygon's normal by Newell's method, with unit length."""
     n = [0.0, 0.0, 0.0]
     for p, q in zip(points, points[1:] + points[:1]):
         for k in range(3):
@@ -47,8 +47,8 @@ def box(size, impact):
 
 
 def lathe(profile, segments):
-    """Turns a closed polygon of (radius, height), counter-clockwise with the radius to the right, around y. Points with
-    radius 0 are single vertices."""
+    """Rotates a closed polygon of (radius, height) points around y. The points are counter-clockwise with the radius to the right.
+    Points with radius 0 become single vertices."""
     vertices, rings = [], []
     for radius, height in profile:
         if radius == 0:
@@ -71,17 +71,17 @@ def lathe(profile, segments):
 
 
 def pane():
-    """A window pane, 1.2 m by 0.9 m, 10 mm thick."""
+    """Returns a window pane, 1.2 m by 0.9 m, 10 mm thick."""
     return box((1.2, 0.9, 0.01), (0.12, 0.52, 0.005))
 
 
 def wall():
-    """A free-standing wall, 2.4 m by 1.5 m, one brick thick."""
+    """Returns a free-standing wall, 2.4 m by 1.5 m, one brick thick."""
     return box((2.4, 1.5, 0.24), (0.35, 0.85, 0.12))
 
 
 def column():
-    """A column of 2.2 m with base and capital."""
+    """Returns a column of 2.2 m with base and capital."""
     profile = [(0, 0), (0.34, 0), (0.34, 0.12), (0.30, 0.16), (0.30, 0.22), (0.235, 0.28)]
     profile += [(0.235 - 0.035 * t / 8, 0.28 + 1.58 * t / 8) for t in range(1, 9)]
     profile += [(0.25, 1.92), (0.25, 1.98), (0.32, 2.05), (0.32, 2.2), (0, 2.2)]
@@ -89,7 +89,7 @@ def column():
 
 
 def vase():
-    """A vase of 0.32 m with walls of 8 mm."""
+    """Returns a vase of 0.32 m with walls of 8 mm."""
     outside = [(0.050, 0.0), (0.058, 0.006), (0.075, 0.04), (0.098, 0.09), (0.108, 0.14), (0.100, 0.19), (0.075, 0.235),
                (0.048, 0.265), (0.042, 0.285), (0.052, 0.31), (0.060, 0.32)]
     inside = [(r - 0.008, h) for r, h in outside[:1:-1]]

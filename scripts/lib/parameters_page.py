@@ -71,7 +71,7 @@ def free_port():
 
 
 def ask(program, *paths):
-    """The server's JSON answers to GET of each path."""
+    """Starts the server and returns its JSON answer to a GET of each path."""
     port, admin = free_port(), free_port()
     server = subprocess.Popen([program, "serve", "--port", str(port), "--admin-port", str(admin), "--drain-delay", "0",
                                "--log-level", "error"])
@@ -106,7 +106,7 @@ def number(value):
 
 
 def shown(value):
-    """A value as it is written in a query."""
+    """Returns a value as it is written in a query."""
     if isinstance(value, list) and value and isinstance(value[0], list):
         return ";".join(map(number, value))
     return value if isinstance(value, str) else number(value)
@@ -122,13 +122,14 @@ def count(spec):
 
 
 def described_choices(spec):
-    """The introduction and the meaning of each choice. A description gives the meanings as sentences that begin with "`choice`: "."""
+    """Returns the introduction, and the meaning of each choice. A description gives the meanings as sentences that begin with
+    "`choice`: "."""
     parts = re.split(r"(?:^|(?<=\. ))`(" + "|".join(map(re.escape, spec["enum"])) + ")`: ", spec["description"])
     return parts[0], dict(zip(parts[1::2], parts[2::2]))
 
 
 def kind(spec):
-    """Type and range in words."""
+    """Returns a parameter's type and range in words."""
     text = spec.get("text", "")
     if "enum" in spec:
         said = "Choice"
@@ -148,7 +149,7 @@ def kind(spec):
 
 
 def with_patterns(spec, patterns):
-    """The patterns that a parameter belongs to; nothing if that is every pattern."""
+    """Returns words that say which patterns a parameter applies to; "" if it applies to all of them."""
     names = [entry["name"] for entry in patterns]
     own = [entry["name"] for entry in patterns if spec["name"] in (p["name"] for p in entry["parameters"])]
     if not own or own == names:
@@ -183,7 +184,7 @@ def section(spec, patterns):
 
 
 def by_cost(costs):
-    """`a`, `b` 1; `c` 2: the names of each cost, cheapest first."""
+    """Returns the names at each cost, cheapest first: "`a`, `b` 1; `c` 2"."""
     groups = {}
     for name, cost in sorted(costs.items(), key=lambda item: item[1]):
         groups.setdefault(cost, []).append(f"`{name}`")
@@ -244,7 +245,7 @@ def material_values(materials):
 
 
 def check_tables(specs, patterns):
-    """Stops if a parameter, a cost or a picture is missing."""
+    """Stops the script if a parameter, a cost or a picture is missing."""
     listed = [name for _, _, names in SUBJECTS for name in names]
     for name in specs:
         if listed.count(name) != 1:
@@ -330,7 +331,7 @@ def materials_page(patterns):
 
 
 def pages(limits, patterns):
-    """{path: text}"""
+    """Returns {path: text of the page}."""
     lines = {"parameters": parameters_page(limits, patterns), "materials": materials_page(patterns)}
     return {PAGES[name]: re.sub(r"\s+\Z", "\n", re.sub(r" +\n", "\n", "\n".join(page) + "\n")) for name, page in lines.items()}
 
@@ -343,7 +344,7 @@ def measure(program):
     for name in [*COSTS, *(f"material={entry['name']}" for entry in patterns["materials"])]:
         key, value = name.split("=")
         if name == "pattern=points":
-            continue  # as uniform: it is the caller's sites
+            continue  # costs as much as uniform, because only the sites differ
         flags = [f"--{key.replace('_', '-')}", value] + ([] if key in ("sites", "levels") else ["--sites", "50"])
         flags += ["--shell", "0"] if key == "material" else []
         with tempfile.TemporaryDirectory() as folder:

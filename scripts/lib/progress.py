@@ -12,7 +12,7 @@ EVERY = 20  # seconds between two lines without a terminal
 
 
 def in_words(seconds):
-    """'40 seconds', '1 minute', '3 minutes'."""
+    """Returns a duration in words: '40 seconds', '1 minute', '3 minutes'."""
     if seconds < 55:
         return f"{max(10, round(seconds, -1)):.0f} seconds"
     minutes = round(seconds / 60)
@@ -20,7 +20,8 @@ def in_words(seconds):
 
 
 def line_of(done, steps, elapsed):
-    """One line of progress. It gives no time left during the first steps, which say too little about the rest."""
+    """Returns one line of progress. During the first steps it does not contain the time left, because they say too little about the
+    rest."""
     text = f"   building {done} of {steps}"
     if elapsed >= 10 and 0 < done < steps:
         text += f", about {in_words(elapsed * (steps - done) / done)} left"

@@ -1,5 +1,5 @@
-"""The requests of scripts/soak. Some repeat often enough to be found in caches, and some contain every mistake that a client can
-make. Each request states which answers it may get."""
+"""The requests of scripts/soak. Some repeat often enough to be found in caches, and some contain mistakes of every kind that a client
+can make. Each request lists the statuses that its answer may have."""
 import gzip
 import json
 import random
@@ -12,21 +12,21 @@ MATERIALS = ("glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", 
 
 
 def box(number):
-    """Box `number`, as an OBJ file with twelve triangles."""
+    """Returns box `number` as an OBJ file with twelve triangles."""
     size = (1 + number % 7 / 4, 1 + number % 5 / 3, 1 + number % 11 / 8)
     lines = ["v " + " ".join(f"{c * s:g}" for c, s in zip(corner, size)) for corner in CORNERS]
     return ("\n".join(lines + ["f " + " ".join(map(str, quad)) for quad in QUADS]) + "\n").encode()
 
 
 class Ask:
-    """One request. `key`: answers with status 200 to equal keys have equal bytes."""
+    """One request. `key`: two requests with the same key get the same bytes if both answers have status 200."""
 
     def __init__(self, method, path, expected, body=None, kind=None, key=None, **headers):
         self.method, self.path, self.expected, self.body, self.key = method, path, expected, body, key
         self.headers = {name.replace("_", "-"): value for name, value in headers.items()}
         if kind:
             self.headers["Content-Type"] = kind
-        self.leave = None  # "unread": disconnects after sending the request; "half": after half of the body
+        self.leave = None  # "unread": disconnects after sending the request; "half": disconnects after half of the body
 
 
 class Mixture:
@@ -34,14 +34,14 @@ class Mixture:
 
     def __init__(self, seed, assets):
         self.seed, self.assets = seed, assets
-        self.answers, self.meshes, self.jobs = [], [], []  # (name of the client that made it, path); only the latest
+        self.answers, self.meshes, self.jobs = [], [], []  # (name of the client that sent it, path); only the latest ones
 
     def remember(self, kept, name, path):
         kept.append((name, path))
         del kept[:-64]
 
     def request(self, k):
-        """(name, Ask)"""
+        """Returns (name, Ask) for request k."""
         rng = random.Random(self.seed * 1_000_003 + k)
         name = rng.choice(NAMES)
         kinds = ((44, self.fracture), (10, self.earlier), (6, self.packed), (6, self.stored), (5, self.upload),

@@ -11,14 +11,15 @@ MAX_RELATIVE_ERROR = 1e-9
 
 
 def judge_figures(figures):
-    """figures: the object of `Accept: application/json`, which is also extras.fracture of the GLB's root node."""
+    """Judges the data about an answer. `figures`: the object of `Accept: application/json`, which is also extras.fracture of the
+    GLB's root node."""
     broken = []
     certificate, report = figures["certificate"], figures.get("report", {})
     if certificate["open_edges"] != 0:
         broken.append(f"{certificate['open_edges']} open edges")
     if certificate["fragments"] < 1:
         broken.append("no fragments")
-    if "barycenter" in report:  # which guarantees closed fragments but no partition
+    if "barycenter" in report:  # barycenter guarantees closed fragments, but not a partition
         return broken
     if not certificate["relative_error"] <= MAX_RELATIVE_ERROR:
         broken.append(f"relative error {certificate['relative_error']:.3g}: volume {certificate['volume_in']:.9g} in, "
@@ -46,7 +47,7 @@ class Glb:
         self.bytes = memoryview(data)[28 + json_length:]
 
     def accessor(self, index):
-        """The accessor's numbers as a flat array."""
+        """Returns the accessor's numbers as a flat array."""
         a = self.json["accessors"][index]
         if "sparse" in a:
             raise ValueError("a sparse accessor, which is not expected")
@@ -72,7 +73,7 @@ class Glb:
         raise ValueError("no node says extras.fracture.certificate")
 
     def fragments(self):
-        """(mesh, translation to the world) of each node with extras.fracture.id."""
+        """Returns (mesh, translation to the world) for each node with extras.fracture.id."""
         found, stack = [], [(n, (0.0, 0.0, 0.0)) for n in self.json["scenes"][self.json.get("scene", 0)]["nodes"]]
         while stack:
             index, at = stack.pop()
@@ -85,7 +86,7 @@ class Glb:
         return found
 
     def box(self):
-        """The bounding box of all fragments, from the bounds that accessors state."""
+        """Returns the bounding box of all fragments, from the bounds in the accessors."""
         low, high = [float("inf")] * 3, [-float("inf")] * 3
         for mesh, at in self.fragments():
             for primitive in mesh["primitives"]:
@@ -131,7 +132,7 @@ def judge_glb(data):
                         seams[mirrored] -= 1
                     else:
                         seams[key] = seams.get(key, 0) + 1
-        # A float plus a multiple of the lattice's step is exact in double; it must be a float again.
+        # The sum of a float and a multiple of the lattice's step is exact in double precision. It must fit into a float.
         inexact += any(struct.unpack("<f", struct.pack("<f", c))[0] != c for c in at)
         unclosed += any(balance.values())
         inverted += not six > 0

@@ -17,7 +17,7 @@ CONTENT_TYPES = {"glb": "model/gltf-binary", "gltf": "model/gltf+json", "obj": "
 
 
 class MeshFile:
-    """A file, the files that it refers to, and the results of a probe."""
+    """A mesh file, the files that it refers to, and what a first request found out about it."""
 
     def __init__(self, folder, path):
         self.path = path
@@ -32,14 +32,14 @@ class MeshFile:
         return max(h - l for l, h in zip(self.low, self.high)) or 1.0
 
     def parts(self):
-        """(field, file name, path) for each part of a form."""
+        """Yields (field, file name, path) for each part of a form."""
         yield "mesh", os.path.basename(self.path), self.path
         for name, path in self.siblings:
             yield "file", name, path
 
 
 def _siblings(path):
-    """(name as written in the file, path) for each file that a glTF or OBJ refers to in its folder or subfolders."""
+    """Returns (name as written in the file, path) for each file that a glTF or OBJ refers to in its folder or subfolders."""
     folder, found = os.path.dirname(path), []
     if path.endswith(".gltf"):
         with open(path, encoding="utf-8") as f:
@@ -57,7 +57,7 @@ def _siblings(path):
 
 
 def mesh_files(folders, extensions):
-    """All files with these extensions, in a fixed order. Folders are separated by ':'."""
+    """Returns all files with these extensions, in a fixed order. Folders are separated by ':'."""
     files = []
     for folder in folders.split(":"):
         for root, _, names in sorted(os.walk(folder)):
@@ -73,7 +73,7 @@ class Request:
         self.mesh, self.parameters = mesh, parameters
 
     def form(self):
-        """(body, content type) of the multipart form."""
+        """Returns (body, content type) of the multipart form."""
         boundary = "sweep" + hashlib.sha256(self.mesh.name.encode()).hexdigest()[:24]
         pieces = []
         for field, name, path in self.mesh.parts():
@@ -130,7 +130,7 @@ class Generator:
         for name, other in TOGETHER.items():
             if name in given and other not in given:
                 given[other] = self._value(rng, {**self.everywhere, **own}[other], mesh)
-        if "levels" in given:  # instead of sites
+        if "levels" in given:  # `levels` replaces `sites`
             given.pop("sites", None)
         if "local_point" in given and rng.random() < 0.4:
             given["delta"] = rng.choice(["stated", "only"])

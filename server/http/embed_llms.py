@@ -23,7 +23,8 @@ Programs read the same from `GET /openapi.json` (every status and header), `GET 
 
 
 def plain(text):
-    """The text without pictures and comments. Links to files of the repository become their words, because the files are not there."""
+    """Returns the text without pictures and comments. Links to files of the repository become plain text, because the files are not
+    there."""
     text = re.sub(r"<!--.*?-->\n*", "", text, flags=re.S)
     text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
     text = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", text)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""embed_openapi.py OPENAPI.yaml OUT.json OUT.cpp: the document as JSON, in which every public response has the headers of
-components/headers, and as a C++ function that returns that."""
+"""embed_openapi.py OPENAPI.yaml OUT.json OUT.cpp: writes the document as JSON, with the headers of components/headers in every
+public response, and a C++ function that returns this JSON."""
 import json
 import sys
 
@@ -11,7 +11,7 @@ def add_common_headers(document):
     """Adds the headers in components/headers, which every answer of the public listener has, to each response."""
     common = {name: {"$ref": f"#/components/headers/{name}"} for name in document["components"]["headers"]}
     for item in document["paths"].values():
-        if "servers" in item:  # the admin listener's
+        if "servers" in item:  # a path of the admin listener
             continue
         for operation in item.values():
             for response in operation.get("responses", {}).values() if isinstance(operation, dict) else ():
@@ -27,7 +27,7 @@ with open(source, encoding="utf-8") as f:
 with open(as_json, "w", encoding="ascii") as f:
     f.write(text)
 
-# String literals have a length limit in some compilers: pieces of 8,000 characters are joined by the compiler.
+# Some compilers limit the length of a string literal, so the text is split into adjacent literals of 8,000 characters.
 pieces = "\n".join(f'R"openapi({text[i:i + 8000]})openapi"' for i in range(0, len(text), 8000))
 with open(out, "w", encoding="ascii") as f:
     f.write('// Generated from proto/openapi.yaml.\n#include "server/http/api.hpp"\n\n')

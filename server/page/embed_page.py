@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""embed_page.py CLIENT_FOLDER OUT_FOLDER [--without]: builds client/page with npm and writes OUT_FOLDER/page_files.cpp, which holds it.
+"""embed_page.py CLIENT_FOLDER OUT_FOLDER [--without]: builds client/page with npm and writes OUT_FOLDER/page_files.cpp, which
+contains the page.
 
-Where npm cannot be had, or cannot fetch what package-lock.json names, the table is empty, and a warning says why: the
-server says so to browsers, and does everything else. A page that does not compile is an error. Several builds of one checkout
+If npm is missing, or cannot fetch the packages in package-lock.json, the file contains no page, and a warning says why. The server then
+tells browsers that it has no page; everything else works. A page that does not compile is an error. Several builds of one checkout
 take turns.
 """
 import fcntl
@@ -35,7 +36,7 @@ def build(page):
     if not shutil.which("npm"):
         return "there is no npm"
     modules, lock = page / "node_modules", page / "package-lock.json"
-    installed = modules / ".installed"  # the lock file that the modules are of
+    installed = modules / ".installed"  # a copy of the lock file from which the modules were installed
     if not installed.exists() or installed.read_bytes() != lock.read_bytes():
         if why := run(["npm", "ci", "--no-audit", "--no-fund"], page):
             return why
@@ -71,7 +72,7 @@ def main():
     (out / "page.bin").write_bytes(blob)
     text = '// Generated from client/page.\n#include "server/page/page.hpp"\n\n'
     if entries:
-        # The assembler reads the bytes: as an array of numbers they would take the compiler half a minute.
+        # The assembler includes the bytes, because the compiler would take half a minute to read them as an array of numbers.
         included = literal(literal(str(out / "page.bin")))
         text += (f"// {hashlib.sha256(blob).hexdigest()}\n"
                  f'__asm__(".section .rodata\\n.balign 16\\nfracture_page_bytes:\\n.incbin " {included} "\\n.previous\\n");\n'

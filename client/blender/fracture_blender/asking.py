@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Requests fragments from a server or `fracture-server bake` in a separate thread, which another thread can cancel.
 
-This module does not touch Blender's data, because it belongs to the main thread. The main thread polls `state`.
+This module does not touch Blender's data, which only the main thread may use. The main thread polls `state`.
 """
 import contextlib
 import json
@@ -27,7 +27,7 @@ class Target:
     url: str = ""
     token: str = ""
     program: str = ""
-    timeout: float = 300.0  # s; time that a server may be absent or busy
+    timeout: float = 300.0  # s; longest time that a server may be absent or busy
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Request:
 
 @dataclass(frozen=True)
 class State:
-    """The progress, for people."""
+    """The progress, in words for users."""
     words: str
     percent: int
 
@@ -70,7 +70,7 @@ class Asking:
         self._cancel.cancel()
 
     def wait(self, seconds=None):
-        """Waits until the work is done, but no longer than this. Returns whether it is done."""
+        """Waits until the work is done, but at most this many seconds. Returns whether it is done."""
         self._thread.join(seconds)
         return self.is_done
 
@@ -86,7 +86,7 @@ class Asking:
             self.failed = len(self.answers)
 
     def _say(self, words, percent=0):
-        """Sets the state. `percent`: progress of the current request."""
+        """Sets the state that users see. `percent`: progress of the current request."""
         done = len(self.answers)
         of = f" ({done + 1} of {len(self._requests)})" if len(self._requests) > 1 else ""
         name = self._requests[min(done, len(self._requests) - 1)].name
@@ -120,7 +120,7 @@ class Asking:
                 self.answers.append(self._bake(pathlib.Path(folder), number, request))
 
     def _bake(self, folder, number, request):
-        """Runs `bake` with a manifest, which contains the parameters in the same JSON form as a request. Raises FractureError."""
+        """Runs `bake` with a manifest that contains the request's parameters as JSON. Raises FractureError."""
         mesh, output, manifest = (folder / f"{number}.{end}" for end in ("mesh.glb", "glb", "ndjson"))
         mesh.write_bytes(request.glb)
         job = {"input": mesh.name, "output": output.name, "parameters": request.parameters}
@@ -164,7 +164,7 @@ def _interrupt(process):
 
 
 def _last_line(report):
-    """The last line of a `bake` report; {} if there is none."""
+    """Returns the last line of a `bake` report; {} if there is none."""
     try:
         lines = [json.loads(line) for line in report.read_text(encoding="utf-8").splitlines() if line.strip()]
     except (OSError, ValueError):

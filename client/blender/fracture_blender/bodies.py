@@ -6,7 +6,7 @@ from .frame import Frame
 
 
 def prepare(scene):
-    """The scene's rigid body world with its two collections. Creates what is missing."""
+    """Returns the scene's rigid body world with its two collections. Creates whatever is missing."""
     if scene.rigidbody_world is None:
         bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
@@ -31,13 +31,13 @@ def add_bodies(scene, answer, objects, shape):
         body.mass = fragment.mass
         body.friction = friction
         body.restitution = restitution
-        # Without this, a margin around each hull pushes touching pieces apart: bricks in an undisturbed box move a metre in one
+        # Without this, a margin around each hull pushes touching pieces apart, so bricks in an undisturbed box move a metre in one
         # second. With it, Blender shrinks the hull by the margin if there is room.
         body.use_margin = False
 
 
 def threshold(bond, scene, factor=1.0):
-    """The impulse at which Blender breaks a constraint.
+    """Returns the impulse at which Blender breaks a constraint.
 
     A bond withstands forces up to its strength (N), the material's strength (Pa) times the bond's area. Bullet checks a constraint's
     impulse within one step, which takes 1 / (frames per second * substeps per frame) seconds. Its lengths are in Blender units,

@@ -35,27 +35,27 @@ class Description:
         self.source = str(document.get("source", ""))
 
     def of_pattern(self, pattern):
-        """The names of a pattern's parameters. Other patterns may share them."""
+        """Returns the names of a pattern's parameters. Some of them may belong to other patterns, too."""
         return [entry["name"] for entry in self.patterns.get(pattern, {}).get("parameters", ())]
 
     def of_any_pattern(self):
-        """The names of all parameters that belong to patterns."""
+        """Returns the names of all parameters that belong to patterns."""
         return {name for pattern in self.patterns for name in self.of_pattern(pattern)}
 
     def pattern_of(self, given):
-        """A request's pattern: its own, its material's, or the default."""
+        """Returns the pattern that a request uses: its own, else its material's, else the default."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         default = self.parameters.get("pattern", {}).get("default")
         return given.get("pattern") or preset.get("pattern") or default
 
     def usual(self, name, given):
-        """The value of a parameter that is not sent: the material's or the default; None if there is none."""
+        """Returns the value that applies if a parameter is not sent: the material's value, else the default, else None."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         return preset.get(name, self.parameters.get(name, {}).get("default"))
 
 
 def of_server(client, cancel=None):
-    """A server's description. Raises FractureError."""
+    """Returns a server's description. Raises FractureError."""
     document = client.patterns(timeout=ASK_SECONDS, cancel=cancel)
     if "mesh_parameters" not in document:  # older servers have this list in GET /limits only
         document["mesh_parameters"] = client.limits(timeout=ASK_SECONDS, cancel=cancel).get("parameters", [])
@@ -65,7 +65,7 @@ def of_server(client, cancel=None):
 
 
 def of_program(program):
-    """The description from the program `fracture-server`, which is started on a free port. Raises FractureError."""
+    """Returns the description from the program `fracture-server`, which is started on a free port. Raises FractureError."""
     with serving(program) as url, Client(url, timeout=ASK_SECONDS) as client:
         return of_server(client)
 
@@ -111,7 +111,7 @@ def serving(program):
 
 
 def load(folders):
-    """The stored description from the first folder that has a readable one; else None."""
+    """Returns the stored description from the first folder that contains a readable one; None if there is none."""
     for folder in folders:
         try:
             return Description(json.loads((pathlib.Path(folder) / FILE).read_text(encoding="utf-8")))

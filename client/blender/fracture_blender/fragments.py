@@ -21,7 +21,7 @@ class Made:
 
 
 def check(answer):
-    """Raises FractureError if the answer has too many fragments for Blender. Called before any object is created."""
+    """Raises FractureError if the answer has too many fragments for Blender. Call it before any object is created."""
     if len(answer.fragments) > MOST_OBJECTS:
         raise FractureError("answer-too-large", f"The answer has {len(answer.fragments):,} fragments, but the add-on creates at most "
                                                 f"{MOST_OBJECTS:,} objects. Ask for fewer fragments.")
@@ -66,7 +66,8 @@ def _clusters(answer, root, name):
 
 
 def _mesh(fragment, frame, materials, written):
-    """A fragment's mesh. Vertices at the same position are merged, because the file has one for each normal and UV."""
+    """Returns a fragment's mesh. It merges vertices at the same position, because the file has a separate vertex for each normal
+    and UV."""
     positions = _floats(fragment.positions)
     points = [frame.point_back(point) for point in zip(positions[0::3], positions[1::3], positions[2::3])]
     numbers = {}
@@ -120,7 +121,7 @@ def _rows(values, width, corners):
 
 
 def _floats(values):
-    """All values of a numpy array or memoryview, flattened."""
+    """Returns all values of a numpy array or memoryview as a flat sequence."""
     flat = array("f")
     flat.frombytes(values.tobytes())
     return flat
@@ -134,7 +135,7 @@ def _integers(values):
 
 
 def _colors(values):
-    """Colours as floats. The file may store them as fractions of 255 or 65535 (glTF 2.0, section 3.7.2.1)."""
+    """Returns colours as floats. The file may store them as fractions of 255 or 65535 (glTF 2.0, section 3.7.2.1)."""
     if values.itemsize == 4:
         return _floats(values)
     most = 255.0 if values.itemsize == 1 else 65535.0
@@ -142,7 +143,7 @@ def _colors(values):
 
 
 def _opaque(values, width):
-    """The colours with four channels each; a missing alpha becomes 1."""
+    """Returns the colours with four channels each. Colours without alpha get alpha 1."""
     if width == 4:
         return values
     count = len(values) // width

@@ -13,19 +13,20 @@ import math
 
 
 class Frame:
-    """`scale`: metres per Blender unit (scene.unit_settings.scale_length)."""
+    """Converts values between the two frames. `scale`: metres per Blender unit (scene.unit_settings.scale_length)."""
 
     def __init__(self, scale=1.0):
         self.scale = short(scale)
 
     @classmethod
     def of(cls, scene):
-        """A scene's coordinate frame. If the scene has no units, a Blender unit is a metre, and the scene's scale is ignored."""
+        """Returns a scene's coordinate frame. If the scene's unit system is None, a Blender unit is a metre, and `scale_length` is
+        ignored."""
         units = scene.unit_settings
         return cls(1.0 if units.system == "NONE" else units.scale_length)
 
     def length(self, value, power=1):
-        """`power`: 2 for an area, 3 for a volume."""
+        """Converts a length from Blender units to metres. `power`: 2 for an area, 3 for a volume."""
         return value * self.scale ** power
 
     def length_back(self, value, power=1):
@@ -40,15 +41,17 @@ class Frame:
         return (x / self.scale, 0.0 - z / self.scale, y / self.scale)
 
     def box(self, corners):
-        """The lowest and highest corner, sorted again because the rotation reverses one axis."""
+        """Converts a box, given by two corners. Returns its lowest and highest corner, sorted again because the rotation reverses
+        one axis."""
         a, b = (self.point(corner) for corner in corners)
         return [[min(p, q) for p, q in zip(a, b)], [max(p, q) for p, q in zip(a, b)]]
 
     def node_matrix(self, world):
-        """A matrix_world as the 16 numbers (column-major) of a glTF node. It applies to positions converted by turned()."""
+        """Returns a matrix_world as the 16 numbers (column-major) of a glTF node. The matrix applies to positions converted by
+        turned()."""
         across, depth, height, _ = ([float(value) for value in row] for row in world)
-        rows = [across, height, [-value for value in depth]]  # the results are in the frame of the interface
-        columns = zip(*((row[0], row[2], -row[1], row[3]) for row in rows))  # the arguments are too
+        rows = [across, height, [-value for value in depth]]  # rows: the matrix's results, in the interface's frame
+        columns = zip(*((row[0], row[2], -row[1], row[3]) for row in rows))  # columns: its arguments, in the interface's frame too
         return [value for number, column in enumerate(columns)
                 for value in (*(0.0 + entry * self.scale for entry in column), 1.0 if number == 3 else 0.0)]
 
@@ -65,7 +68,7 @@ def turned_back(vector):
 
 
 def turned_matrix(rows):
-    """Converts a linear map from Blender's space to the interface's: C M C^T with the rotation C."""
+    """Converts a linear map M from Blender's space to the interface's: returns C M C^T, where C is the rotation between the two."""
     columns = list(zip(*[turned(column) for column in zip(*rows)]))  # C M
     return [turned(row) for row in columns]  # (C M) C^T: each row times C^T is the row turned
 
@@ -76,7 +79,7 @@ def turned_matrix_back(rows):
 
 
 def short(value):
-    """A single-precision Blender number as it was typed: 0.3, not 0.30000001192092896."""
+    """Returns a single-precision Blender number as it was typed: 0.3, not 0.30000001192092896."""
     if not math.isfinite(value):
         return value
     return float(f"{value:.7g}")

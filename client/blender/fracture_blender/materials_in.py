@@ -20,7 +20,8 @@ class AnswerMaterials:
         self._images = {}
 
     def of(self, index):
-        """The material with this index; None for None. The server keeps the mesh's materials in order and appends its own."""
+        """Returns the material with this index; None if the index is None. The server keeps the mesh's materials in order and
+        appends its own."""
         if index is None:
             return None
         if index < len(self._own.blender) and index not in self.interior:
@@ -76,7 +77,7 @@ class AnswerMaterials:
             tree.links.new(normal.outputs["Normal"], principled.inputs["Normal"])
 
     def _texture(self, tree, info, space, height):
-        """A node with the texture; None if there is no texture."""
+        """Returns a new shader node with the texture; None if there is no texture."""
         if info is None:
             return None
         image = self._image(self._file.item("textures", info["index"]).get("source"), space)
@@ -87,8 +88,8 @@ class AnswerMaterials:
         return node
 
     def _image(self, index, space):
-        """The Blender image for an image in the file. The server returns images unchanged, so for an image that was sent, this is the
-        object's own image."""
+        """Returns the Blender image for an image in the file. The server returns images unchanged, so an image that the add-on sent
+        becomes the object's own image."""
         if index is None:
             return None
         document = self._file.item("images", index)
@@ -101,7 +102,7 @@ class AnswerMaterials:
 
 
 def _loaded(content, name, space):
-    """A new image, packed into the .blend file."""
+    """Creates an image and packs it into the .blend file."""
     end = ".jpg" if media_type(content) == "image/jpeg" else ".png"
     with tempfile.TemporaryDirectory(prefix="fracture-") as folder:
         path = os.path.join(folder, "image" + end)

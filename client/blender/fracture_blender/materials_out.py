@@ -25,7 +25,7 @@ class Materials:
         self._image_numbers = {}
 
     def number(self, material):
-        """The index of a material in the file; None for None."""
+        """Returns the index of a material in the file; None if the material is None."""
         if material is None:
             return None
         if material.name not in self._numbers:
@@ -55,7 +55,7 @@ class Materials:
         return document
 
     def _image(self, image):
-        """The index of an image in the file; None for None or an unreadable image."""
+        """Returns the index of an image in the file; None if the image is None or unreadable."""
         if image is None:
             return None
         if image.name not in self._image_numbers:
@@ -73,7 +73,8 @@ def media_type(content):
 
 
 def image_bytes(image):
-    """The image as PNG or JPEG: its packed file, its file on disk, or a PNG written by Blender. None if it has no pixels."""
+    """Returns the image as PNG or JPEG: its packed file, its file on disk, or a PNG written by Blender. None if it has no
+    pixels."""
     content = None
     if image.packed_file is not None and not image.is_dirty:
         content = bytes(image.packed_file.data)
@@ -91,8 +92,8 @@ def image_bytes(image):
 
 
 def _written(image):
-    """The pixels as PNG, saved from a temporary image, so that the image itself is unchanged. This includes unsaved painting, which
-    Image.copy() would omit."""
+    """Returns the pixels as PNG. They are saved from a temporary image, so the image itself does not change. They include unsaved
+    painting, which Image.copy() would omit."""
     pixels = array("f", bytes(4 * len(image.pixels)))
     image.pixels.foreach_get(pixels)
     width, height = image.size
@@ -125,7 +126,8 @@ def _principled(material):
 
 
 def _image_at(socket):
-    """The image linked to a socket, directly or through the colour inputs of at most three nodes (such as a colour mix or ramp)."""
+    """Returns the image linked to a socket, directly or through the colour inputs of at most three nodes (such as a colour mix or
+    ramp)."""
     seen = 0
     while socket is not None and socket.is_linked and seen < 4:
         node = socket.links[0].from_node

@@ -6,9 +6,9 @@ from . import preferences, properties, refusal, run
 from .package import FractureError
 
 LOOK = 0.1  # s between two polls of the thread
-# Events that are allowed while the operator works. All others could change the scene to which the answer belongs.
+# Events that are allowed while the operator works. Other events could change the scene to which the answer belongs.
 PASSED = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEMOVE", "TIMER"}
-MOST_SENTENCES = 5  # maximum number shown of each kind
+MOST_SENTENCES = 5  # maximum number of warnings shown, and of notes
 
 
 def counted(count, thing):
@@ -29,7 +29,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return cls.current is None and context.mode == "OBJECT"
 
     def execute(self, context):
-        """Waits for the result, for scripts and for Blender without a window."""
+        """Waits for the result. Scripts use this, and so does Blender without a window."""
         try:
             work = run.begin(context)
         except FractureError as error:
@@ -64,7 +64,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return {"PASS_THROUGH"} if event.type in PASSED else {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Called by Blender if the file is closed or another file is opened."""
+        """Stops the work. Blender calls this if the file is closed or another file is opened."""
         self._work.asking.cancel()
         self._end(context)
 
@@ -97,7 +97,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
             return {"CANCELLED"}
         shown = refusal.show_place(context, error, names)
         lines = refusal.words(error) + ([shown] if shown else [])
-        # With a window this shows a popup. A script gets an exception, because the operator reports an error.
+        # With a window, this shows a popup. In a script, the reported error becomes an exception.
         self.report({"ERROR"}, "\n".join(lines))
         return {"FINISHED"} if shown else {"CANCELLED"}  # FINISHED, so that the user can undo the selection or the empty
 

@@ -19,5 +19,5 @@ __all__ = ["Answer", "Cancel", "Client", "FractureError", "client", "glb", "wron
 
 
 def wrong(detail, parameter=""):
-    """An error in the scene or its settings, as a FractureError, so that it is shown like an error of the server."""
+    """Returns a FractureError about the scene or its settings, so that Blender shows it like an error from the server."""
     return FractureError("bad-parameter", detail, title="", parameter=parameter)

@@ -17,7 +17,7 @@ class Sidebar:
 
 
 class Below(Sidebar):
-    """A panel inside the first one."""
+    """Base class of the panels inside the first one."""
     bl_parent_id = "FRACTURE_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
 

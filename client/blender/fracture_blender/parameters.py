@@ -26,7 +26,7 @@ OWN = {
 
 
 class Parameter:
-    """`kind`: integer, number, enum, text, color, vector, box, matrix, or list. A list of numbers or vectors is edited as text."""
+    """A parameter. `kind`: integer, number, enum, text, color, vector, box, matrix or list. Users edit lists as text."""
 
     def __init__(self, entry):
         self.name = entry["name"]
@@ -106,12 +106,12 @@ class Parameter:
 
 
 def sendable(description):
-    """The parameters that become properties, by name."""
+    """Returns the parameters that become properties of the scene, by name."""
     return {name: Parameter(entry) for name, entry in description.parameters.items() if name not in OWN}
 
 
 def single(value):
-    """The nearest number in single precision, which Blender uses."""
+    """Returns the nearest number in single precision, the precision that Blender uses."""
     largest = 3.4028234663852886e38
     return struct.unpack("f", struct.pack("f", min(largest, max(-largest, value))))[0]
 

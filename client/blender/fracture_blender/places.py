@@ -9,8 +9,8 @@ from .package import wrong
 
 
 def places(context, description, given):
-    """The parameters that the scene's settings add to those in the panel. Raises FractureError of type "bad-parameter" if the
-    settings use selected empties and none is selected."""
+    """Returns the parameters that the scene's settings add to those in the panel. Raises FractureError of type "bad-parameter" if
+    the settings use selected empties and none is selected."""
     scene = context.scene
     settings, frame = scene.fracture_settings, Frame.of(scene)
     found = {}
@@ -32,12 +32,12 @@ def places(context, description, given):
 
 
 def radius_of(empty):
-    """An empty's radius in Blender units: its display size times its scale."""
+    """Returns an empty's radius in Blender units: its display size times its scale."""
     return empty.empty_display_size * max(abs(scale) for scale in empty.matrix_world.to_scale())
 
 
 def box_of(empty):
-    """The lowest and highest corner of the box around a cube empty, which may be rotated."""
+    """Returns the lowest and highest corner of the box around a cube empty, which may be rotated."""
     size = empty.empty_display_size
     corners = [empty.matrix_world @ Vector(corner) for corner in product((-size, size), repeat=3)]
     return [tuple(end(corner[axis] for corner in corners) for axis in range(3)) for end in (min, max)]
@@ -58,7 +58,8 @@ def _hits(context, settings):
 
 
 def _pattern_of_impacts(description, given):
-    """The pattern for a request with impacts: `impact` if the material's pattern does not use them (see `impacts`)."""
+    """Returns the pattern for a request with impacts. It is the request's own pattern. If there is none, it is the material's or the
+    default pattern if that uses `impacts`, otherwise `impact`."""
     pattern = description.pattern_of(given)
     if "pattern" in given or "impacts" in description.of_pattern(pattern):
         return pattern

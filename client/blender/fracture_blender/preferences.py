@@ -46,7 +46,8 @@ def of(context):
 
 
 def target(context):
-    """The server or program in the preferences. Raises FractureError if Blender must stay offline and the server is elsewhere."""
+    """Returns the server or program set in the preferences. Raises FractureError if Blender must stay offline and the server is on
+    another machine."""
     own = of(context)
     if own.ask == "PROGRAM":
         return Target(program=bpy.path.abspath(own.program) if own.program.startswith("//") else own.program)
@@ -73,7 +74,7 @@ def ask_description(context):
 
 
 def kept_description():
-    """The stored description, or else the packed add-on's, or else None."""
+    """Returns the stored description, else the one in the packed add-on, else None."""
     return description.load((_folder(create=False), pathlib.Path(__file__).parent))
 
 

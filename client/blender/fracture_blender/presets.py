@@ -7,7 +7,7 @@ from bl_ui.utils import PresetPanel
 from .properties import FractureSettings, Known
 
 FOLDER = "object.fracture_exact"
-SCENE_ONLY = {"keep", "hold", "search"}  # objects belong to one .blend file
+SCENE_ONLY = {"keep", "hold", "search"}  # not saved, because objects belong to one .blend file
 
 
 class FRACTURE_PT_presets(PresetPanel, bpy.types.Panel):
@@ -28,7 +28,7 @@ class FRACTURE_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self):
-        """Each value precedes its switch, because setting the value turns the switch on."""
+        """Lists the properties to save. Each value precedes its switch, because setting the value turns the switch on."""
         parameters = [f"parameters.{part}{name}" for name in Known.parameters for part in ("", "use_")]
         return parameters + [f"settings.{name}" for name in FractureSettings.__annotations__ if name not in SCENE_ONLY]
 

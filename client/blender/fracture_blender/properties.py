@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene's properties: those of the parameters that the server describes, and those of the add-on.
+"""A scene's properties: one pair for each parameter that the server describes, and the add-on's own settings.
 
 `scene.fracture_parameters` is rebuilt for each new description. Each parameter has two properties: its value, and `use_<name>`,
 which decides whether the value is sent. Setting a value turns `use_<name>` on. If a parameter is not sent, the material's value or
@@ -50,14 +50,14 @@ def forget():
 
 
 def given(scene):
-    """The parameters ticked in the panel, with the values to send."""
+    """Returns the parameters ticked in the panel, with the values to send."""
     group, frame = scene.fracture_parameters, Frame.of(scene)
     return {name: parameter.to_request(getattr(group, name), frame) for name, parameter in Known.parameters.items()
             if getattr(group, "use_" + name)}
 
 
 def usual(scene, parameter):
-    """The effective value of a parameter that is not sent, as a Blender value; None if it has no default."""
+    """Returns the effective value of a parameter that is not sent, as a Blender value; None if it has no default."""
     group = scene.fracture_parameters
     material = getattr(group, "material", "") if getattr(group, "use_material", False) else ""
     value = Known.description.usual(parameter.name, {"material": material})
@@ -65,7 +65,8 @@ def usual(scene, parameter):
 
 
 def _filling(parameter):
-    """When a parameter is switched on, it starts with the previously effective value."""
+    """Returns the function that runs when a parameter is switched on. It sets the parameter to the value that was effective
+    before."""
     def update(group, context):
         if getattr(group, "use_" + parameter.name) and not group.is_property_set(parameter.name):
             value = usual(group.id_data, parameter)
@@ -110,13 +111,13 @@ def _property(parameter):
 
 
 def _number(name):
-    """The number of an enumeration's item in a .blend file. It is derived from the name, so that new materials on the server do not
+    """Returns the number of an enumeration's item in a .blend file. The name determines it, so new materials on the server do not
     change old scenes."""
     return zlib.crc32(name.encode("utf-8")) & MOST_INTEGER
 
 
 def _about(parameter, name):
-    """The description of a pattern or material; "" for other items."""
+    """Returns the description of a pattern or material; "" for other items."""
     for table in (Known.description.patterns, Known.description.materials):
         if name in table and parameter.name in ("pattern", "material"):
             return table[name].get("description", "").rstrip(".")

@@ -8,12 +8,12 @@ from mathutils import Vector
 
 from .frame import Frame
 
-NEAR = 1e-4  # fraction of the object's size; a vertex within this distance of the location is the one that the error means
+NEAR = 1e-4  # fraction of the object's size; the error means a vertex within this distance of its location
 LINE = 110  # characters per line in the popup
 
 
 def words(error):
-    """An error as lines of text: title, details and type. They are wrapped here, because Blender's popup does not wrap lines."""
+    """Returns an error as lines of text: title, details and type. Blender's popup does not wrap lines, so this function does."""
     lines = [error.title] if error.title and error.title != error.detail else []
     lines += [*error.details, f"({error.type}" + (f", HTTP {error.status})" if error.status else ")")]
     return [part for line in lines for part in textwrap.wrap(line, LINE)]
@@ -41,7 +41,7 @@ def show_place(context, error, names):
 
 
 def _points(problem):
-    """The points in a problem document: its `edge`, or else its `sample`."""
+    """Returns the points in a problem document: its `edge`, else its `sample`."""
     edge, sample = problem.get("edge"), problem.get("sample")
     points = edge if isinstance(edge, list) else [sample]
     return [point for point in points if isinstance(point, list) and len(point) == 3]

@@ -25,13 +25,13 @@ class Written:
         self.glb = content
         self.objects = [item.name for item in objects]
         self.materials = materials
-        self.uv_names = uv_names  # of TEXCOORD_0, 1, …
-        self.color_names = color_names  # of COLOR_0, 1, …; None for a layer that only contained the paint
+        self.uv_names = uv_names  # the layers' names for TEXCOORD_0, 1, …
+        self.color_names = color_names  # the layers' names for COLOR_0, 1, …; None for a layer that only contained the paint
 
 
 def write(context, objects, paint="NONE", paint_name=""):
-    """Writes the objects with their modifiers, in the interface's frame. Raises FractureError if they have no faces or no object has
-    the paint."""
+    """Returns a file (Written) with the objects and their modifiers, in the interface's frame. Raises FractureError if they have no
+    faces or no object has the paint."""
     file = _File(Frame.of(context.scene))
     graph = context.evaluated_depsgraph_get()
     painted = False
@@ -99,7 +99,7 @@ class _File:
         return painted
 
     def _triangles(self, item, evaluated, mesh, vertex_of):
-        """The triangle indices, grouped by material index, in slot order."""
+        """Returns the triangle indices, grouped by material index, in slot order."""
         count = len(mesh.loop_triangles)
         corners, slots = array("i", bytes(12 * count)), array("i", bytes(4 * count))
         mesh.loop_triangles.foreach_get("loops", corners)
@@ -164,7 +164,8 @@ def _normals(mesh, corners):
 
 
 def _materials(item, mesh):
-    """The materials in the slots. Those added by modifiers are only in the mesh; those linked to the object only in its slots."""
+    """Returns the materials of the object's slots. A material that is linked to the object is not in the mesh, and one that a
+    modifier added is only in the mesh."""
     materials = [None if material is None else material.original for material in mesh.materials]
     for number, slot in enumerate(item.material_slots):
         if slot.link == "OBJECT" or number >= len(materials):
@@ -173,7 +174,7 @@ def _materials(item, mesh):
 
 
 def _colors(mesh, evaluated, vertices, paint, paint_name):
-    """(the colour layers' values per corner, the layers' names, whether the first layer is the paint)."""
+    """Returns (the colour layers' values per corner, the layers' names, whether the first layer is the paint)."""
     columns, names = [], []
     layers = [layer for layer in mesh.color_attributes if layer.data]
     if paint == "GROUP":
@@ -185,7 +186,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
     elif paint == "COLOR":
         layers.sort(key=lambda layer: layer.name != paint_name)
     painted = bool(columns) or (paint == "COLOR" and any(layer.name == paint_name for layer in layers))
-    if paint != "NONE" and not painted:  # one of several objects without the paint: black
+    if paint != "NONE" and not painted:  # if other objects have the paint, an object without it is black
         columns.append(array("f", (0.0, 0.0, 0.0, 1.0)) * len(vertices))
         names.append(None)
     for layer in layers:
@@ -196,7 +197,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
 
 
 def _turned(values):
-    """Converts positions or normals from z up to y up: (x, z, -y)."""
+    """Converts positions or normals from z up to y up: (x, y, z) becomes (x, z, -y)."""
     turned = array("f", values)
     turned[1::3] = values[2::3]
     turned[2::3] = array("f", [0.0 - value for value in values[1::3]])
@@ -204,7 +205,7 @@ def _turned(values):
 
 
 def _flipped(values):
-    """UVs with v reversed, because v points up in Blender and down in glTF."""
+    """Returns the UVs with v flipped, because v points up in Blender and down in glTF."""
     values[1::2] = array("f", [1.0 - value for value in values[1::2]])
     return values
 
@@ -215,7 +216,7 @@ def _chunks(values, width):
 
 
 def _picked(values, width, order):
-    """The rows with these indices."""
+    """Returns the rows with these indices, in that order."""
     content, size = values.tobytes(), 4 * width
     picked = array("f")
     picked.frombytes(b"".join([content[size * row:size * row + size] for row in order]))

@@ -22,7 +22,7 @@ const app = new App(() => {
   drawing ||= requestAnimationFrame(() => {
     drawing = 0;
     render(shell(app, canvas), root);
-    // Browsers refuse to change the address a hundred times in half a minute, so it is updated once nothing changes.
+    // Browsers refuse to change the address a hundred times in half a minute, so it is updated only when nothing changes any more.
     if (app.state.shown && app.state.inFlight === 0) later();
   });
 });
@@ -43,7 +43,7 @@ function colours(): void {
 }
 
 takeTheme();
-// It answers while the renderer is created.
+// The server can answer while the renderer is created.
 void app.service.start();
 render(shell(app, canvas), root);
 try {

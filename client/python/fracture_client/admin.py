@@ -25,20 +25,21 @@ class Admin(Caller):
         self.close()
 
     def is_alive(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Whether the server process answers GET /livez in time. Raises FractureError."""
+        """Returns whether the server process answers GET /livez in time. Raises FractureError."""
         return self._probe("/livez", timeout, cancel)
 
     def is_ready(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Whether the server accepts requests (/readyz). False if it is shutting down or does not answer. Raises FractureError."""
+        """Returns whether the server accepts requests (GET /readyz). It is False if the server is shutting down or does not answer.
+        Raises FractureError."""
         return self._probe("/readyz", timeout, cancel)
 
     def metrics(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> str:
-        """The server's metrics in Prometheus text format. Raises FractureError."""
+        """Returns the server's metrics in Prometheus text format. Raises FractureError."""
         response = self._ask("GET", "/metrics", b"", {}, asking.check_nothing, timeout, cancel)
         return response.body.decode("utf-8", "replace")
 
     def _probe(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """Sends a single request without retries, because a probe reports the current state."""
+        """Sends a single request without retries, because a probe reports the current state. Returns whether it succeeded."""
         try:
             with self._call(timeout, cancel, f"GET {path}") as call:
                 once = Settings(**{**vars(self.settings), "tries": 1})

@@ -1,5 +1,5 @@
 """The asyncio client. Its calls run in threads. If a task is cancelled, its connection closes at once, so the server stops
-working on it."""
+working on the task's request."""
 from __future__ import annotations
 
 import asyncio
@@ -19,7 +19,7 @@ from .pool import Settings
 from .upload import Content, Files, Path
 
 T = TypeVar("T")
-THREADS = 64  # maximum; most of them wait for one of the few connections or for job progress
+THREADS = 64  # maximum number; most threads wait for one of the few connections or for job progress
 
 
 class _Runner:
@@ -162,7 +162,7 @@ class AsyncClient:
 
     def __init__(self, url: str, token: Optional[str] = None, timeout: Optional[float] = 300.0, *, realtime: bool = False,
                  tls: Optional[ssl.SSLContext] = None, settings: Settings = Settings()) -> None:
-        """The arguments and errors of Client."""
+        """Takes the arguments of Client, and raises the same errors."""
         self.sync = Client(url, token, timeout, realtime=realtime, tls=tls, settings=settings)
         self._runner = _Runner()
 

@@ -56,7 +56,7 @@ class Answer:
 
     @property
     def parameters(self) -> Dict[str, Any]:
-        """The parameters as the server understood them. Fracturing the same mesh with them gives the same answer."""
+        """The parameters as the server understood them. The same mesh and these parameters give the same answer."""
         return self._figures.get("parameters", {})
 
     @property
@@ -71,8 +71,8 @@ class Answer:
 
     @property
     def notes(self) -> List[str]:
-        """Sentences of the report about what was done. They need no action. [] if there are none, or if the server's algorithm is 22
-        or older: such servers put notes among the warnings."""
+        """Sentences of the report about what was done. They need no action. [] if there are none. Servers with algorithm 22 or older
+        put notes among the warnings."""
         return list(self.report.get("notes", []))
 
     @property
@@ -96,7 +96,7 @@ class Answer:
 
     @property
     def levels(self) -> List[Dict[str, Any]]:
-        """The hierarchy above the fragments, coarsest first, as the server writes it; empty without `levels`."""
+        """The hierarchy above the fragments as the server writes it, coarsest level first. [] if the request had no `levels`."""
         return list(self._figures.get("levels", []))
 
     @property
@@ -107,8 +107,8 @@ class Answer:
 
     @property
     def location(self) -> str:
-        """The address for Client.answer(): "/fractures/sha256:…". It works while the answer is in the server's cache. After a hit it
-        is the address of the changes. "" for an answer from a file."""
+        """The address for Client.answer(): "/fractures/sha256:…". It works while the answer is in the server's cache. After a hit,
+        it is the address of the changes alone. "" for an answer from a file."""
         return self._headers.get("content-location", "")
 
     @property
@@ -146,7 +146,7 @@ class Answer:
         return self._mesh
 
     def of_mesh(self, mesh: "Mesh") -> "Answer":
-        """A copy of this answer that knows its mesh, so that hit() works."""
+        """Returns a copy of this answer that knows its mesh, so that hit() works."""
         same = copy.copy(self)
         same._mesh = mesh
         return same
@@ -173,13 +173,13 @@ class Answer:
     def hit(self, point: Union[Point, Sequence[Point]], radius: Union[float, Sequence[float]],
             sites: Union[int, Sequence[int], None] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **parameters: Any) -> "Answer":
-        """The answer after one or more further hits. It contains all fragments, and its `delta` lists the changes.
+        """Hits this answer one or more times. Returns an answer with all fragments; its `delta` lists the changes.
 
         point       centre of the hit in the answer's frame (m, y up): (x, y, z), or a list of such points for several hits
         radius      reach of the hit (m): one number for all hits, or a list with one per hit
         sites       number of cells that the hit adds (server default: 30): one number for all hits, or a list with one per hit
         timeout     seconds for everything, retries included; None: the client's
-        realtime    whether the request is served before batch work; None: the client's setting
+        realtime    True: before batch work, with the server's short deadline (2 s by default); None: the client's setting
         parameters  `gravity` and `broken`; with delta="none" also parameters that affect neither the mesh nor the cells
 
         The server sends only the changes, and the client merges them into this answer. If the server has forgotten this answer,
@@ -206,14 +206,15 @@ class Answer:
         return Answer(merge(self._file, after._file), self._mesh, after._headers)
 
     def _can_be_merged(self) -> bool:
-        """Whether delta="only" works. It does not work with levels or anchors, because a hit can change them in all fragments, nor
-        with interior detail, because the server sends the cut faces' relief only with the whole answer."""
+        """Returns whether delta="only" works. It does not work with levels or anchors, because a hit can change them in all
+        fragments. It does not work with interior detail either, because the server sends the cut faces' relief only with the whole
+        answer."""
         about_all = ("levels", "anchor_plane", "anchor_box", "anchor_points")
         return not any(name in self.parameters for name in about_all) and \
             self.parameters.get("interior_detail", "none") == "none"
 
     def _spelt_out(self, wanted: Mapping[str, Any]) -> Dict[str, Any]:
-        """The same request without `of`: this answer's parameters, with the new hits appended to its own hits."""
+        """Returns the same request without `of`: this answer's parameters, with the new hits appended to its own hits."""
         given: Dict[str, Any] = json.loads(json_text(wanted))
         before = {name: value for name, value in self.parameters.items() if name not in ("delta", "local_new", "format")}
         points = given.pop("local_point")
@@ -232,8 +233,8 @@ class Answer:
 
 
 def kind_of_file(path: pathlib.Path) -> str:
-    """The format that save() writes to a path: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for any
-    other extension, because a GLB saved as .obj would fail only later, when another program reads it."""
+    """Returns the format that save() writes to a path: ".glb", ".gltf" or ".json". Raises FractureError of type "bad-parameter" for
+    any other extension, because a GLB saved as .obj would fail only later, when another program reads it."""
     kind = path.suffix.lower() or ".glb"
     if kind not in (".glb", ".gltf", ".json"):
         raise FractureError("bad-parameter", f"'{path}': the format '{path.suffix}' cannot be written. Use the extension .glb, .gltf "
@@ -253,5 +254,5 @@ def write_whole(path: pathlib.Path, content: bytes) -> None:
         with contextlib.suppress(OSError):
             os.unlink(beside)
         if isinstance(error, OSError):
-            error.filename, error.filename2 = str(path), None  # the name the caller knows instead of the temporary one
+            error.filename, error.filename2 = str(path), None  # the name that the caller knows, not the temporary one
         raise

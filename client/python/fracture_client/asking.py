@@ -1,4 +1,4 @@
-"""Sends a request until an answer arrives, within the tries and the time of the call.
+"""Sends a request until an answer arrives, or until the call has no tries or no time left.
 
 - If the server is absent, it retries after growing pauses.
 - If the server is busy, it retries after the server's Retry-After.
@@ -32,7 +32,7 @@ Check = Callable[[Response], str]
 
 def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Check,
         put: Optional[Callable[[float], bool]] = None) -> Response:
-    """Raises FractureError.
+    """Sends the request and returns the answer. Raises FractureError.
 
     `put`: called with the time of the request (time.monotonic()) if the server does not have the mesh. It sends the mesh, once
     for all calls that need it, and returns whether to retry.
@@ -90,7 +90,7 @@ def _with_tries(failure: FractureError, tries: int) -> FractureError:
 
 
 def refusal(response: Response, request: Request) -> FractureError:
-    """The error for an answer whose status is not in DONE."""
+    """Returns the error for an answer whose status is not in DONE."""
     document = json_object(response.body)
     if document is not None and isinstance(document.get("type"), str) and document["type"].startswith("/problems/"):
         return FractureError.of_problem(document, response.status)
@@ -108,7 +108,8 @@ def refusal(response: Response, request: Request) -> FractureError:
 
 
 def retry_after(response: Response) -> Optional[float]:
-    """Seconds (RFC 9110, section 10.2.3); None for a date, a value that is not a number, or more than a day."""
+    """Returns the seconds in Retry-After (RFC 9110, section 10.2.3); None for a date, a value that is not a number, or more than a
+    day."""
     text = response.headers.get("retry-after", "").strip()
     if not re.fullmatch(r"[0-9]{1,9}", text) or int(text) > LONGEST_RETRY_AFTER:
         return None
@@ -116,7 +117,7 @@ def retry_after(response: Response) -> Optional[float]:
 
 
 def digest_matches(field: str, content: bytes) -> bool:
-    """Whether a Repr-Digest (RFC 9530) contains the SHA-256 of this content. False for a field without sha-256."""
+    """Returns whether a Repr-Digest (RFC 9530) contains the SHA-256 of this content. False for a field without sha-256."""
     for entry in field.split(","):
         entry = entry.strip()
         if entry.startswith("sha-256="):
@@ -126,7 +127,7 @@ def digest_matches(field: str, content: bytes) -> bool:
 
 
 def check_digest(response: Response) -> str:
-    """The check for answers with fragments."""
+    """Checks an answer with fragments against its digest. Returns what is wrong, or ""."""
     if response.status in (204, 206, 304):
         return ""  # there is no body, or only a part of it, and the digest is that of the whole
     field = response.headers.get("repr-digest", "")
@@ -138,7 +139,7 @@ def check_digest(response: Response) -> str:
 
 
 def check_json(response: Response) -> str:
-    """The check for answers that are a JSON object."""
+    """Checks that an answer is a JSON object. Returns what is wrong, or ""."""
     if "repr-digest" in response.headers and not digest_matches(response.headers["repr-digest"], response.body):
         return WRONG_DIGEST
     return "" if json_object(response.body) is not None else "The answer is not a JSON object."
@@ -153,7 +154,7 @@ def check_digest_if_any(response: Response) -> str:
 
 
 def check_nothing(response: Response) -> str:
-    """The check for text and empty answers: accepts everything."""
+    """Accepts every answer. Used for text and empty answers."""
     return ""
 
 

@@ -56,7 +56,7 @@ class Buffers:
         return bytes(binary)
 
     def _append(self, glb: Glb, view: int, span: "_Span") -> Tuple[int, int]:
-        """(index of the new view, number of bytes by which the content has moved)."""
+        """Appends part of a bufferView. Returns (index of the new view, number of bytes by which the content has moved)."""
         source = glb.item("bufferViews", view)
         properties = {key: source[key] for key in ("byteStride", "target") if key in source}
         _, content = self._views.setdefault(span.use, (properties, bytearray()))
@@ -72,7 +72,7 @@ class _Span:
 
 
 class _Spans:
-    """The byte range that a mesh uses in each bufferView. No other mesh uses bytes in this range."""
+    """The range of bytes that a mesh uses in each bufferView. No other mesh uses bytes in this range."""
 
     def __init__(self, glb: Glb) -> None:
         self._glb = glb
@@ -100,7 +100,7 @@ class _Spans:
 
 
 def _uses(glb: Glb, mesh: Json) -> Iterator[Tuple[Json, str, str]]:
-    """(object, key, use) for each accessor that the mesh refers to, in the order in which the server writes them."""
+    """Yields (object, key, use) for each accessor that the mesh refers to, in the order in which the server writes them."""
     def of_indices(holder: Json) -> str:
         return "indices16" if glb.item("accessors", holder["indices"])["componentType"] in _SHORT else "indices32"
 

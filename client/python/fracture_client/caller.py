@@ -46,13 +46,14 @@ class Caller:
         with self._lock:
             self._closed = True
             calls = list(self._calls)
-        self._pool.close()  # before the calls, so that no waiting call takes the connection of a cancelled one
+        self._pool.close()  # closed before the calls are cancelled, so that no waiting call takes the connection of a cancelled one
         for call in calls:
             call.cancel("The client was closed.")
 
     @contextlib.contextmanager
     def _call(self, timeout: Optional[float], cancel: Optional[Cancel], what: str, forever: bool = False) -> Iterator[Call]:
-        """`forever`: the call has no timeout unless it sets its own; the client's timeout does not apply."""
+        """Opens a call and closes it at the end. `forever`: the client's timeout does not apply, so the call has none unless it
+        sets its own."""
         call = Call(self.timeout if timeout is None and not forever else timeout, what)
         with self._lock:
             if self._closed:
@@ -70,7 +71,7 @@ class Caller:
 
     def _ask(self, method: str, path: str, body: bytes, headers: Mapping[str, str], check: asking.Check,
              timeout: Optional[float], cancel: Optional[Cancel], mesh: Optional[Mesh] = None) -> Response:
-        """`mesh`: the mesh in the path; it is sent again if the server has forgotten it."""
+        """Sends a request and returns the answer. `mesh`: the mesh in the path; it is sent again if the server has forgotten it."""
         request = Request(method, path, dict(headers), body)
         with self._call(timeout, cancel, request.what) as call:
             return self._send(call, request, check, None if mesh is None else self._putting(mesh, call))
@@ -111,7 +112,7 @@ class Caller:
         return asking.json_object(response.body) or {}
 
     def _delete(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """False if the server did not have it."""
+        """Deletes what is at a path. Returns False if the server does not have it."""
         try:
             self._ask("DELETE", path, b"", {}, asking.check_nothing, timeout, cancel)
         except FractureError as error:
@@ -121,13 +122,14 @@ class Caller:
         return True
 
     def _urgency(self, realtime: Optional[bool]) -> Dict[str, str]:
-        """The Priority field (RFC 9218). It is always sent, because the server treats fractures of stored meshes as realtime work by
-        default."""
+        """Returns the Priority field (RFC 9218). It is always sent, because the server by default treats fractures of stored meshes
+        as realtime work."""
         return {"Priority": "u=1" if (self.realtime if realtime is None else realtime) else "u=3"}
 
 
 def query_of(parameters: Mapping[str, Any]) -> str:
-    """The query "?name=value&…": vectors as x,y,z and lists of vectors as x,y,z;x,y,z. Values that are None are omitted."""
+    """Returns the query "?name=value&…". Vectors are written as x,y,z and lists of vectors as x,y,z;x,y,z. Values that are None are
+    omitted."""
     pairs = [(name, query_value(value)) for name, value in parameters.items() if value is not None]
     return "?" + urllib.parse.urlencode(pairs, quote_via=urllib.parse.quote, safe=",;:") if pairs else ""
 

@@ -56,14 +56,15 @@ class Cancel:
 
 
 class OutOfTime(Exception):
-    """An exchange timed out."""
+    """Raised if an exchange takes too long."""
 
 
 class Call:
     """A call of the client, including its retries: its deadline, and how to interrupt its current wait."""
 
     def __init__(self, seconds: Optional[float], what: str) -> None:
-        """`seconds`: None for no limit. `what`: the request as it appears in messages, such as "POST /fracture"."""
+        """Starts the clock. `seconds`: time limit; None: no limit. `what`: the request as it appears in messages, such as "POST
+        /fracture"."""
         self.what = what
         self.seconds = seconds
         self._end = None if seconds is None else time.monotonic() + max(0.0, seconds)
@@ -101,7 +102,7 @@ class Call:
 
     @contextlib.contextmanager
     def at_most(self, seconds: Optional[float]) -> Iterator[None]:
-        """While this context is active, left() also respects the deadline of one exchange, `seconds` from now."""
+        """While this context is active, left() also respects a deadline for one exchange: `seconds` from now; None: no deadline."""
         before = self._limit
         if seconds is not None:
             limit = time.monotonic() + seconds
@@ -112,11 +113,12 @@ class Call:
             self._limit = before
 
     def remaining(self) -> Optional[float]:
-        """Seconds until the end of the call; None: no limit."""
+        """Returns the seconds until the end of the call; None: no limit."""
         return None if self._end is None else self._end - time.monotonic()
 
     def left(self) -> Optional[float]:
-        """Seconds until the nearest deadline; None: no limit. Raises OutOfTime, and FractureError of type "cancelled"."""
+        """Returns the seconds until the nearest deadline; None: no limit. Raises OutOfTime, and FractureError of type
+        "cancelled"."""
         self.check()
         now = time.monotonic()
         ends = [end for end in (self._end, self._limit) if end is not None]

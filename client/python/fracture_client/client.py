@@ -79,8 +79,8 @@ class Client(Caller):
         return made
 
     def mesh(self, id: str) -> Mesh:
-        """The stored mesh with this id ("sha256:…"). Sends no request. If the server forgets the mesh, the client cannot send it
-        again. Raises FractureError of type "bad-parameter" for a malformed id."""
+        """Returns the stored mesh with this id ("sha256:…"). Sends no request. If the server forgets the mesh, the client cannot
+        send it again. Raises FractureError of type "bad-parameter" for a malformed id."""
         if not re.fullmatch(r"sha256:[0-9a-f]{64}", id):
             raise FractureError("bad-parameter", f"'{id}' is not the id of a mesh: an id is 'sha256:' followed by 64 lower-case hex "
                                                  "digits.", parameter="id")
@@ -143,13 +143,14 @@ class Client(Caller):
         return Job(self, JobState.of(asking.json_object(response.body) or {}), mesh)
 
     def find_job(self, id: str, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Job:
-        """A job that was started earlier, possibly by another program. Raises FractureError of type "not-found" for an unknown id."""
+        """Returns a job that was started earlier, possibly by another program. Raises FractureError of type "not-found" for an
+        unknown id."""
         return Job(self, JobState.of(self._json("GET", "/jobs/" + urllib.parse.quote(id, safe=""), timeout, cancel)))
 
     def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None,
              cancel: Optional[Cancel] = None) -> Iterator[Job]:
-        """Your jobs, newest first. `state`: only jobs in this state ("queued", "running", "done", "failed" or "cancelled"). The
-        iterator fetches them in pages of 100. Raises FractureError."""
+        """Yields your jobs, newest first, and fetches them in pages of 100. `state`: only jobs in this state ("queued", "running",
+        "done", "failed" or "cancelled"). Raises FractureError."""
         target = "/jobs" + query_of({"state": state, "limit": 100})
         while target:
             page = self._json("GET", target, timeout, cancel)
@@ -160,28 +161,29 @@ class Client(Caller):
     # -- discovery
 
     def index(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The start page of the interface: the server's name, version and links. Raises FractureError."""
+        """Returns the start page of the interface: the server's name, version and links. Raises FractureError."""
         return self._json("GET", "/", timeout, cancel)
 
     def version(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The server's `name` and `version`, and its `algorithm` version. Raises FractureError."""
+        """Returns the server's `name` and `version`, and its `algorithm` version. Raises FractureError."""
         return self._json("GET", "/version", timeout, cancel)
 
     def limits(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """Size and time limits, formats, and every parameter with its type, unit, range and default. Raises FractureError."""
+        """Returns the size and time limits, the formats, and every parameter with its type, unit, range and default. Raises
+        FractureError."""
         return self._json("GET", "/limits", timeout, cancel)
 
     def patterns(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The server's `patterns` and `materials`, and the `parameters` that they take. Raises FractureError."""
+        """Returns the server's `patterns` and `materials`, and the `parameters` that they take. Raises FractureError."""
         return self._json("GET", "/patterns", timeout, cancel)
 
     def openapi(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """The OpenAPI 3.1 description of the interface. Raises FractureError."""
+        """Returns the OpenAPI 3.1 description of the interface. Raises FractureError."""
         return self._json("GET", "/openapi.json", timeout, cancel)
 
     def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None) -> str:
-        """A text for people that explains an error type and what to do about it. Raises FractureError."""
+        """Returns a text for people that explains an error type and what to do about it. Raises FractureError."""
         name = problem.type if isinstance(problem, FractureError) else problem.rsplit("/", 1)[-1]
         target = "/problems/" + urllib.parse.quote(name, safe="")
         response = self._ask("GET", target, b"", {"Accept": "text/plain"}, asking.check_nothing, timeout, cancel)

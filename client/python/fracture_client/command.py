@@ -35,7 +35,8 @@ AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # 
 
 
 def main(arguments: List[str]) -> int:
-    """Returns the exit code. Prints the result to standard output, and warnings, progress and errors to standard error."""
+    """Runs the command and returns its exit code. Prints the result to standard output, and warnings, progress and errors to
+    standard error."""
     parser = _parser()
     options = parser.parse_intermixed_args(arguments)
     query = _query(parser, options.parameters)
@@ -44,7 +45,7 @@ def main(arguments: List[str]) -> int:
     except FractureError as error:
         parser.error(error.detail)
     token = _token(parser, options.token_file)
-    if not options.out.parent.is_dir():  # checked now, because the work may take a minute
+    if not options.out.parent.is_dir():  # checked before the work, which may take a minute
         print(f"fracture_client: {options.out}: the folder {options.out.parent} does not exist. Create it, or choose another file.",
               file=sys.stderr)
         return UNREACHABLE

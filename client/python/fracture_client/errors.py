@@ -33,7 +33,7 @@ class FractureError(Exception):
 
     @classmethod
     def of_problem(cls, problem: Dict[str, Any], status: int = 0) -> "FractureError":
-        """The error that a problem document describes, even if it is nested in another document (a job's `error`)."""
+        """Returns the error that a problem document describes, even if it is nested in another document (a job's `error`)."""
         kind = text_of(problem, "type").rsplit("/", 1)[-1]
         code = problem.get("status")
         status = status or (code if isinstance(code, int) else 0)
@@ -73,6 +73,6 @@ def _restored(type: str, detail: str, status: int, title: str, parameter: str, p
 
 
 def text_of(document: Dict[str, Any], key: str) -> str:
-    """The member if it is a string, else ""."""
+    """Returns the document's member `key` if it is a string, else ""."""
     value = document.get(key)
     return value if isinstance(value, str) else ""

@@ -46,8 +46,8 @@ class Fragment:
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
     part: int  # number of the connected part of the mesh to which it belongs
-    level: int  # level in the hierarchy; 0 if there is none
-    parent: Optional[int]  # the id of its cluster
+    level: int  # level in the hierarchy; 0 if there is no hierarchy
+    parent: Optional[int]  # the id of its cluster; None if there is none
     sites: Tuple[int, ...]  # the cells that it consists of
     collision_system: Optional[int]  # fragments with the same number overlap, so they must not collide with each other
     primitives: Tuple[Primitive, ...]
@@ -92,8 +92,8 @@ class Delta:
 
 
 def figures_of(glb: Glb) -> Dict[str, Any]:
-    """`extras.fracture` of the root node: parameters, report, certificate, bonds. Raises FractureError of type "damaged" if it is
-    missing."""
+    """Returns `extras.fracture` of the root node: parameters, report, certificate, bonds. Raises FractureError of type "damaged" if
+    it is missing."""
     for node in glb.list("nodes"):
         own = extras_of(node)
         if "certificate" in own:
@@ -102,19 +102,19 @@ def figures_of(glb: Glb) -> Dict[str, Any]:
 
 
 def extras_of(node: Dict[str, Any]) -> Dict[str, Any]:
-    """`extras.fracture` of a node; {} if it has none."""
+    """Returns `extras.fracture` of a node; {} if it has none."""
     own = node.get("extras", {}).get("fracture", {}) if isinstance(node.get("extras"), dict) else {}
     return own if isinstance(own, dict) else {}
 
 
 def read_fragments(glb: Glb) -> List[Fragment]:
-    """The fragments in file order. Raises FractureError of type "damaged" if the file contradicts itself."""
+    """Returns the fragments in file order. Raises FractureError of type "damaged" if the file contradicts itself."""
     interior = set(figures_of(glb).get("interior_materials", []))
     return [_fragment(glb, index, node, own, interior) for index, node, own in fragment_nodes(glb)]
 
 
 def fragment_nodes(glb: Glb) -> Iterator[Tuple[int, Dict[str, Any], Dict[str, Any]]]:
-    """(index of the node, node, its `extras.fracture`) for each fragment."""
+    """Yields (index of the node, node, its `extras.fracture`) for each fragment."""
     for index, node in enumerate(glb.list("nodes")):
         own = extras_of(node)
         if "id" in own:
@@ -144,7 +144,7 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
 
 
 def _body(node: Dict[str, Any]) -> Dict[str, Any]:
-    """A node's rigid body in the KHR or OMI extension; {} if it has none."""
+    """Returns a node's rigid body in the KHR or OMI extension; {} if it has none."""
     extensions = node.get("extensions", {})
     return extensions.get("KHR_physics_rigid_bodies") or extensions.get("OMI_physics_body") or {}
 
@@ -156,7 +156,7 @@ def _systems(node: Dict[str, Any]) -> Iterator[int]:
 
 
 def _hull_meshes(glb: Glb, node: Dict[str, Any]) -> Iterator[int]:
-    """The mesh of the node's collider, or of the node itself if it is a hull for Unreal (UCX_…)."""
+    """Yields the mesh of the node's collider, or of the node itself if it is a hull for Unreal (UCX_…)."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
         yield collider["geometry"]["mesh"]

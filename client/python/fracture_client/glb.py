@@ -61,7 +61,7 @@ class Glb:
         return item
 
     def view(self, index: Any) -> memoryview:
-        """The bytes of a bufferView."""
+        """Returns the bytes of a bufferView."""
         view = self.item("bufferViews", index)
         at, size = int(view.get("byteOffset", 0)), int(view["byteLength"])
         if at < 0 or size < 0 or at + size > len(self.binary):
@@ -69,7 +69,7 @@ class Glb:
         return self.binary[at:at + size]
 
     def elements(self, index: Any) -> Tuple[memoryview, str, int]:
-        """(an accessor's bytes without gaps, component format, number of components per element). Does not read sparse
+        """Returns (an accessor's bytes without gaps, component format, number of components per element). Does not read sparse
         accessors."""
         accessor = self.item("accessors", index)
         try:
@@ -88,12 +88,12 @@ class Glb:
         return memoryview(packed), kind, width
 
     def array(self, index: Any) -> Array:
-        """An accessor as an array of shape (count,) or (count, width)."""
+        """Returns an accessor as an array of shape (count,) or (count, width)."""
         return as_array(*self.elements(index))
 
 
 def as_array(data: memoryview, kind: str, width: int, rows: bool = False) -> Array:
-    """The bytes as an array of shape (count,) or (count, width). `rows`: two dimensions even if the width is 1."""
+    """Returns the bytes as an array of shape (count,) or (count, width). `rows`: two dimensions even if the width is 1."""
     count = len(data) // (BYTES[kind] * width)
     shape = (count, width) if width > 1 or rows else (count,)
     numpy = _numpy()
@@ -110,7 +110,8 @@ _INTEGERS = {"b": "i1", "B": "u1", "h": "i2", "H": "u2", "I": "u4"}
 
 
 def _numpy() -> Any:
-    """The numpy module, or None. It is imported for the first array only, because the import is slow."""
+    """Returns the numpy module, or None if it is not installed. It is imported for the first array only, because the import is
+    slow."""
     if not _NUMPY:
         try:
             _NUMPY.append(importlib.import_module("numpy"))
@@ -123,7 +124,7 @@ _NUMPY: List[Any] = []
 
 
 def pack(document: Dict[str, Any], binary: bytes) -> bytes:
-    """The bytes of a GLB. `document` must have either no buffer or a single one without a uri."""
+    """Returns the bytes of a GLB. `document` must have either no buffer or a single one without a uri."""
     if binary:
         binary += b"\0" * (-len(binary) % 4)
         document = {**document, "buffers": [{"byteLength": len(binary)}]}
@@ -136,7 +137,7 @@ def pack(document: Dict[str, Any], binary: bytes) -> bytes:
 
 
 def to_gltf(glb: Glb) -> bytes:
-    """The file as a single JSON document (glTF), with the buffer in a data URI."""
+    """Returns the file as a single JSON document (glTF), with the buffer in a data URI."""
     document = dict(glb.document)
     if len(glb.binary) > 0:
         uri = "data:application/octet-stream;base64," + base64.b64encode(glb.binary).decode("ascii")
@@ -145,5 +146,5 @@ def to_gltf(glb: Glb) -> bytes:
 
 
 def damaged(what: str) -> FractureError:
-    """The error for a GLB that cannot be read."""
+    """Returns the error for a GLB that cannot be read."""
     return FractureError("damaged", f"The GLB cannot be used: {what}.")

@@ -1,4 +1,4 @@
-"""HTTP/1.1 (RFC 9112) over one socket, with strict parsing and the deadline of a call.
+"""HTTP/1.1 (RFC 9112) over one socket, parsed strictly and within a call's deadline.
 
 http.client is not used for three reasons. It accepts malformed headers and bytes after an answer. Another thread cannot stop
 it. It has no time limit for a whole answer, so a server that sends one byte a minute could block it forever.
@@ -14,7 +14,7 @@ from typing import Dict, Generator, Iterator, Tuple, Union
 from .calls import Call, OutOfTime
 
 MOST_HEAD_BYTES = 64 << 10  # maximum size of an answer's header; the server sends less than 1 KiB
-BLOCK = 1 << 18  # bytes per read: so many that the cost of the system calls does not matter
+BLOCK = 1 << 18  # bytes per read; large enough that the cost of system calls does not matter
 TURN = 0.2  # s; an interrupt is noticed within this time
 
 _STATUS = re.compile(rb"HTTP/1\.[01] ([1-5][0-9][0-9])(?: [^\r\n]*)?")
@@ -48,7 +48,7 @@ class Request:
 
 @dataclass
 class Response:
-    """An HTTP answer. Header names are in lower case; fields with the same name are joined by commas."""
+    """An HTTP answer. Header names are in lower case, and the values of repeated fields are joined by commas."""
 
     status: int
     headers: Dict[str, str]
@@ -70,7 +70,7 @@ class Connection:
 
     def wake(self) -> None:
         """Ends the current wait as if the server had closed the connection. Called by another thread."""
-        try:  # the base class's method, because the TLS method drops its state while another thread reads
+        try:  # the base class's method, because the TLS socket's method would drop the state that another thread reads
             socket.socket.shutdown(self.socket, socket.SHUT_RDWR)
         except OSError:
             pass  # the connection is closed already
@@ -123,7 +123,8 @@ class Connection:
         return Response(status, headers)
 
     def _send(self, data: Union[bytes, memoryview], call: Call) -> bool:
-        """False if the server stopped reading, because a server that refuses a large body answers before it has received it all."""
+        """Sends the data. Returns False if the server stopped reading: a server that refuses a large body answers before it has
+        received it all."""
         try:
             self.socket.settimeout(call.left())
             self.socket.sendall(data)
@@ -152,8 +153,8 @@ class Connection:
         return False
 
     def _next_block(self, call: Call) -> bytes:
-        """The next bytes. Waits in short turns, because Python delays an interrupt that arrives just before a wait until the wait is
-        over."""
+        """Returns the next bytes. Waits in short turns, because Python may handle an interrupt that arrives just before a wait only
+        after it."""
         while True:
             left = call.left()
             self.socket.settimeout(TURN if left is None else min(left, TURN))
@@ -225,7 +226,7 @@ class Connection:
             yield block
 
     def _chunks(self, call: Call, most: int) -> Iterator[bytes]:
-        """RFC 9112, section 7.1."""
+        """Yields the chunks of a body in chunked coding (RFC 9112, section 7.1)."""
         total = 0
         while True:
             size = self._until(b"\r\n", MOST_HEAD_BYTES, call).split(b";")[0].strip()
@@ -244,7 +245,7 @@ class Connection:
                 raise self._no_http(f"a chunk does not have the {count:,} bytes that it announced")
 
     def _rest(self, call: Call, most: int) -> Iterator[bytes]:
-        """All bytes up to the end of the stream. Only a digest can show whether the answer is complete."""
+        """Yields all bytes up to the end of the stream. Only a digest can show whether the answer is complete."""
         self.reusable = False
         total = 0
         while self._buffer or self._receive(call):

@@ -69,7 +69,8 @@ class Job:
         return self.state.id
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
-        """Asks the server for the state. Raises FractureError of type "not-found" if the server has forgotten the job."""
+        """Asks the server for the job's state, and returns it. Raises FractureError of type "not-found" if the server has forgotten
+        the job."""
         self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", timeout, cancel))
         return self.state
 
@@ -138,7 +139,7 @@ class Job:
         return self._client._delete(f"/jobs/{self.id}", timeout, cancel)
 
     def _listen(self, request: Request, call: Call) -> Iterator[JobState]:
-        """The states in the event stream. Raises Trouble, and FractureError if the answer is not such a stream."""
+        """Yields the states in the event stream. Raises Trouble, and FractureError if the answer is not such a stream."""
         from .caller import STALL
         with self._client._pool.stream(request, call, STALL) as responses:
             head = next(responses)
@@ -153,8 +154,8 @@ class Job:
 
 
 def events(blocks: Iterator[bytes]) -> Iterator[Dict[str, Any]]:
-    """The data of server-sent events (WHATWG HTML, section 9.2), one JSON object each; comments are skipped. Raises FractureError
-    of type "damaged"."""
+    """Yields the data of server-sent events (WHATWG HTML, section 9.2), one JSON object each; comments are skipped. Raises
+    FractureError of type "damaged"."""
     text = bytearray()
     data: List[bytes] = []
     for block in blocks:

@@ -33,7 +33,7 @@ class _Piece:
 
 
 def merge(whole: Glb, delta: Glb) -> bytes:
-    """The GLB with all fragments. Raises FractureError of type "damaged" if `delta` does not belong to `whole`."""
+    """Returns the GLB with all fragments. Raises FractureError of type "damaged" if `delta` does not belong to `whole`."""
     figures = figures_of(delta)
     pieces = _pieces(whole, delta, figures)
     _rename(pieces)
@@ -53,7 +53,7 @@ def merge(whole: Glb, delta: Glb) -> bytes:
 
 
 def _stated(holder: Json, below: Any) -> Json:
-    """A copy whose parameters say delta=stated, as in an answer with all fragments."""
+    """Returns a copy whose parameters say delta=stated, as in an answer with all fragments."""
     holder = copy.deepcopy(holder)
     inner = holder if below is None else holder.get(below, {})
     if inner.get("parameters", {}).get("delta") == "only":
@@ -108,7 +108,8 @@ def _rename(pieces: List[_Piece]) -> None:
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
-    """The bonds between unchanged fragments and those in the delta, sorted, each from the lower fragment to the higher one."""
+    """Returns the bonds between unchanged fragments and those in the delta, sorted, each from the lower fragment to the higher
+    one."""
     place = {piece.id: k for k, piece in enumerate(pieces)}
     stay = {piece.id for piece in pieces if piece.glb is whole}
     columns = list(figures["bonds"])
@@ -173,7 +174,7 @@ def _root(whole: Glb) -> Json:
 
 
 def _passing_through(whole: Glb) -> List[Json]:
-    """The mesh's uncut nodes: children of the root that are not fragments."""
+    """Returns the mesh's uncut nodes: children of the root that are not fragments."""
     nodes = [whole.item("nodes", child) for child in _root(whole).get("children", [])]
     return [node for node in nodes if not extras_of(node)]
 
@@ -184,8 +185,8 @@ def _body(node: Json) -> Json:
 
 
 def _hull_meshes(piece: _Piece) -> List[int]:
-    """The collider hulls of the fragment's node and its children, in order and without duplicates. Unreal's nodes (UCX_…) can refer
-    to the same hulls."""
+    """Returns the collider hulls of the fragment's node and its children, in order and without duplicates. Unreal's nodes (UCX_…)
+    can refer to the same hulls."""
     meshes: List[int] = []
     for node in (piece.node, *(piece.glb.item("nodes", child) for child in piece.node.get("children", []))):
         collider = _body(node).get("collider", {})
@@ -222,8 +223,8 @@ def _renamed(name: str, piece: _Piece) -> str:
 
 
 def _collision_systems(pieces: List[_Piece]) -> List[Any]:
-    """Each fragment's collision system number; None for a fragment that shares no site. Fragments that share a site, directly or
-    through others, overlap and must not collide. Systems are numbered in the order of their first fragments."""
+    """Returns each fragment's collision system number; None for a fragment that shares no site. Fragments that share a site,
+    directly or through others, overlap and must not collide. Systems are numbered in the order of their first fragments."""
     first: List[int] = list(range(len(pieces)))
 
     def find(k: int) -> int:

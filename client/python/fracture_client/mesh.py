@@ -29,7 +29,7 @@ class Mesh:
         self._client = client
         self.id = id  # "sha256:…"
         self.upload = upload  # the files to send; None if only the id is known
-        self.preparation = dict(preparation or {})  # parameters that shape the solid, the defaults for its fractures
+        self.preparation = dict(preparation or {})  # parameters that shape the solid; also the defaults for its fractures
         self.stored: Dict[str, Any] = {}  # the server's description: id, format, bytes, files, ttl_s, report
 
     @property
@@ -39,7 +39,7 @@ class Mesh:
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
-        """Fetches the server's description of the mesh, and keeps it in `stored`. Raises FractureError of type "not-found" if the
+        """Fetches the server's description of the mesh, returns it, and keeps it in `stored`. Raises FractureError of type "not-found" if the
         server has forgotten the mesh."""
         self.stored = self._client._json("GET", f"/meshes/{self.id}", timeout, cancel)
         return self.stored
@@ -50,7 +50,7 @@ class Mesh:
 
             mesh.fracture(material="stone", fragments=40, impacts=[[0, 0.5, 0]])
 
-        parameters  those of the interface (proto/parameters.md, Client.patterns()), as keywords, a mapping or a query string.
+        parameters  the interface's parameters (proto/parameters.md, Client.patterns()), as keywords, a mapping or a query string.
                     Parameters that are None are omitted.
         timeout     seconds for everything, retries included; None: the client's
         realtime    True: before batch work, with the server's short deadline (2 s by default); None: the client's setting
@@ -73,7 +73,7 @@ class Mesh:
         return self._client.job(self, parameters, timeout=timeout, cancel=cancel, **more)
 
     def forget(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Deletes the mesh on the server. Returns False if the server did not have it. Raises FractureError."""
+        """Deletes the mesh on the server. Returns False if the server does not have it. Raises FractureError."""
         return self._client._delete(f"/meshes/{self.id}", timeout, cancel)
 
     def _ask(self, parameters: Optional[Parameters], more: Mapping[str, Any], accept: str, check: Check,
@@ -96,8 +96,8 @@ class Mesh:
 
 def _split(parameters: Optional[Parameters], more: Mapping[str, Any],
            preparation: Mapping[str, Any]) -> Tuple[str, Dict[str, Any]]:
-    """(query, parameters for the JSON body). The mesh's preparation supplies defaults. A hit does not need them, because the server
-    takes them from the answer given by `of`."""
+    """Returns (query, parameters for the JSON body). The mesh's preparation supplies defaults. A hit does not need them, because
+    the server takes them from the answer given by `of`."""
     query = parameters.lstrip("?") if isinstance(parameters, str) else ""
     given = {**({} if isinstance(parameters, str) else parameters or {}), **more}
     named = set(urllib.parse.parse_qs(query, keep_blank_values=True))

@@ -31,7 +31,7 @@ class Address:
 
     @classmethod
     def of(cls, url: str, tls: Optional[ssl.SSLContext] = None) -> "Address":
-        """Raises FractureError of type "bad-url"."""
+        """Parses a URL. Raises FractureError of type "bad-url"."""
         if "://" not in url:
             raise FractureError("bad-url", f"The address '{url}' must begin with http:// or https://. Did you mean 'http://{url}'?")
         try:
@@ -81,8 +81,9 @@ class Pool:
         self._free = threading.Condition()
 
     def exchange(self, request: Request, call: Call) -> Response:
-        """Sends the request over a free connection. If the server had closed a keep-alive connection (RFC 9112, section 9.3.1), opens
-        a new one once, which does not count as a try. Raises Trouble, and FractureError of type "cancelled"."""
+        """Sends the request over a free connection and returns the answer. If the server has closed a keep-alive connection (RFC
+        9112, section 9.3.1), opens a new one once, which does not count as a try. Raises Trouble, and FractureError of type
+        "cancelled"."""
         self._take_seat(call)
         try:
             with call.at_most(self._settings.answer_timeout):
@@ -103,7 +104,7 @@ class Pool:
 
     @contextlib.contextmanager
     def stream(self, request: Request, call: Call, stall: float) -> Iterator[Iterator[Response]]:
-        """Connection.stream() over a separate connection, because a stream can stay open for hours."""
+        """Streams over a separate connection (Connection.stream()), because a stream can stay open for hours."""
         connection = self._connect(call)
         stream = connection.stream(request, self.address.authority, call, stall)
         try:
@@ -113,7 +114,7 @@ class Pool:
             connection.close()
 
     def close(self) -> None:
-        """Closes the free connections. Calls that wait or come later raise FractureError of type "cancelled"."""
+        """Closes the free connections. Waiting and later calls raise FractureError of type "cancelled"."""
         with self._free:
             self._closed = True
             self._free.notify_all()
@@ -168,7 +169,7 @@ class Pool:
 
 
 def connect(to: Address, call: Call, seconds: float) -> Connection:
-    """Opens a connection within this many seconds. Raises Trouble, and FractureError of type "cancelled"."""
+    """Opens a connection within this many seconds, and returns it. Raises Trouble, and FractureError of type "cancelled"."""
     try:
         found = socket.getaddrinfo(to.host, to.port, type=socket.SOCK_STREAM)
     except OSError as error:

@@ -10,7 +10,7 @@ from typing import Dict
 
 
 class Reaction(enum.Enum):
-    """The reaction to an error before it reaches the caller."""
+    """This package's reaction to an error, before the caller sees it."""
 
     RAISE = "none, because the same request would give the same error"
     WAIT = "retry after Retry-After, within the tries and the time of the call"
@@ -87,5 +87,6 @@ LOCAL: Dict[str, str] = {
 
 
 def reaction_to(slug: str, status: int) -> Reaction:
-    """The reaction to an error with this name and status. For unknown names, from newer servers or proxies, the status decides."""
+    """Returns the reaction to an error with this name and status. If the name is unknown (from a newer server or a proxy), the
+    status decides."""
     return SERVER.get(slug, Reaction.WAIT if status in (429, 503) else Reaction.RAISE)

@@ -18,8 +18,8 @@ class PutOnce:
         self._stored: Dict[str, float] = {}  # time of a mesh's last successful PUT (time.monotonic())
 
     def put(self, mesh: str, sent: float, call: Call, send: Callable[[], None]) -> bool:
-        """For a request that was sent at `sent` and found the mesh missing. Returns True if this call sent the mesh, False if another
-        call sent it in the meantime. Raises the errors of `send`, and FractureError of type "timeout" or "cancelled"."""
+        """Handles a request that was sent at `sent` and found the mesh missing. Returns True if this call sent the mesh, False if
+        another call sent it in the meantime. Raises the errors of `send`, and FractureError of type "timeout" or "cancelled"."""
         with self._changed:
             while True:
                 if self._stored.get(mesh, sent - 1) >= sent:

@@ -59,19 +59,19 @@ class Upload:
         return cls(content, (format or known).lower(), ordered, mesh_id(content, ordered))
 
     def body(self) -> Tuple[str, bytes]:
-        """(Content-Type, bytes) for PUT and POST /meshes."""
+        """Returns (Content-Type, bytes) for PUT and POST /meshes."""
         if not self.files:
             return MEDIA_TYPES.get(self.format, "application/octet-stream"), self.content
         return self.form(None)
 
     @property
     def query(self) -> Dict[str, str]:
-        """The parameter `format`, if the Content-Type does not show the format."""
+        """Returns the parameter `format`, or {} if the Content-Type shows the format."""
         return {"format": self.format} if self.format and self.format not in MEDIA_TYPES else {}
 
     def form(self, parameters: Optional[Mapping[str, Any]]) -> Tuple[str, bytes]:
-        """(Content-Type, bytes) of a multipart/form-data body (RFC 7578). The boundary is derived from the content's digest, so the
-        content does not contain it."""
+        """Returns (Content-Type, bytes) of a multipart/form-data body (RFC 7578). The boundary is derived from the content's
+        digest, so the content does not contain it."""
         boundary = "fracture-" + self.id[-40:]
         kind = MEDIA_TYPES.get(self.format, "application/octet-stream")
         parts: List[bytes] = []
@@ -85,8 +85,8 @@ class Upload:
 
 
 def mesh_id(content: bytes, files: Iterable[Tuple[str, bytes]] = ()) -> str:
-    """The id of a mesh on the server: the SHA-256 of its bytes. If there are additional files, sorted by name, it is the SHA-256 of
-    a list of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
+    """Returns the id of a mesh on the server: the SHA-256 of its bytes. If there are additional files, which must be sorted by
+    name, it is the SHA-256 of a list of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
     digest = hashlib.sha256(content).hexdigest()
     lines = b"".join(b"%d %b %b\n" % (len(_encoded(name)), _encoded(name), _hex(data)) for name, data in files)
     if lines:
@@ -100,8 +100,8 @@ def _hex(data: bytes) -> bytes:
 
 
 def json_text(parameters: Mapping[str, Any]) -> bytes:
-    """The parameters as a JSON object. Numpy arrays and scalars become lists and numbers; None is omitted. Raises FractureError of
-    type "bad-parameter" for a value that JSON cannot represent."""
+    """Returns the parameters as a JSON object. Numpy arrays and scalars become lists and numbers; None is omitted. Raises
+    FractureError of type "bad-parameter" for a value that JSON cannot represent."""
     texts: List[str] = []
     for name, value in parameters.items():
         if value is None:
@@ -115,8 +115,8 @@ def json_text(parameters: Mapping[str, Any]) -> bytes:
 
 
 def files_named_by(path: pathlib.Path, content: bytes) -> Dict[str, bytes]:
-    """{name: content} for each file that a glTF, or an OBJ and its material libraries, references. Files are searched for in the
-    mesh's folder and its subfolders. If a name leads outside the folder, only its last component is used, as on the server.
+    """Returns {name: content} for each file that a glTF, or an OBJ and its material libraries, references. Files are searched for
+    in the mesh's folder and its subfolders. If a name leads outside the folder, only its last component is used, as on the server.
     Missing files are omitted; the server reports them."""
     kind = path.suffix[1:].lower()
     found: Dict[str, bytes] = {}
@@ -143,7 +143,7 @@ def _named_by_gltf(content: bytes) -> List[str]:
 
 
 def _lines(content: bytes) -> Iterable[Tuple[str, str]]:
-    """(keyword, rest) of each line of an OBJ or MTL file that has both."""
+    """Yields (keyword, rest of the line) for each line of an OBJ or MTL file that has both."""
     for match in re.finditer(rb"^[ \t]*(\S+)[ \t]+([^\r\n]*\S)", content, re.MULTILINE):
         yield match.group(1).decode("utf-8", "surrogateescape"), match.group(2).decode("utf-8", "surrogateescape")
 
@@ -174,7 +174,7 @@ def _add(found: Dict[str, bytes], folder: pathlib.Path, names: Iterable[str]) ->
 
 
 def _inside(folder: pathlib.Path, name: str) -> Optional[pathlib.Path]:
-    """The file, if it exists inside the folder or a subfolder (after following links); else None."""
+    """Returns the file if it exists inside the folder or a subfolder (after following links), else None."""
     try:
         root, file = folder.resolve(), (folder / name).resolve()
         return file if file.is_file() and root in file.parents else None

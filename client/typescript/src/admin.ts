@@ -10,15 +10,16 @@ export class Admin {
     this.transport = new Transport(url, settings);
   }
 
-  /** Whether the server process answers. */
+  /** Returns whether the server process answers GET /livez in time. Throws FractureError only if the call is aborted. */
   async live(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getLivez', call);
   }
-  /** Whether the server accepts requests. False while it is shutting down. */
+  /** Returns whether the server accepts requests. False while it is shutting down, or if it does not answer. Throws FractureError
+   * only if the call is aborted. */
   async ready(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getReadyz', call);
   }
-  /** The server's metrics in Prometheus text format, version 0.0.4. */
+  /** Returns the server's metrics in Prometheus text format, version 0.0.4. Throws FractureError. */
   async metrics(call: CallOptions = {}): Promise<string> {
     return new TextDecoder().decode((await this.transport.request('getMetrics', call)).bytes);
   }

@@ -93,20 +93,19 @@ export class Answer {
   get passedThrough(): Piece[] {
     return passedThrough(this.document, this.figures);
   }
-  /** The fragment with this id, if there is one. */
+  /** Returns the fragment with this id, if there is one. */
   fragment(id: number): Fragment | undefined {
     this.byId ??= new Map(this.fragments.map(fragment => [fragment.id, fragment]));
     return this.byId.get(id);
   }
-  /** The GLB file as a Blob, for saving or loading it. */
+  /** Returns the GLB file as a Blob, for saving or loading it. */
   blob(): Blob {
     return new Blob([this.glb as BlobPart], { type: 'model/gltf-binary' });
   }
 
-  /** Breaks the fragments within `radius` of `point`, and returns an answer with all fragments. Both are in metres, in the mesh's
-   * frame before anything moved. Several points are several hits in sequence. The server sends only the changes; the result equals
-   * its answer with delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws
-   * FractureError. */
+  /** Breaks the fragments within `radius` (m) of `point` (m, in the mesh's frame before anything moved). Returns an answer with all
+   * fragments. Several points are several hits in sequence. The server sends only the changes; the result equals its answer with
+   * delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws FractureError. */
   async hit(point: Vector3 | readonly Vector3[], radius: number | readonly number[], hitOptions: HitOptions = {}): Promise<Answer> {
     const { sites, parameters, ...options } = hitOptions;
     const points = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[];
@@ -134,7 +133,8 @@ export class Answer {
     return this.again(own, () => ({ ...this.parametersWithoutDelta(), ...own }), { realtime: true, ...options }, left);
   }
 
-  /** Makes a request by this answer's address, or by its parameters if the server has forgotten it. Both give the same bytes. */
+  /** Makes a request that refers to this answer's address. If the server has forgotten it, repeats the request with the answer's
+   * parameters; the bytes are the same. */
   private async again(more: Parameters, parameters: () => Parameters, options: FractureOptions, left: () => number): Promise<Answer> {
     const { location, mesh } = this;
     if (location !== undefined) {
@@ -147,8 +147,8 @@ export class Answer {
     return mesh.fracture(parameters(), { ...options, deadline: left() });
   }
 
-  /** Whether a delta cannot work. A hit can change levels and anchors in all fragments. If the cuts have texture maps, a delta lacks
-   * the tangents that the maps need. */
+  /** Returns true if a delta cannot be used. A hit can change levels and anchors in all fragments. If the cuts have texture maps, a
+   * delta lacks the tangents that the maps need. */
   private wholeOnly(): boolean {
     const { interior_detail: detail, ...names } = this.parameters;
     return this.figures.levels !== undefined || (detail ?? 'none') !== 'none' ||

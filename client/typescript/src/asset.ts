@@ -50,7 +50,7 @@ function asFile(input: Bytes | NamedFile, number: number): AssetFile {
     { parameter: 'mesh' });
 }
 
-/** The name in the form that meshes and the server use: forward slashes, no leading "./". */
+/** Returns a name in the form that meshes and the server use: forward slashes, no leading "./". */
 function plainName(name: string): string {
   if (/[\r\n\0]/.test(name))
     throw localError('bad-argument', `The file name ${JSON.stringify(name)} has a line break and cannot be sent. Rename the file.`,
@@ -60,7 +60,7 @@ function plainName(name: string): string {
 
 const extensionOf = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
 
-/** `formats`: called only if it is unclear which of several files is the mesh. */
+/** Reads a mesh. `formats` is called only if it is unclear which of several files is the mesh. Throws FractureError. */
 export async function readAsset(input: MeshInput, { format, main }: MeshFormat, formats: Formats): Promise<Asset> {
   const several = typeof input === 'object' && input !== null && !ArrayBuffer.isView(input) && Symbol.iterator in input;
   const given = (several ? [...(input as Iterable<Blob | NamedFile>)] : [input as Bytes | NamedFile]).map(asFile);
@@ -94,7 +94,7 @@ async function mainOf(files: AssetFile[], main: string | undefined, formats: For
 
 const bytesOf = async (data: Blob) => new Uint8Array(await data.arrayBuffer());
 
-/** The digest of a mesh with additional files. Sorts the files by the bytes of their names. */
+/** Returns the digest of a mesh with additional files. Sorts the files by the bytes of their names. */
 async function keyOf(mesh: string, files: AssetFile[]): Promise<string> {
   const utf8 = new TextEncoder();
   const listed = await Promise.all(files.map(async file =>
@@ -112,8 +112,8 @@ function compareBytes(a: Uint8Array, b: Uint8Array): number {
   return a.length - b.length;
 }
 
-/** The multipart form of a mesh (RFC 7578), with its parameters. If no format is given, the server detects it from the file name or
- * the first bytes. */
+/** Returns the multipart form of a mesh (RFC 7578), with its parameters. If no format is given, the server detects it from the file
+ * name or the first bytes. */
 export function formOf({ main, files, format }: Asset, params?: string): Blob {
   const boundary = `fracture-${Math.random().toString(36).slice(2)}${Math.random().toString(36).slice(2)}`;
   const parts: (Blob | string)[] = [];

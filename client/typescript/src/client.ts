@@ -49,12 +49,12 @@ export interface PutOptions extends CallOptions, MeshFormat {
   /** Parameters of later fractures that shape the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the mesh
    * with them. A fracture with other values prepares it again. */
   parameters?: Parameters;
-  /** Whether to ask first if the server has the mesh. If it does not, browsers log the 404 in their console. Default: only for meshes
-   * over 64 KiB. */
+  /** Whether to ask the server for the mesh before sending it. If the server does not have it, browsers log the 404 in their
+   * console. Default: only for meshes over 64 KiB. */
   ask?: boolean;
 }
 
-/** Bytes; smaller meshes are sent at once, because that is faster than asking. */
+/** Bytes. Smaller meshes are sent at once, because that is faster than asking. */
 const SMALL = 1 << 16;
 
 export class Client {
@@ -88,18 +88,18 @@ export class Client {
     return new Mesh(this, asset, sent.id, sent);
   }
 
-  /** Reports on a mesh without fracturing it. The mesh is sent and stored. Throws FractureError. */
+  /** Returns a report on a mesh without fracturing it. The mesh is sent and stored. Throws FractureError. */
   async inspect(input: MeshInput, { parameters, format, main, ...call }: PutOptions = {}): Promise<StoredMesh> {
     const body = formOf(await this.read(input, { format, main }, call), parameters && parametersText(parameters));
     return json<StoredMesh>(await this.request('postMesh', { ...call, body, headers: { 'Content-Type': body.type }, json: true }));
   }
 
-  /** The stored mesh with this content key. Sends no request. */
+  /** Returns the stored mesh with this content key. Sends no request. */
   mesh(id: string): Mesh {
     return new Mesh(this, this.assets.get(id)?.deref(), id, undefined);
   }
 
-  /** Sends mesh and parameters in one request and stores nothing, for a mesh that is fractured only once. Throws FractureError. */
+  /** Sends mesh and parameters in one request and stores nothing. Use it for a mesh that is fractured only once. Throws FractureError. */
   async fracture(input: MeshInput, parameters: Parameters = {}, options: FractureOptions & MeshFormat = {}): Promise<Answer> {
     const { format, main, realtime, priority, ...call } = options;
     const body = formOf(await this.read(input, { format, main }, call), parametersText(parameters));
@@ -112,23 +112,24 @@ export class Client {
 
   // -- results and jobs
 
-  /** An answer that is still in the server's cache, by its address or key (/fractures/sha256:…). Throws FractureError (not-found). */
+  /** Returns an answer that is still in the server's cache. `location`: its address or key (/fractures/sha256:…). Throws
+   * FractureError (not-found). */
   async answer(location: string, call: CallOptions = {}): Promise<Answer> {
     const id = location.slice(location.lastIndexOf('/') + 1);
     return this.answerOf(await this.request('getFracture', { ...call, path: { id }, headers: { Accept: 'model/gltf-binary' } }));
   }
 
-  /** An answer that was saved as a GLB. It can be hit as long as the server has its mesh. Throws FractureError (damaged-answer). */
+  /** Opens an answer that was saved as a GLB. It can be hit as long as the server has its mesh. Throws FractureError (damaged-answer). */
   open(glb: Uint8Array): Answer {
     return this.answerOf({ bytes: glb, headers: new Headers(), exchanges: 0 });
   }
 
-  /** An existing job, by its id. Throws FractureError (not-found). */
+  /** Returns an existing job by its id. Throws FractureError (not-found). */
   async job(id: string, call: CallOptions = {}): Promise<Job> {
     return new Job(this, json<JobDocument>(await this.request('getJob', { ...call, path: { id }, json: true })));
   }
 
-  /** Your jobs, newest first. `limit`: jobs per page, 1 to 100; further pages are fetched as needed. Throws FractureError. */
+  /** Yields your jobs, newest first. `limit`: jobs per page, 1 to 100; further pages are fetched as needed. Throws FractureError. */
   async *jobs({ state, limit, ...call }: CallOptions & { state?: JobState; limit?: number } = {}): AsyncGenerator<Job, void, undefined> {
     for (let query: Ask['query'] = { state, limit: limit?.toString() }; ;) {
       const page: JobPage = json<JobPage>(await this.request('getJobs', { ...call, query, json: true }));
@@ -140,27 +141,29 @@ export class Client {
 
   // -- discovery
 
-  /** The start page of the interface: name, version, links. */
+  /** Returns the start page of the interface: name, version, links. Throws FractureError. */
   async index(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getIndex', call);
   }
-  /** The server version and the algorithm version. */
+  /** Returns the server version and the algorithm version. Throws FractureError. */
   async version(call: CallOptions = {}): Promise<{ name: string; version: string; algorithm: number }> {
     return this.discover('getVersion', call);
   }
-  /** The server's limits, every parameter with its range, and the formats that the server reads. */
+  /** Returns the server's limits, every parameter with its range, and the formats that the server reads. Throws
+   * FractureError. */
   async limits(call: CallOptions = {}): Promise<Limits> {
     return this.discover('getLimits', call);
   }
-  /** The server's patterns and materials, with their parameters. */
+  /** Returns the server's patterns and materials, with their parameters. Throws FractureError. */
   async patterns(call: CallOptions = {}): Promise<Patterns> {
     return this.discover('getPatterns', call);
   }
-  /** The OpenAPI 3.1 description of the interface. */
+  /** Returns the OpenAPI 3.1 description of the interface. Throws FractureError. */
   async openapi(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getOpenapi', call);
   }
-  /** A text for people that explains an error and what to do about it. `problem`: its name or type. */
+  /** Returns a text for people that explains an error and what to do about it. `problem`: the error's name or type. Throws
+   * FractureError. */
   async explain(problem: string, call: CallOptions = {}): Promise<string> {
     const name = problem.slice(problem.lastIndexOf('/') + 1);
     const { bytes } = await this.request('getProblem', { ...call, path: { name }, headers: { Accept: 'text/plain' } });
@@ -186,7 +189,7 @@ export class Client {
   get deadline(): number {
     return this.transport.deadline;
   }
-  /** Seconds after which this client no longer waits for the answer. @internal */
+  /** Returns the value of Request-Timeout: the seconds after which this client no longer waits for the answer. @internal */
   requestTimeout({ timeout = this.timeout, deadline = this.transport.settings.deadline ?? Infinity }: CallOptions): string | undefined {
     const seconds = Math.min(timeout, deadline) / 1000;
     return seconds > 0 && seconds <= 86400 ? String(Number(seconds.toFixed(3))) : undefined;

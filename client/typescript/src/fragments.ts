@@ -9,7 +9,7 @@ export interface BondColumns {
   b: number[];
   /** m² */
   area: number[];
-  /** m, in the frame of the mesh. */
+  /** m, in the mesh's frame. */
   centroid: Vector3[];
   /** From a to b, unit length. */
   normal: Vector3[];
@@ -183,7 +183,7 @@ export class Fragment extends Piece {
   get sites(): readonly number[] {
     return this.figures['sites'];
   }
-  /** Missing with physics=none; without inertia with physics=omi. */
+  /** Undefined with physics=none. With physics=omi it has no inertia. */
   get motion(): Motion | undefined {
     return this.body?.['motion'];
   }
@@ -226,7 +226,7 @@ function indicesOf(glb: Glb, primitive: GltfPrimitive): Uint16Array | Uint32Arra
   return Uint32Array.from({ length: glb.accessorAt(primitive.attributes['POSITION']!).count }, (_, k) => k);
 }
 
-/** A single view of all arrays if they are contiguous in memory, as in the server's files; else a copy. */
+/** Returns all indices as one array: a view if they are contiguous in memory, as in the server's files, otherwise a copy. */
 function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array {
   const [first] = parts;
   if (!first) return new Uint16Array();
@@ -241,7 +241,7 @@ function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array
   return Uint32Array.from(parts.flatMap(part => [...part]));
 }
 
-/** Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
+/** Reads the data of an answer. Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
 export function figuresOf(glb: Glb): Figures {
   const { nodes, scenes, scene } = glb.json, root = nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
   const figures = root?.extras?.['fracture'] as Figures | undefined;
@@ -255,7 +255,7 @@ export function fragmentsOf(glb: Glb, figures: Figures): Fragment[] {
     (node.extras?.['fracture']?.id === undefined ? [] : [new Fragment(glb, k, figures.interior_materials)]));
 }
 
-/** The mesh nodes that `nodes` or `materials` left uncut. */
+/** Returns the mesh nodes that `nodes` or `materials` left uncut. */
 export function passedThrough(glb: Glb, figures: Figures): Piece[] {
   const nodes = glb.json.nodes ?? [], root = nodes[glb.json.scenes?.[glb.json.scene ?? 0]?.nodes?.[0] ?? 0];
   return (root?.children ?? []).filter(k => nodes[k]!.mesh !== undefined && !nodes[k]!.extras?.['fracture'])

@@ -1,5 +1,5 @@
 // A GLB file from the server (glTF 2.0, one buffer, no required extensions): its JSON, and typed arrays that are views of its bytes.
-// Only interleaved and sparse accessors are copied; the geometry of fragments has none.
+// Interleaved and sparse accessors are copied, but the geometry of fragments has none.
 import { localError } from './problems.js';
 
 export interface GltfNode {
@@ -95,7 +95,7 @@ export class Glb {
   /** The binary chunk. */
   readonly binary: Uint8Array;
 
-  /** Throws FractureError (damaged-answer). */
+  /** Parses a GLB. Throws FractureError (damaged-answer). */
   constructor(bytes: Uint8Array) {
     // Views of floats must start at a multiple of four bytes. A slice of a larger array may start elsewhere, so it is copied.
     this.bytes = bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
@@ -119,7 +119,7 @@ export class Glb {
     }
   }
 
-  /** The bytes of a bufferView. */
+  /** Returns the bytes of a bufferView. */
   view(index: number): Uint8Array {
     const view = this.json.bufferViews?.[index] ?? bad(`bufferView ${index} does not exist`), at = view.byteOffset ?? 0;
     if (at + view.byteLength > this.binary.length) bad(`bufferView ${index} extends past the end of the buffer`);
@@ -130,7 +130,7 @@ export class Glb {
     return this.json.accessors?.[index] ?? bad(`accessor ${index} does not exist`);
   }
 
-  /** The numbers of an accessor, as many per element as its type has (VEC3: three). */
+  /** Returns the numbers of an accessor. Each element has as many numbers as its type (VEC3: three). */
   accessor(index: number): TypedArray {
     const accessor = this.accessorAt(index), Type = componentOf(accessor.componentType), width = widthOf(accessor);
     const length = accessor.count * width;
@@ -164,7 +164,7 @@ export class Glb {
     return copy;
   }
 
-  /** The bytes of an image in the file; undefined for an external image. */
+  /** Returns the bytes of an image in the file; undefined for an external image. */
   image(index: number): { bytes: Uint8Array; type: string } | undefined {
     const image = this.json.images?.[index];
     if (image?.bufferView === undefined) return undefined;
@@ -172,7 +172,7 @@ export class Glb {
   }
 }
 
-/** The bytes of a GLB with this JSON and this buffer. */
+/** Returns the bytes of a GLB with this JSON and this buffer. */
 export function packGlb(json: Gltf, binary: Uint8Array): Uint8Array {
   const text = new TextEncoder().encode(JSON.stringify(json)), aligned = (size: number) => Math.ceil(size / 4) * 4;
   const textSize = aligned(text.length), binarySize = aligned(binary.length);

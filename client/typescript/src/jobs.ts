@@ -34,7 +34,7 @@ export class Job {
 
   constructor(private readonly client: Client, /** The last known state. */ public document: JobDocument) {}
 
-  /** A job that was answered at once. The server does not keep it. */
+  /** Returns a finished job for an answer that arrived at once. The server does not keep it. */
   static done(client: Client, answer: Answer): Job {
     const created = new Date().toISOString();
     const job = new Job(client, { id: '', state: 'done', stage: 'encode', percent: 100, created, durable: false, links: {} });
@@ -56,8 +56,8 @@ export class Job {
     return this.state === 'done' || this.state === 'failed' || this.state === 'cancelled';
   }
 
-  /** Asks the server for the state. `wait`: the server answers when the job has finished, or after this many seconds. Throws
-   * FractureError. */
+  /** Asks the server for the state, and returns it. `wait`: the server answers when the job has finished, or after this many
+   * seconds. Throws FractureError. */
   async refresh({ wait, ...options }: CallOptions & { wait?: number } = {}): Promise<JobDocument> {
     if (this.id === '') return this.document;
     const headers = { Prefer: wait === undefined ? undefined : `wait=${wait}` };
@@ -97,7 +97,7 @@ export class Job {
     return (this.answer = await this.client.answer(this.document.result!, options));
   }
 
-  /** Cancels the job, or deletes it if it has finished. */
+  /** Cancels the job, or deletes it if it has finished. Throws FractureError. */
   async cancel(options: CallOptions = {}): Promise<void> {
     if (this.id !== '') await this.client.request('deleteJob', { ...options, path: { id: this.id } });
   }

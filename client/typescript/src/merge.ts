@@ -21,7 +21,7 @@ const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_
 
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
 
-/** The merged GLB; undefined if it would not match the certificate, so the caller must request the whole answer. */
+/** Returns the merged GLB. Undefined if it would not match the certificate; the caller must then request the whole answer. */
 export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   const now = figuresOf(changes), was = figuresOf(before);
   if (!now.delta || now.levels || was.levels || now.mesh !== was.mesh) return undefined;
@@ -43,7 +43,7 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** All bonds, sorted, each from the lower fragment to the higher one. */
+/** Returns all bonds, sorted, each from the lower fragment to the higher one. */
 function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], left: ReadonlySet<number>): BondColumns {
   const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k]));
   const rows: { a: number; b: number; area: number; centroid: Vector3; normal: Vector3; strength: number }[] = [];
@@ -66,7 +66,7 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
-/** Each fragment's collision system number. Fragments in the same system share cells, directly or through others. */
+/** Returns each fragment's collision system number. Fragments in the same system share cells, directly or through others. */
 function collisionSystems(sources: Source[]): (number | undefined)[] {
   const root = sources.map((_, k) => k), owner = new Map<number, number>(), shares = new Set<number>();
   const find = (k: number): number => (root[k] === k ? k : (root[k] = find(root[k]!)));
@@ -96,7 +96,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
 
   sources.forEach(({ glb, node }, k) => {
     const name = nameOf(node.name ?? '', k), rename = (text: string | undefined) => text?.replace(node.name ?? '', name);
-    const hullMesh = new Map<number, number>();  // from the source file to this one
+    const hullMesh = new Map<number, number>();  // mesh index in the source file -> index in the merged file
     const hullOf = (mesh: number) => {
       if (!hullMesh.has(mesh)) {
         const source = glb.json.meshes![mesh]!;

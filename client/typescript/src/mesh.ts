@@ -24,7 +24,7 @@ export interface StoredMesh {
 
 export interface FractureOptions extends CallOptions {
   /** For games: the request is served before batch work, with a shorter deadline (realtime_deadline_ms of GET /limits, 2 s). Default:
-   * false; for hits: true. */
+   * true for hits, otherwise false. */
   realtime?: boolean;
   /** The RFC 9218 priority, instead of `realtime`: 0 to 2 are realtime, 3 to 7 are batch work. */
   priority?: number;
@@ -42,19 +42,20 @@ export class Mesh {
     return this.stored?.report;
   }
 
-  /** Breaks the mesh. `parameters`: those listed by GET /patterns. If the server has forgotten the mesh, it is sent again. Throws
-   * FractureError. */
+  /** Breaks the mesh. `parameters`: those listed by GET /patterns. If the server has forgotten the mesh, the client sends it
+   * again. Throws FractureError. */
   async fracture(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Answer> {
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary' });
     return this.client.answerOf(reply);
   }
 
-  /** Breaks the mesh and returns the data without the geometry. */
+  /** Breaks the mesh and returns the data without the geometry. Throws FractureError. */
   async figures(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Figures> {
     return json<Figures>(await this.ask(parameters, options, { Accept: 'application/json' }));
   }
 
-  /** Breaks the mesh and returns a single JSON document, with the buffer in a data URI (model/gltf+json). */
+  /** Breaks the mesh and returns a single JSON document, with the buffer in a data URI (model/gltf+json). Throws
+   * FractureError. */
   async gltf(parameters: Parameters = {}, options: FractureOptions = {}): Promise<string> {
     return new TextDecoder().decode((await this.ask(parameters, options, { Accept: 'model/gltf+json' })).bytes);
   }
@@ -72,7 +73,7 @@ export class Mesh {
     return (this.stored = json<StoredMesh>(await this.client.request('getMesh', { ...options, path: { id: this.id }, json: true })));
   }
 
-  /** Deletes the mesh on the server. */
+  /** Deletes the mesh on the server. Throws FractureError. */
   async delete(options: CallOptions = {}): Promise<void> {
     await this.client.request('deleteMesh', { ...options, path: { id: this.id } });
     this.stored = undefined;

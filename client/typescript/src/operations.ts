@@ -1,13 +1,14 @@
-// All operations in proto/openapi.yaml with their paths. Requests are built from this table. A test compares it with the document.
+// All operations in proto/openapi.yaml with their paths. The client builds its requests from this table. A test compares the table
+// with the document.
 
 export interface Operation {
   readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';
   readonly path: string;
   /** Statuses of successful answers. */
   readonly good: readonly number[];
-  /** Answers have a Repr-Digest, which is checked. An answer without one is treated as damaged. */
+  /** True if answers have a Repr-Digest, which the client checks. It treats an answer without one as damaged. */
   readonly digest?: boolean;
-  /** The operation is on the admin port, which has another address. */
+  /** True if the operation is on the admin port, which has another address. */
   readonly admin?: boolean;
 }
 

@@ -8,7 +8,7 @@ export interface Parameters {
   readonly [name: string]: ParameterValue | undefined;
 }
 
-/** The parameters as JSON. Typed arrays become lists of numbers. Throws FractureError (bad-argument). */
+/** Returns the parameters as JSON. Typed arrays become lists of numbers. Throws FractureError (bad-argument). */
 export function parametersText(parameters: Parameters): string {
   try {
     return JSON.stringify(parameters, (_, value: unknown) => {

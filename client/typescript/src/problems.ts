@@ -83,7 +83,7 @@ export class FractureError extends Error {
     this.retryAfter = fields.retryAfter;
     this.document = fields.document;
     this.exchanges = fields.exchanges ?? 0;
-    // Code that recognizes an abort by its name works as with fetch.
+    // As with fetch, code can recognize an abort by this name.
     this.name = this.problem === 'aborted' ? 'AbortError' : 'FractureError';
   }
 }
@@ -94,7 +94,7 @@ export function localError(problem: LocalProblem, detail: string, more: Partial<
 
 const FOREIGN = ' without the problem document of a fracture server. Check the address: a proxy or another server may answer there.';
 
-/** The error for an unsuccessful answer, which can be a proxy's page instead of a problem document. */
+/** Returns the error for an unsuccessful answer, which can be a proxy's page instead of a problem document. */
 export function problemOf(status: number, headers: Headers, bytes: Uint8Array, exchanges: number): FractureError {
   let document: Partial<ProblemDocument> = {};
   try {
@@ -117,7 +117,7 @@ export function problemOf(status: number, headers: Headers, bytes: Uint8Array, e
   });
 }
 
-/** The error in a problem document that is nested in another document, as in a failed job. */
+/** Returns the error in a problem document that is nested in another document, as in a failed job. */
 export function problemIn(document: ProblemDocument): FractureError {
   const { type, status, title, detail, parameter } = document;
   return new FractureError({ type, status, title, detail, parameter, document });

@@ -1,7 +1,7 @@
 // SHA-256 (FIPS 180-4): with WebCrypto, or with the code below if WebCrypto is missing, as in node 18 and in pages loaded over plain
 // HTTP from another machine.
 
-/** The first 32 bits of the fractional parts of roots of the first primes. */
+/** Returns the constants of SHA-256: the first 32 bits of the fractional parts of square roots and cube roots of the first primes. */
 function constants(): { start: Uint32Array; rounds: Uint32Array } {
   const start = new Uint32Array(8), rounds = new Uint32Array(64), primes: number[] = [];
   for (let n = 2; primes.length < 64; ++n) if (primes.every(p => n % p !== 0)) primes.push(n);
@@ -15,7 +15,7 @@ function constants(): { start: Uint32Array; rounds: Uint32Array } {
 
 let tables: ReturnType<typeof constants> | undefined;
 
-/** SHA-256 without WebCrypto, about 100 MB/s. Exported for its test. */
+/** Returns the SHA-256 of the bytes without WebCrypto, at about 100 MB/s. Exported for its test. */
 export function sha256Here(bytes: Uint8Array): Uint8Array {
   const { start, rounds } = (tables ??= constants());
   const state = Uint32Array.from(start), w = new Uint32Array(64);
@@ -60,7 +60,7 @@ export function hex(bytes: Uint8Array): string {
   return text;
 }
 
-/** Whether a Repr-Digest (RFC 9530) contains the SHA-256 of these bytes. False for a field without sha-256. */
+/** Returns whether a Repr-Digest (RFC 9530) contains the SHA-256 of these bytes. False for a field without sha-256. */
 export async function digestMatches(field: string, bytes: Uint8Array): Promise<boolean> {
   const named = /(?:^|,)\s*sha-256=:([A-Za-z0-9+/=]*):/.exec(field)?.[1];
   return named !== undefined && named === btoa(String.fromCharCode(...await sha256(bytes)));

@@ -18,10 +18,10 @@ export interface Settings {
   retries?: number;
   /** Maximum size of an answer in bytes. Default: 256 MiB. */
   maxAnswerBytes?: number;
-  /** Whether answers may be compressed. A browser unpacks such an answer, so its Repr-Digest, which covers the packed bytes, cannot be
-   * checked. Without compression every answer is checked. Default: false. */
+  /** Whether answers may be compressed. A browser unpacks compressed answers, so the client cannot check their Repr-Digest, which covers
+   * the packed bytes. It checks all other answers. Default: false. */
   compressed?: boolean;
-  /** Whether bodies can be read while they arrive. If not, job progress is polled. Default: detected. */
+  /** Whether the platform can read a body while it arrives. If not, the client polls job progress. Default: detected. */
   streams?: boolean;
   /** Additional header fields for every request. */
   headers?: Record<string, string>;
@@ -44,7 +44,7 @@ export interface Ask extends CallOptions {
   query?: Record<string, string | undefined>;
   headers?: Record<string, string | undefined>;
   body?: Blob | string;
-  /** The answer must be JSON; any other answer is treated as damaged. */
+  /** True if the answer must be JSON. Any other answer is treated as damaged. */
   json?: boolean;
   /** Called after a 404 with the problem not-found; decides whether to retry. `sentAt`: time of the request, as returned by now();
    * `left`: ms until the deadline. */
@@ -59,7 +59,7 @@ export interface Reply {
   exchanges: number;
 }
 
-/** The document of an answer to a request with `json`. */
+/** Parses the JSON of an answer to a request with `json`. */
 export function json<Document>({ bytes }: Reply): Document {
   return JSON.parse(new TextDecoder().decode(bytes)) as Document;
 }
@@ -154,7 +154,8 @@ export class Transport {
     }
   }
 
-  /** An answer whose body is read while it arrives, without retries. The watch limits the time between two pieces. */
+  /** Sends a request without retries. Returns an answer whose body is read while it arrives. The watch limits the time between two
+   * pieces. */
   async stream(operation: OperationId, ask: Ask, idle: number): Promise<{ response: Response; watch: Watch }> {
     const watch = new Watch(ask.signal, idle);
     try {
@@ -189,7 +190,8 @@ export class Transport {
     if (given) fields['Authorization'] = `Bearer ${given}`;
     if (digest && !this.settings.compressed) {
       // Only an uncompressed answer can be compared with its digest. A page must not set Accept-Encoding, but the answer to a range
-      // request is not compressed (Fetch standard, HTTP-network-or-cache fetch; the server does the same). This range is everything.
+      // request is not compressed (Fetch standard, HTTP-network-or-cache fetch; the server does the same). This range covers the
+      // whole answer.
       fields['Range'] ??= 'bytes=0-';
     }
     let headers: Headers;
@@ -229,7 +231,7 @@ async function asked(token: () => string | Promise<string>): Promise<string> {
   }
 }
 
-/** Whether the answer was compressed. A page from another origin may not see Content-Encoding, but it sees the ETag. */
+/** Returns whether the answer was compressed. A page from another origin may not see Content-Encoding, but it sees the ETag. */
 const coded = (headers: Headers) => !['', 'identity'].includes(headers.get('content-encoding') ?? '') ||
                                     /\.(gzip|zstd)"$/.test(headers.get('etag') ?? '');
 
@@ -261,7 +263,7 @@ async function readBody(response: Response, watch: Watch, limit: number): Promis
   return size === bytes.length ? bytes : bytes.slice(0, size);
 }
 
-/** The defect of an answer; undefined if it is sound. */
+/** Returns the defect of an answer; undefined if it is sound. */
 async function damage({ status, headers, bytes }: Reply, digest: boolean, json: boolean): Promise<string | undefined> {
   if (json) {
     try {

@@ -28,14 +28,14 @@ export class Watch {
     return this.controller.signal;
   }
 
-  /** Restarts the timer, because a piece of the answer arrived. */
+  /** Restarts the timer. Called when a piece of the answer arrives. */
   restart(): void {
     clearTimeout(this.timer);
     // If the time is too long for a timer, there is none.
     if (this.milliseconds < 2 ** 31 && !this.cause) this.timer = setTimeout(() => this.stop('timed-out'), this.milliseconds);
   }
 
-  /** The promise, or a rejection if the watch stops first. It works even for a fetch that ignores its signal. */
+  /** Returns the promise, or a rejection if the watch stops first. It works even for a fetch that ignores its signal. */
   race<T>(promise: Promise<T>): Promise<T> {
     return Promise.race([promise, this.stopped]);
   }
@@ -52,7 +52,7 @@ export class Watch {
   }
 }
 
-/** Rejects with a FractureError when the signal fires. */
+/** Waits. Rejects with a FractureError when the signal fires. */
 export function pause(milliseconds: number, signal: AbortSignal | undefined, exchanges = 0): Promise<void> {
   return new Promise((resolve, reject) => {
     if (signal?.aborted) return reject(abortedError(signal, exchanges));
@@ -68,11 +68,11 @@ export function pause(milliseconds: number, signal: AbortSignal | undefined, exc
   });
 }
 
-/** Returns a function that returns the rest of a time that several requests share, in milliseconds. */
+/** Starts a time that several requests share. Returns a function that returns its rest, in milliseconds. */
 export function within(milliseconds: number): () => number {
   const end = now() + milliseconds;
   return () => end - now();
 }
 
-/** Milliseconds of a clock that never goes backwards. */
+/** Returns the milliseconds of a clock that never goes backwards. */
 export const now = (): number => performance.now();

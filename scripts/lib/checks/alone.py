@@ -45,7 +45,7 @@ class IncludeGraph:
 
     @functools.lru_cache(maxsize=None)
     def resolved(self, name):
-        """The includes in textual order: a file of the checkout, or None for any other file."""
+        """Returns a file's includes in textual order: a path for a file of the checkout, None for any other file."""
         found = []
         for match in INCLUDE.finditer(self.checkout.read(name)):
             near = posixpath.normpath(posixpath.join(posixpath.dirname(name), match[1] or ""))
@@ -56,7 +56,7 @@ class IncludeGraph:
         return [path for path in self.resolved(name) if path]
 
     def reached(self, names, following):
-        """The names and everything reachable from them through `following`, nearest first."""
+        """Returns the names and everything reachable from them through `following`, nearest first."""
         found, level = dict.fromkeys(names), list(names)
         while level:
             level = list(dict.fromkeys(path for name in level for path in following(name) if path not in found))
@@ -71,8 +71,8 @@ class IncludeGraph:
 
 
 def compiler_runs(graph, commands, wanted):
-    """{file to compile: command} for the wanted files, and the headers that no compiled source includes."""
-    first = {}  # header: a source that includes it before anything else, its own source if there is one
+    """Returns {file to compile: command} for the wanted files. Headers that no compiled source includes get their own entries."""
+    first = {}  # header: a source that includes it before anything else; if possible, the header's own source
     for source in commands:
         header = next(iter(graph.resolved(source)), None) if source in graph.known else None
         if header and (header not in first or source == header.removesuffix(".hpp") + ".cpp"):
@@ -92,7 +92,7 @@ def compiler_runs(graph, commands, wanted):
 
 
 def words_of(command):
-    """The arguments of a compile command without input, output and precompiled header."""
+    """Returns the arguments of a compile command without input, output and precompiled header."""
     words, kept = shlex.split(command), []
     if posixpath.basename(words[0]) == "ccache":
         words = words[1:]
@@ -108,7 +108,7 @@ def words_of(command):
 
 
 def run_timed(words, folder, text):
-    """Runs a program with this text as input: (exit code, output, processor seconds). Raises subprocess.TimeoutExpired."""
+    """Runs a program with this text as input. Returns (exit code, output, processor seconds). Raises subprocess.TimeoutExpired."""
     with tempfile.TemporaryFile("w+") as given, tempfile.TemporaryFile("w+") as said:
         given.write(text)
         given.seek(0)
@@ -125,7 +125,7 @@ def run_timed(words, folder, text):
 
 
 def compile_alone(checkout, name, words):
-    """The compiler's first error, or a message that it took too long, or None."""
+    """Compiles one file. Returns an offence (the compiler's first error, or that it took too long); None if there is none."""
     try:
         code, output, seconds = run_timed(words, checkout.root, f'#include "{checkout.root / name}"\n')
     except subprocess.TimeoutExpired:
@@ -146,7 +146,7 @@ def check(checkout, every):
         print("check includes: skipped, because without a history no file is known to have changed; --all compiles all files", flush=True)
         return []
     wanted = graph.names if every else graph.affected_by([name for name in checkout.changed if name in graph.known])
-    wanted = [name for name in wanted if name.endswith(CPP) and not name.startswith("common/cmake/")]  # a project of its own
+    wanted = [name for name in wanted if name.endswith(CPP) and not name.startswith("common/cmake/")]  # a separate project
     if not wanted:
         return []
     try:

@@ -11,11 +11,11 @@ import threading
 
 
 class MissingTool(Exception):
-    """A check needs a program that is not installed. The text is the program's name."""
+    """Raised if a check needs a program that is not installed. The text is the program's name."""
 
 
 class NotConfigured(Exception):
-    """CMake cannot list the compile commands. The text is an offence."""
+    """Raised if CMake cannot list the compile commands. The text is an offence."""
 
 
 class Checkout:
@@ -25,7 +25,7 @@ class Checkout:
 
     @functools.cached_property
     def files(self):
-        """Sorted paths relative to the root, without ignored and deleted files."""
+        """The sorted paths of files relative to the root, without ignored and deleted files."""
         if self.has_history:
             listed = self.git("ls-files", "--cached", "--others", "--exclude-standard")
         else:
@@ -44,7 +44,7 @@ class Checkout:
 
     @functools.cached_property
     def texts(self):
-        """Files written by people, without pictures, corpora and lock files."""
+        """The files that people wrote, without pictures, corpora and lock files."""
         return [name for name in self.files
                 if not name.startswith(("tests/fuzz/corpus/", "common/cmake/example/assets/"))
                 and not name.endswith(("package-lock.json", ".png", ".glb", ".blend", ".zip", ".svg", "LICENSE"))]
@@ -58,7 +58,7 @@ class Checkout:
         return self.read(name).splitlines()
 
     def scripts(self, *interpreters):
-        """Files without an extension whose first line names one of the interpreters."""
+        """Returns the files without an extension whose first line names one of the interpreters."""
         found = []
         for name in self.files:
             if "." in name.rsplit("/", 1)[-1]:
@@ -71,7 +71,8 @@ class Checkout:
 
     @functools.cached_property
     def base(self):
-        """FRACTURE_CHECK_BASE, or the commit where the branch left main; on main, the last commit but one; "" if there is none."""
+        """The commit to compare with: FRACTURE_CHECK_BASE, or the commit where the branch left main. On main, it is the last commit
+        but one. "" if there is none."""
         base = os.environ.get("FRACTURE_CHECK_BASE", "")
         if base:
             return base
@@ -86,7 +87,8 @@ class Checkout:
 
     @functools.cached_property
     def prose_base(self):
-        """The base of checks of comments and subjects: not older than these checks, which do not judge what was there before."""
+        """The base for checks of comments and subjects. It is never older than the checks themselves, which do not judge earlier
+        text."""
         added = self.git("log", "--first-parent", "-m", "--diff-filter=A", "-1", "--format=%H", "--", "scripts/lib/checks/habits.py",
                          check=False).strip()
         if added and self.git("merge-base", self.base, added, check=False).strip() == self.git("rev-parse", self.base, check=False).strip():
@@ -95,7 +97,7 @@ class Checkout:
 
     @functools.cached_property
     def changed(self):
-        """Files that differ from the base, most recently changed first."""
+        """The files that differ from the base, most recently changed first."""
         changed = self.git("ls-files", "--others", "--exclude-standard").splitlines()
         changed += self.git("diff", "--name-only", "HEAD").splitlines()
         changed += filter(None, self.git("log", "--name-only", "--format=", f"{self.base}..HEAD").splitlines())
@@ -103,7 +105,7 @@ class Checkout:
 
     @functools.cached_property
     def changed_lines(self):
-        """{file: numbers of the lines that differ from prose_base}. For untracked files, all lines."""
+        """{file: numbers of the lines that differ from prose_base}. In untracked files, all lines differ."""
         lines, name = {}, ""
         for line in self.git("diff", "--unified=0", "--find-renames", "--no-color", "--no-ext-diff", self.prose_base, check=False).splitlines():
             if line.startswith("+++ "):

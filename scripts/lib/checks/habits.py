@@ -1,4 +1,4 @@
-"""Finds writing habits that make a reader stop, if a pattern can distinguish them from ordinary English; and long sentences and rows.
+"""Finds long sentences, long table rows, and writing habits that make a reader stop, if a pattern can recognize them.
 
 CONTRIBUTING.md says how to write instead. The patterns miss many offences, but should rarely be wrong.
 """
@@ -7,8 +7,8 @@ import re
 
 from .prose import cells
 
-MOST_WORDS = 40  # of a sentence
-LONGEST_ROW = 200  # characters of a table's row in the source
+MOST_WORDS = 40  # maximum length of a sentence
+LONGEST_ROW = 200  # maximum length of a table row in the source, in characters
 
 # A sentence begins at the start of the passage, or after a full stop.
 BEGIN = r"(?:^|(?<=[.!?:] )|(?<=[.!?][)\"'] ))"
@@ -67,7 +67,7 @@ ABBREVIATED = re.compile(r"\b(?:e\.g|i\.e|cf|vs|etc|al|No|Fig|Sec|Eq|approx|[A-Z
 
 
 def sentences(text):
-    """(offset, sentence) of a passage."""
+    """Yields (offset, sentence) for each sentence of a passage."""
     start = 0
     for end in END.finditer(text):
         if not ABBREVIATED.search(text[start:end.end()]):
@@ -80,14 +80,14 @@ def sentences(text):
 @dataclasses.dataclass
 class Offence:
     habit: str
-    first: int  # line
-    last: int  # line
+    first: int  # number of the first line
+    last: int  # number of the last line
     found: str
     better: str
 
 
 def find(passage):
-    """Each offence of a passage. Questions may begin with What, Who and Where."""
+    """Yields each offence in a passage. Questions may begin with What, Who and Where."""
     text = passage.text
     if passage.heading and NO_SUBJECT.match(text):
         yield Offence("heading", passage.lines[0][0], passage.lines[0][0], text, "name the subject as a reader would search for it")
@@ -105,12 +105,12 @@ def find(passage):
 
 
 def around(sentence, found):
-    """What was found, and the words behind it."""
+    """Returns the text that a pattern found, and the words after it."""
     return " ".join(sentence[found.start():found.end() + 30].split(" ")[:7]).strip()
 
 
 def long_rows(text):
-    """(line, length) of the rows of Markdown tables that are too long."""
+    """Yields (line, length) for each row of a Markdown table that is too long."""
     fenced = False
     for number, line in enumerate(text.splitlines(), 1):
         fenced ^= line.lstrip().startswith("```")

@@ -16,7 +16,7 @@ from . import alone
 INCLUDE = re.compile(r'\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)')
 PRODUCT = ("common/", "server/", "client/")
 
-# What must be linked for a header from elsewhere: any of these names, beside or below the target.
+# The libraries that a third-party header requires: the target or one of its dependencies must link one of these names.
 ELSEWHERE = {
     "boost/": ("Boost::headers",), "nlohmann/": ("nlohmann_json::nlohmann_json",), "openssl/": ("OpenSSL::Crypto", "OpenSSL::SSL"),
     "spdlog/": ("spdlog::spdlog",), "prometheus/": ("${FRACTURE_PROMETHEUS}",), "CLI/": ("CLI11::CLI11",),
@@ -38,7 +38,7 @@ class Target:
 
 
 def commands(text):
-    """(name, arguments) of each command, without comments and quotes."""
+    """Yields (name, arguments) for each command, without comments and quotes."""
     text = re.sub(r"#[^\n]*", "", text)
     for match in re.finditer(r"(\w+)\s*\(((?:[^()]|\([^()]*\))*)\)", text):
         yield match.group(1).lower(), [word.strip('"') for word in match.group(2).split()]
@@ -49,7 +49,7 @@ def real(name):
 
 
 def keyed(arguments, keys):
-    """Arguments after each key, as cmake_parse_arguments returns them."""
+    """Returns the arguments after each key, as cmake_parse_arguments does."""
     found, key = {key: [] for key in keys}, None
     for word in arguments:
         if word in keys:
@@ -91,7 +91,7 @@ def read_targets(checkout):
 
 
 def reachable(targets, target):
-    """All targets visible to a target: itself, the targets that it links, and their public dependencies."""
+    """Returns all targets visible to a target: itself, the targets that it links, and their public dependencies."""
     seen, todo = {target.name}, target.public + target.private
     while todo:
         name = todo.pop()
@@ -114,7 +114,7 @@ def undeclared_edges(checkout):
             of_folder.setdefault(posixpath.dirname(source), set()).add(target.name)
 
     def owners(path):
-        """The targets that a file may belong to; a header belongs to the target of its source file, if it has one."""
+        """Returns the targets that a file may belong to. A header belongs to the target of its source file, if it has one."""
         own = of_source.get(re.sub(r"\.hpp$", ".cpp", path))
         return {target.name for target in own} if own else of_folder.get(posixpath.dirname(path), set())
 
@@ -145,7 +145,7 @@ def undeclared_edges(checkout):
             def sees(user):
                 return wanted & ({user.name, *user.public, *user.private} if direct else reachable(targets, user))
 
-            # Of the targets that share a header one has to see it.
+            # If several targets share a header, it is enough that one of them sees it.
             if not any(map(sees, users)) if name.endswith(".hpp") else not all(map(sees, users)):
                 user = next(user for user in users if not sees(user))
                 offences.append(f"{name}:{number}: includes {ours or foreign}, but {user.name} ({user.lists}) does not declare "

@@ -8,13 +8,13 @@ import re
 
 FOLDERS = ("common", "server", "client", "tests", "scripts", "proto", "docker")
 LINK = re.compile(r"!?\[(?:[^\]\[]|\[[^\]]*\])*\]\(([^)\s]+)\)")
-# A path from the root with an ending, and any name of a document or header, wherever it stands in a text.
+# A path from the root with a file extension, and any name of a document or header, anywhere in a text.
 PATH = re.compile(r"(?<![\w./-])((?:" + "|".join(FOLDERS) + r")/[\w./-]*\.(?:hpp|cpp|md|py|yaml|def|cmake|glsl))\b")
 NAME = re.compile(r"(?<![\w./<>*-])((?:[\w-]+/)*[\w-]+\.(?:md|hpp|def))\b")
 
 
 def slug(heading):
-    """The anchor that GitHub generates for a heading."""
+    """Returns the anchor that GitHub generates for a heading."""
     heading = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
     return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
 
@@ -58,7 +58,7 @@ def parents(path):
 
 
 def comment_of(name, line):
-    """The part of a line in which names are references; nothing where there is none."""
+    """Returns the part of a line in which names are references; "" if there is none."""
     if name.endswith(".md"):
         return line
     for mark in ("//",) if name.endswith((".cpp", ".hpp", ".glsl", ".def")) else ("#",):

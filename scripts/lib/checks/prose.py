@@ -32,7 +32,7 @@ class Passage:
 
 
 def passages(name, text, script=""):
-    """All passages of a file. `script`: the interpreter of a file without an extension."""
+    """Returns all passages of a file. `script`: the interpreter of a file without an extension."""
     if name.endswith(".md"):
         return list(of_markdown(text))
     if name.endswith(CLIKE):
@@ -53,7 +53,7 @@ def passages(name, text, script=""):
 # -- documents
 
 def plain(line):
-    """Markdown without markup: code becomes one word, and a link becomes its text."""
+    """Returns a line of Markdown without markup: code becomes one word, and a link becomes its text."""
     line = re.sub(r"`+[^`]*`+", "CODE", line)
     line = re.sub(r"!?\[((?:[^\]\[]|\[[^\]]*\])*)\]\([^)\s]*(?: \"[^\"]*\")?\)", r"\1", line)
     return re.sub(r"<[^>]*>|\*\*|(?<!\w)[_*](?=\w)|(?<=\w)[_*](?!\w)", "", line)
@@ -167,7 +167,7 @@ def unescaped(string):
 
 
 def shown_text(lines):
-    """The passages of a string that people read: words, mostly in lower case. Each column is a separate passage."""
+    """Yields the passages of a string that people read: words, mostly in lower case. Each column is a separate passage."""
     parts = [[]]
     for number, text in lines:
         for k, part in enumerate(re.split(r"\s{3,}", re.sub(r"`[^`]+`|'[^' ]+'|<[^>]*>", "CODE", text))):
@@ -202,7 +202,7 @@ def of_python(name, text):
             body = re.sub(r"^[A-Za-z]*('''|\"\"\"|'|\")", "", token.string)
             body = re.sub(r"('''|\"\"\"|'|\")$", "", body)
             lines = [(token.start[0] + k, line, True) for k, line in enumerate(body.split("\n"))]
-            if before == tokenize.NEWLINE:  # a docstring
+            if before == tokenize.NEWLINE:  # then the string is a docstring
                 shown = packages or (helps and first)
                 for block in blocks(lines):
                     yield Passage(not shown, block)
@@ -222,7 +222,7 @@ def of_python(name, text):
 
 
 def of_shell(name, text):
-    """Comments. The first comment block of a script is its help, and printed strings are messages."""
+    """Yields the comments of a shell script. Its first comment block is its help, and printed strings are messages."""
     helps = name.startswith("scripts/") and not name.endswith((".sh", ".txt"))
     comments = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -272,7 +272,7 @@ def of_json(text):
 
 
 def of_yaml(name, text):
-    """Comments and, in interfaces and alerts, the texts of keys: one passage for each key, item or paragraph."""
+    """Yields comments and, in interfaces and alerts, the texts of keys: one passage for each key, item or paragraph."""
     comments, lines = [], []
     shown = name.startswith("proto/") or name.endswith("alerts.yaml")
     for number, line in enumerate(text.splitlines(), 1):

@@ -1,6 +1,6 @@
 """A commit subject says where and what, in the form `area: verb object`, with at most 72 characters.
 
-"delaunay: reuse the last located tetrahedron". The check reads the branch's commits, without merges.
+An example is "delaunay: reuse the last located tetrahedron". The check reads the branch's commits, without merges.
 """
 import re
 
@@ -14,7 +14,7 @@ FORM = re.compile(rf"{AREA}(?:, {AREA})*: (?P<verb>[^\s]+) \S")
 
 
 def faults(subject):
-    """What is wrong with it."""
+    """Yields each fault of a commit subject."""
     if len(subject) > LONGEST:
         yield f"has {len(subject)} characters, at most {LONGEST} are allowed"
     form = FORM.match(subject)

@@ -59,8 +59,8 @@ def fix_spelling(checkout):
 
 
 def tidied_files(checkout, every):
-    """Source files to check. A header is checked through its own source file, or through the first file that includes it. If a
-    branch changed many files, only the latest are checked, so that the check takes minutes, not an hour."""
+    """Returns the source files to check. A header is checked through its own source file, or through the first file that includes
+    it. If a branch changed many files, only the latest are checked, so that the check takes minutes, not an hour."""
     sources = [name for name in checkout.named(".cpp") if name.startswith(("common/", "server/", "client/", "tests/"))]
     if every:
         return sources

@@ -17,7 +17,7 @@ SCRIPT = [(re.compile(r"\btime\.sleep\("), "sleeps"),
 
 
 def code_of(line, mark):
-    """The line without its comment."""
+    """Returns the line without its comment."""
     return line.split(mark)[0]
 
 

@@ -33,7 +33,7 @@ def check_names(checkout, names):
 
 
 def not_yet(checkout):
-    """{file: its line in the list}"""
+    """Returns {file: its line in not_yet.txt}."""
     if not (checkout.root / NOT_YET).is_file():
         return {}
     lines = enumerate(checkout.lines(NOT_YET), 1)
@@ -41,14 +41,14 @@ def not_yet(checkout):
 
 
 def read_passages(checkout, names):
-    """(file, its passages)"""
+    """Yields (file, its passages) for each of the files."""
     script = {**dict.fromkeys(checkout.scripts("python"), "python"), **dict.fromkeys(checkout.scripts("bash", "/sh"), "shell")}
     for name in names:
         yield name, prose.passages(name, checkout.read(name), script.get(name, ""))
 
 
 def in_texts(checkout, name, passages):
-    """Offences in what users read."""
+    """Yields offences in the texts that users read."""
     for passage in passages:
         if not passage.comment:
             for offence in habits.find(passage):
@@ -59,7 +59,7 @@ def in_texts(checkout, name, passages):
 
 
 def in_comments(passages, name, lines):
-    """Offences in comments. `lines`: the lines to check; None: all."""
+    """Yields offences in comments. `lines`: the lines to check; None: all."""
     for passage in passages:
         if passage.comment:
             for offence in habits.find(passage):

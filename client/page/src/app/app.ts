@@ -21,7 +21,7 @@ export class App {
   readonly playing: Playing;
   stage: Stage | undefined;
   view: View | undefined;
-  /** Milliseconds since the navigation. */
+  /** When events happened, in milliseconds since the navigation, by name. */
   readonly marks: { at: Record<string, number> } = { at: {} };
   private unanswered: (() => void) | undefined;
 
@@ -42,7 +42,7 @@ export class App {
     this.view?.apply(this.state.look);
   }
 
-  /** The view shows an earlier request, because the current one was refused or undone, or the server does not answer. */
+  /** True if the view shows an earlier request: the current one was refused or undone, or the server does not answer. */
   get isOfEarlier(): boolean {
     const { shown, wish, unmet, inFlight, job, bringing } = this.state;
     return shown !== undefined && unmet === wish && shown.wish !== wish && inFlight === 0 && !job && !bringing;
@@ -62,12 +62,12 @@ export class App {
     this.draw();
     if (unanswered) unanswered();
   }
-  /** What to do when the server is available. */
+  /** Calls `what` at once if the server is available, otherwise as soon as it is. */
   whenReady(what: () => void): void {
     if (this.service.state === 'ready') what();
     else this.unanswered = what;
   }
-  /** `refused`: the file that was refused. */
+  /** Shows an error. `again` is called when the server is back, if that was the reason. `refused`: the file that was refused. */
   failed(error: unknown, again: () => void, refused?: string): void {
     if (error instanceof FractureError && error.problem === 'aborted') return;
     if (this.service.noticed(error)) {
@@ -83,7 +83,7 @@ export class App {
 
   // -- viewing
 
-  /** The points and regions that are currently set. */
+  /** Shows the points and regions that are currently set. */
   showPlaces(): void {
     this.view?.wished(this.state.wish.settings, placesIn(this.service.parameters));
   }
@@ -115,16 +115,16 @@ export class App {
     else next.delete(id);
     this.choose(next);
   }
-  /** The fragment may be hidden among the others, so they are moved apart. */
+  /** Selects a fragment and moves the fragments apart, because it may be hidden among the others. */
   chooseAndShow(id: number): void {
     this.look({ chosen: new Set([id]), explode: Math.max(0.5, this.state.look.explode) });
   }
-  /** Open edges and filled holes belong to the whole mesh, so it is shown assembled. */
+  /** Shows or hides open edges and filled holes. They belong to the whole mesh, so the fragments are assembled. */
   showRepairs(repairs: boolean): void {
     this.look({ repairs, ...(repairs ? { explode: 0 } : {}) });
   }
 
-  /** While playing. */
+  /** The running physics; undefined unless the user is playing. */
   get physics(): Physics | undefined {
     return this.playing.physics;
   }

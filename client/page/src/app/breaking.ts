@@ -12,7 +12,7 @@ const IMPATIENT = 6000;
 interface Question {
   wish: Wish;
   gesture: number;
-  /** The answer to which the hit applies: only the changes are transferred. */
+  /** The answer to which the hit applies. If it is set, the server sends only the changes. */
   hitOn: { answer: Answer; hit: Hit } | undefined;
 }
 
@@ -33,7 +33,7 @@ export class Breaking {
     );
   }
 
-  /** Starts with a new mesh and the settings for it. */
+  /** Starts with a new mesh and its settings. */
   ask(wish: Wish): void {
     this.asker.put({ wish, gesture: this.alone(), hitOn: undefined });
   }
@@ -45,7 +45,7 @@ export class Breaking {
     this.cancelJob();
   }
 
-  /** `settled`: the drag has ended with this value. */
+  /** Sets a parameter; undefined removes it. `settled`: the drag has ended with this value. */
   setParameter(name: string, value: ParameterValue | undefined, settled = true): void {
     const { wish } = this.app.state, next = { ...wish, settings: withSetting(wish.settings, name, value) };
     this.own = withSetting(this.own, name, undefined);
@@ -77,7 +77,7 @@ export class Breaking {
     }
     this.asker.put({ wish, gesture, hitOn: undefined }, settled);
   }
-  /** Dragging has ended, or a key was released: the last value is final. */
+  /** Makes the last value final, because dragging has ended or a key was released. */
   letGo(): void {
     this.gestures.letGo();
     this.asker.settle();
@@ -86,7 +86,8 @@ export class Breaking {
     return this.gestures.of('', true, performance.now());
   }
 
-  /** A click with the Hit tool breaks what is near. The first click also sets the pattern's impact, if the pattern uses impacts. */
+  /** Handles a click with the Hit tool, which breaks the area around the point. The first click also sets the pattern's impact, if
+   * the pattern uses impacts. */
   hitAt(point: Vector3): void {
     const { wish, shown, radius } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
     if (!shown || this.asker.busy) return;
@@ -104,20 +105,21 @@ export class Breaking {
     const next = { ...settings, impacts: [point.map(value => Number(value.toPrecision(6)))] };
     this.wishFor({ hits, settings: known ? next : { ...next, pattern: 'impact' } }, 'impacts', true);
   }
-  /** If a material is set, the server chooses a pattern that uses hits; otherwise the pattern itself must use them. */
+  /** Returns whether the settings accept impacts. If a pattern is chosen, it must use impacts. Otherwise a material is enough,
+   * because the server then chooses a pattern that uses them. */
   private takesImpacts(settings: Settings): boolean {
     const { patterns = [] } = this.app.service.knowledge?.patterns ?? {}, pattern = settings['pattern'];
     if (pattern === undefined) return settings['material'] !== undefined;
     return patterns.find(({ name }) => name === pattern)?.parameters.some(({ name }) => name === 'impacts') ?? false;
   }
 
-  /** The complete request, without hits. */
+  /** Removes all hits and impacts, and requests an answer without them. */
   clearHits(): void {
     this.wishFor({ settings: withSetting(this.app.state.wish.settings, 'impacts', undefined), hits: [] }, '', true);
   }
 
   private async answerTo({ wish, hitOn }: Question, signal: AbortSignal): Promise<Answer> {
-    // Repeated if the server has forgotten the mesh, which is then sent again.
+    // Two retries, because the server may have forgotten the mesh, which is then sent again.
     const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
     if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, options);
     const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
@@ -137,7 +139,7 @@ export class Breaking {
     this.app.set({ source, problem: undefined, refused: undefined, job: undefined, look: { ...this.app.state.look, chosen: still } });
     const shown: Shown = { answer, wish, toAnswer, toPicture: 0 };
     await this.app.view?.show(answer, false);
-    // While playing, the new pieces are used.
+    // If the user is playing, physics restarts with the new fragments.
     const plays = this.app.state.play !== undefined;
     if (plays) this.app.playing.leave();
     this.app.view?.apply(this.app.state.look);
@@ -148,7 +150,7 @@ export class Breaking {
     await this.app.stage?.drawn();
     if (this.app.marks.at['picture'] === undefined) {
       this.app.marks.at['picture'] = performance.now();
-      // Reflections take longer than the first picture may.
+      // Reflections are added later, because they would delay the first picture.
       setTimeout(() => this.app.stage?.reflect(), 50);
       void this.app.bringing.lookForOffers();
     }
@@ -199,7 +201,7 @@ export class Breaking {
       }
     }
   }
-  /** The user no longer wants to wait. */
+  /** Cancels the job, because the user no longer wants to wait. */
   giveUp(): void {
     this.cancelJob();
     this.app.set({ unmet: this.app.state.wish });
@@ -242,7 +244,7 @@ export class Breaking {
 
   /** The parameter whose point is set by the next click on the mesh. */
   pickingFor: string | undefined;
-  /** '': no parameter. */
+  /** Starts or ends choosing a point for this parameter. '' ends it. */
   pickFor(name: string): void {
     this.pickingFor = name === '' || this.pickingFor === name ? undefined : name;
     this.app.set({});
@@ -251,7 +253,7 @@ export class Breaking {
     this.setParameter('seed', Number(this.app.state.wish.settings['seed'] ?? 1) + 1);
   }
 
-  /** The next click set it: either the point itself or an entry in a list of points. */
+  /** Sets the chosen parameter to the point that was clicked. If the parameter is a list, the point becomes its only entry. */
   givePoint(point: Vector3): void {
     const name = this.pickingFor, parameter = this.app.service.parameters.find(each => each.name === name);
     this.pickingFor = undefined;
@@ -268,18 +270,18 @@ export class Breaking {
     const settings = wish.settings[name] === undefined ? { ...wish.settings, ...firstPlace(name, kind, bounds, known) } : withoutPlace(wish.settings, name);
     this.wishFor({ ...wish, settings }, '', true);
   }
-  /** A handle is being dragged. */
+  /** Applies the settings that result from dragging a handle. `settled`: the drag has ended. */
   drag(handle: string, settings: Settings, settled: boolean): void {
     const { wish } = this.app.state;
     this.wishFor({ ...wish, settings: { ...wish.settings, ...settings } }, handle, settled);
   }
 
-  /** A material uses its own pattern, unless a pattern was chosen separately. */
+  /** Sets the material. It also removes the pattern setting, so that the material's own pattern is used. */
   chooseMaterial(material: string | undefined): void {
     const { wish } = this.app.state, settings = withSetting(withSetting(wish.settings, 'material', material), 'pattern', undefined);
     this.wishFor(this.fitting({ ...wish, settings }), 'material', true);
   }
-  /** Drops what the pattern does not use, because the server would refuse it. */
+  /** Removes settings that the pattern does not use, because the server would refuse them. */
   private fitting(wish: Wish): Wish {
     const { service, state: { radius } } = this.app, takes = this.takesImpacts(wish.settings);
     return underPattern(wish, service.patternOf(wish.settings), service.parameters.filter(({ name }) => name !== 'impacts' || !takes), radius);

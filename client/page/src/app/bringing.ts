@@ -11,7 +11,7 @@ import type { App } from './app';
 import { isOfTheSolid } from './failures';
 import { firstState, type Offered, type Source, type State } from './state';
 
-/** Smaller meshes are sent at once, because that is faster than asking. */
+/** Bytes. Smaller meshes are sent at once, because that is faster than asking whether the server has them. */
 const ASK_FIRST = 8 << 20;
 
 export class Bringing {
@@ -36,7 +36,7 @@ export class Bringing {
     return { name: `${name}.glb`, data: sampleOf(name)!.make(lookOf(known)) };
   }
 
-  /** Requested after the first picture. A server without samples says so; if the server is away, that is shown anyway. */
+  /** Fetches the list of meshes that the server offers, after the first picture is drawn. */
   async lookForOffers(): Promise<void> {
     try {
       const answer = await fetch('/page/samples.json');
@@ -57,7 +57,7 @@ export class Bringing {
     }
   }
 
-  /** The input for these settings: a sample with the look of its material, which the server receives once per look. */
+  /** Returns the source for these settings. A sample gets the look of its material, and the server receives it once per look. */
   async dressed(settings: Settings, signal?: AbortSignal): Promise<Source> {
     const { source } = this.app.state, material = String(settings['material'] ?? '');
     if (!source) throw new DOMException('', 'AbortError');
@@ -69,7 +69,7 @@ export class Bringing {
     }
     return dress;
   }
-  /** The mesh of an answer; undefined if the answer does not belong to the current mesh. */
+  /** Returns the mesh of an answer; undefined if the answer does not belong to the current mesh. */
   sourceOf({ mesh: { id } }: Answer): Source | undefined {
     const { source } = this.app.state;
     return source?.mesh.id === id ? source : [...source?.dresses.values() ?? []].find(({ mesh }) => mesh.id === id);
@@ -114,7 +114,7 @@ export class Bringing {
     }
   }
 
-  /** Shows the refused mesh as it is, so that the problem's location is visible in it. */
+  /** Shows the refused mesh as it is, so that users can see the problem's location in it. */
   private async showRefused(input: MeshInput, main: string | undefined, { settings }: Wish): Promise<void> {
     const files = (Symbol.iterator in Object(input) ? [...input as Iterable<unknown>] : [input]) as { name?: string; data?: Blob | Uint8Array }[];
     const file = files.find(({ name }) => name === main) ?? files[0], bytes = file?.data instanceof Blob ? new Uint8Array(await file.data.arrayBuffer()) : file?.data;
@@ -174,7 +174,7 @@ export class Bringing {
     this.app.view?.apply({ ...this.app.state.look, explode: 0 });
   }
 
-  /** The settings that shape the solid. */
+  /** Returns the settings that shape the solid. */
   solidOf(settings: Settings): Settings {
     const names = this.app.service.solidParameters;
     return Object.fromEntries(Object.entries(settings).filter(([name]) => names.has(name)));
@@ -183,7 +183,7 @@ export class Bringing {
     const names = new Set(this.app.service.parameters.map(({ name }) => name));
     return Object.fromEntries(Object.entries(settings).filter(([name]) => names.has(name)));
   }
-  /** The settings that also make sense for another mesh, which excludes points and regions. */
+  /** Returns the settings that also make sense for another mesh. These exclude points and regions. */
   private keepable(settings: Settings): Settings {
     const solid = this.app.service.solidParameters;
     return Object.fromEntries(Object.entries(withoutPlaces(settings, this.app.service.parameters)).filter(([name]) => !solid.has(name)));

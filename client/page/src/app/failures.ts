@@ -1,4 +1,4 @@
-// All errors in the form of the server's errors, because one notice shows them all.
+// Converts all errors to the form of the server's errors, because one notice shows them all.
 import { FractureError } from 'fracture-client';
 import { words } from '../words/words';
 
@@ -8,15 +8,15 @@ export function asProblem(error: unknown): FractureError {
   return new FractureError({ type: 'page:error', status: 0, title: words.problem.page, detail, cause: error });
 }
 
-/** The file is a mesh, but it cannot be broken. The page shows such a mesh in the picture; with other errors it cannot. */
+/** Returns whether the file is a mesh that cannot be broken. Only then can the page show the mesh. */
 export const isOfTheSolid = (error: unknown): boolean =>
   error instanceof FractureError && ['mesh-not-closed', 'too-complex', 'no-fragments', 'unsound'].includes(error.problem);
 
-/** The error is about the server or the connection, not about the mesh. */
+/** Returns whether the error is about the server or the connection, not about the mesh. */
 export const isAway = (error: unknown): boolean =>
   error instanceof FractureError && ['server-absent', 'timed-out', 'draining', 'unauthorized', 'overloaded', 'aborted'].includes(error.problem);
 
-/** The points of the mesh that an error names. */
+/** Returns the points of the mesh that an error refers to. */
 export function placesOf({ document }: FractureError): number[][] {
   if (!document) return [];
   const { edge, sample } = document as { edge?: number[][]; sample?: number[] };

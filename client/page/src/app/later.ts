@@ -1,13 +1,13 @@
-// Files of the page that are loaded when they are wanted for the first time: the server may be away by then, or have another page.
+// Loads parts of the page when they are first needed. By then the server may be away, or may have another version of the page.
 import { FractureError } from 'fracture-client';
 import { build } from './build';
 import { words } from '../words/words';
 
-/** How often each failed. Browsers remember that a module could not be loaded (Chromium 150 does, 156 does not): under another address
- * they ask again. */
+/** How often loading each module has failed. Some browsers (Chromium 150, but not 156) remember that a module could not be loaded,
+ * and ask again only under another address. */
 const failures = new Map<string, number>();
 
-/** `url` is where the module comes from. */
+/** Loads a module on first use. `url`: its address. Throws FractureError if the server is away or has another version of the page. */
 export async function loadLater<Module extends { build: string }>(url: string, load: () => Promise<Module>): Promise<Module> {
   let module: Module;
   try {
@@ -18,7 +18,7 @@ export async function loadLater<Module extends { build: string }>(url: string, l
     const answer = await fetch(url, { method: 'HEAD', cache: 'no-store' }).catch(() => undefined);
     throw answer ? updated(cause) : new FractureError({ type: 'client:server-absent', status: 0, title: words.problem.away, detail: words.problem.awayDetail, cause });
   }
-  // One that fits by chance is none of this page.
+  // A module of another version may have the same address.
   if (module.build !== build) throw updated(undefined);
   return module;
 }

@@ -1,5 +1,5 @@
-// Physics, which is loaded the first time the user plays. The latest wish wins, whatever is in progress: only one start runs at a time
-// and checks the wish again when it is ready; leaving waits for nothing; after a failure, the page is not playing.
+// Physics, which is loaded the first time the user plays. The user's latest choice always wins: only one start runs at a time, and it
+// checks the choice again when it is ready. Leaving takes effect at once. After a failure, the page is not playing.
 import type { Physics } from '../play/play';
 import type { App } from './app';
 import { asProblem } from './failures';
@@ -21,7 +21,7 @@ export class Playing {
     this.entering = true;
     try {
       const { startPlay } = await loadLater('/page/play.js', () => import('../play/play'));
-      // The answer that is shown by then, which may be a different one.
+      // By now the page may show a different answer.
       while (this.wanted && !this.physics && this.app.state.shown)
         await startPlay(this.app, () => (this.wanted ? this.app.state.shown?.answer : undefined), physics => {
           this.physics = physics;
@@ -46,7 +46,7 @@ export class Playing {
     else void this.enter();
   }
 
-  /** While loading, or in a step. */
+  /** Stops playing and shows the error, which occurred while loading or in a step. */
   failed(error: unknown): void {
     this.leave();
     // If the server is away, the request is repeated, and the message disappears when the server is back.

@@ -20,9 +20,9 @@ export interface Source {
   input: MeshInput | undefined;
   main: string | undefined;
   mesh: Mesh;
-  /** A sample in the looks of different materials, by name. Their colours and digests differ; all of them share this map. */
+  /** The same sample in the looks of different materials, by name. Each look has its own colours and digest. All of them share this map. */
   dresses: Map<string, Source>;
-  /** Has one fragment for each part: closed, in metres, y up. */
+  /** The answer with one fragment for each part of the mesh: closed, in metres, y up. */
   whole: Answer;
 }
 
@@ -54,7 +54,7 @@ export interface State {
   wanted: { mesh: string; name: string; wish: Wish } | undefined;
   wish: Wish;
   shown: Shown | undefined;
-  /** The problem with a request that failed. */
+  /** The request that failed with the current problem. */
   unmet: Wish | undefined;
   problem: FractureError | undefined;
   /** The file with the problem. */
@@ -67,7 +67,7 @@ export interface State {
   inFlight: number;
   job: JobDocument | undefined;
   tool: Tool;
-  /** In metres, for the next hit. */
+  /** The radius of the next hit, in metres. */
   radius: number;
   look: Look;
   tab: Tab;
@@ -79,7 +79,7 @@ export interface State {
   rows: number;
   play: PlayState | undefined;
   webgl: boolean;
-  /** The graphics card was lost; the picture returns when it does. */
+  /** True if the graphics card was lost. The picture returns when the card does. */
   lost: boolean;
 }
 

@@ -1,7 +1,7 @@
-// Dark or light, as chosen by the user. The browser stores the choice, which is no secret. Without a choice, the system's theme applies.
+// Dark or light, as chosen by the user. The browser stores the choice. Without a choice, the system's theme applies.
 const KEY = 'fracture-theme';
 
-/** Called before anything is drawn. */
+/** Applies the stored theme. It is called before anything is drawn. */
 export function takeTheme(): void {
   try {
     const kept = localStorage.getItem(KEY);

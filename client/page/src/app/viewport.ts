@@ -2,7 +2,8 @@
 import type { Vector3 } from 'fracture-client';
 import type { App } from './app';
 
-/** A press that moves less than this many pixels is a click, and a handle within this distance can be grabbed; fingers are less precise. */
+/** Distances in pixels. A press that moves less than STILL is a click; a handle within HOLD can be grabbed. Fingers are less precise
+ * than a mouse. */
 const STILL = 5, STILL_FINGER = 12, HOLD = 13, HOLD_FINGER = 26;
 
 export function listen(app: App, canvas: HTMLCanvasElement): void {
@@ -51,7 +52,7 @@ export function listen(app: App, canvas: HTMLCanvasElement): void {
   addEventListener('pointercancel', cancelled);
   canvas.addEventListener('pointermove', event => {
     if (held?.pointer === event.pointerId) {
-      if (event.buttons === 0) cancelled(event);  // the button was released while no window noticed, as behind a locked screen
+      if (event.buttons === 0) cancelled(event);  // the button was released unnoticed, for example behind a locked screen
       else if (held.key !== undefined) dragHandle(app, held.key, event, false);
       else app.physics?.drag(event.clientX, event.clientY);
       return;
@@ -79,7 +80,7 @@ function dragHandle(app: App, key: string, { clientX, clientY }: PointerEvent, s
   if (settings) app.breaking.drag(key, settings, settled);
 }
 
-/** The sphere that a hit at the pointer would reach; none over a handle. */
+/** Shows the sphere that a hit at the pointer would reach, or no sphere over a handle. */
 function preview(app: App, canvas: HTMLCanvasElement, x: number, y: number): void {
   const { tool, radius, shown } = app.state, handle = app.view?.handleAt(x, y, HOLD) !== undefined;
   canvas.classList.toggle('on-handle', handle);
@@ -144,7 +145,7 @@ function middle(canvas: HTMLCanvasElement, ring: number, angle: number): [number
   return [left + width / 2 + r * Math.cos(angle), top + height / 2 + r * Math.sin(angle)];
 }
 
-/** The point on the mesh that is nearest to the centre of the view, where there may be a gap between fragments. */
+/** Returns the point on the canvas, near its centre, where the mesh is. The centre itself may be a gap between fragments. */
 function nearestMiddle(app: App, canvas: HTMLCanvasElement): [number, number] | undefined {
   for (let ring = 0; ring < 0.4; ring += 0.04)
     for (let k = 0; k < 8; ++k) {

@@ -1,5 +1,5 @@
-// Returns to the page from which the user came, with everything they made there. The browser knows which of the earlier history
-// entries that is, because every heading that was followed here is an entry, too.
+// Returns to the page from which the user came, with everything they made there. The browser knows which history entry that is. It may
+// be several entries back, because every link to a heading here adds an entry.
 
 /** The part of the Navigation API that is used; browsers without it follow the link. */
 interface Entry {

@@ -35,12 +35,12 @@ function show(): void {
       <article class="docs-text">${unsafeHTML(shownOf(page))}</article>` : at === INTERFACE && pages ? asked() : html`<p role="status">${problem || words.loading}</p>`}</main>`, root);
 }
 
-/** A document in the list, with its contents if it is open. */
+/** Draws a document in the list, with its table of contents if it is open. */
 function one(place: string, name: string, at: string, contents: () => unknown): TemplateResult {
   return html`<a href="#${place}" aria-current=${place === at ? 'page' : nothing}>${name}</a>${place === at ? html`<div class="docs-parts">${contents()}</div>` : nothing}`;
 }
 
-/** The interface, or the reason why it is missing. */
+/** Draws the interface, or the reason why it is missing. */
 function asked(): TemplateResult {
   if (service) return service.shown();
   return html`<h1>${words.title}</h1>${problem === '401' ? html`<form @submit=${(event: Event) => {
@@ -51,7 +51,7 @@ function asked(): TemplateResult {
   : html`<p role="status">${problem || words.loading}</p>`}`;
 }
 
-/** The JSON at an address; if there is none, `problem` explains why. */
+/** Fetches the JSON at an address. If that fails, returns undefined and sets `problem` to the reason. */
 async function load<T>(address: string): Promise<T | undefined> {
   try {
     const answer = await fetch(address, { headers: { Accept: 'application/json', ...(token ? { Authorization: `Bearer ${token}` } : {}) } });
@@ -63,13 +63,13 @@ async function load<T>(address: string): Promise<T | undefined> {
   return undefined;
 }
 
-/** Whether the target of the address is available. */
+/** Returns whether the target of the address is available. */
 function ready(): boolean {
   const at = current();
   return pages !== undefined && (at === INTERFACE ? service !== undefined : true);
 }
 
-/** After something has arrived: goes to the target of the address, if the page was waiting for it. */
+/** Called after something has arrived. Goes to the target of the address, if the page was waiting for it. */
 function arrived(): void {
   entries = [...(pages ?? []).flatMap(entriesOf), ...(service?.entries() ?? [])];
   finder.again();

@@ -23,7 +23,7 @@ export interface Operation {
   responses: Record<string, unknown>;
 }
 
-/** Type, range and default in one line. */
+/** Returns type, range and default in one line. */
 export function typeOf(schema: Schema | undefined): string {
   if (!schema) return '';
   const { type, minimum, exclusiveMinimum, maximum, items } = schema, parts: string[] = [];
@@ -37,7 +37,7 @@ export function typeOf(schema: Schema | undefined): string {
   return parts.join(', ');
 }
 
-/** The command line that users copy. */
+/** Returns command lines that users can copy. */
 export function examplesOf(method: string, path: string, origin: string): string[] {
   const id = 'sha256:…', address = `'${origin}${path.replace('{id}', path.startsWith('/jobs') ? '…' : id).replace('{name}', 'bad-parameter')}'`;
   if (path.startsWith('/livez') || path.startsWith('/readyz') || path.startsWith('/metrics')) return [];

@@ -20,7 +20,7 @@ export interface Heading {
 const HEADING = /<h([1-6]) id="([^"]+)">([^]*?)<\/h\1>/g;
 const LETTERS: Record<string, string> = { '&lt;': '<', '&gt;': '>', '&quot;': '"', '&#39;': "'", '&amp;': '&' };
 
-/** HTML as text: inline elements are joined without a space, blocks are not. */
+/** Converts HTML to text. Inline elements are joined without a space; blocks are separated. */
 export function textOf(html: string): string {
   return html.replace(/<\/?(?:a|code|del|em|strong)\b[^>]*>/g, '').replace(/<[^>]*>/g, ' ').replace(/&(?:lt|gt|quot|#39|amp);/g, found => LETTERS[found]!)
     .replace(/\s+/g, ' ').trim();
@@ -30,13 +30,13 @@ export function headingsOf({ html }: Page): Heading[] {
   return [...html.matchAll(HEADING)].map(([, level, id, inner]) => ({ id: id!, level: Number(level), text: textOf(inner!) }));
 }
 
-/** The document as shown: each heading links to itself, so that the link can be shared. */
+/** Returns the document as it is shown. Each heading links to itself, so that users can share the link. */
 export function shownOf({ html }: Page): string {
   return html.replace(HEADING, (all, level: string, id: string, inner: string) => (level === '1' || inner.includes('<a ') ? all
     : `<h${level} id="${id}"><a href="#${id}">${inner}</a></h${level}>`));
 }
 
-/** Entries for the search: the document and each of its sections. */
+/** Returns entries for the search: the document and each of its sections. */
 export function entriesOf(page: Page): Entry[] {
   const found = [...page.html.matchAll(HEADING)];
   return found.map((match, k) => {

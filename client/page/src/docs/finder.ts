@@ -3,7 +3,7 @@ import { html, nothing, type TemplateResult } from 'lit';
 import { words } from '../words/docs';
 import { type Entry, excerptOf, type Found, partsOf, search } from './search';
 
-/** Nobody reads more results than this. */
+/** Maximum number of results shown. Nobody reads more. */
 const MOST = 40;
 
 export class Finder {
@@ -22,7 +22,7 @@ export class Finder {
     });
   }
 
-  /** Called after entries were added. */
+  /** Repeats the search. Call it after entries were added. */
   again(): void {
     const found = search(this.entries(), this.query);
     this.all = found.length;

@@ -28,7 +28,7 @@ export class Interface {
     this.parameters = Object.entries(document.components.schemas?.['Parameters']?.properties ?? {});
   }
 
-  /** The object to which a $ref points. */
+  /** Returns the object to which a $ref points. */
   private resolve<T>(value: any): T {
     let at = value;
     for (let depth = 0; typeof at?.$ref === 'string' && depth < 8; ++depth)
@@ -40,7 +40,7 @@ export class Interface {
     return this.calls.filter(({ operation }) => operation.tags?.[0] === tag);
   }
 
-  /** Entries for the search: operations and parameters. */
+  /** Returns entries for the search: operations and parameters. */
   entries(): Entry[] {
     const of = words.title, text = (...parts: (string | undefined)[]) => parts.filter(Boolean).join(' ').replaceAll('`', '').replace(/\s+/g, ' ');
     const calls = this.calls.map(({ path, method, operation }) => ({
@@ -54,7 +54,7 @@ export class Interface {
     return [{ at: 'interface', of, title: of, heading: '', text: text(this.document.info.description) }, ...calls, ...parameters];
   }
 
-  /** The interface's part of the table of contents. */
+  /** Draws the interface's part of the table of contents. */
   contents(): TemplateResult {
     return html`${(this.document.tags ?? []).map(({ name }) => html`<small>${name}</small>${this.callsOf(name).map(({ path, method }) => html`<a href="#${method} ${path}"><code>${method.toUpperCase()}</code> ${path}</a>`)}`)}
       ${this.parameters.length > 0 ? html`<a href="#parameters">${words.parameters} (${this.parameters.length})</a>` : nothing}`;

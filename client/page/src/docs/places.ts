@@ -6,7 +6,7 @@
 
 export const INTERFACE = 'interface';
 
-/** The place in the address. */
+/** Returns the place that the address contains after the #. */
 export function placeOf(hash: string): string {
   try {
     return decodeURIComponent(hash.replace(/^#/, ''));
@@ -15,14 +15,15 @@ export function placeOf(hash: string): string {
   }
 }
 
-/** The document of a place, or INTERFACE; the first of `paths` if there is no such place. */
+/** Returns the document that contains a place, or INTERFACE. If there is no such place, it is the first of `paths`. */
 export function documentOf(place: string, paths: string[]): string {
   if (place === INTERFACE || place === 'parameters' || /^parameter |^[a-z]+ \//.test(place)) return INTERFACE;
   const path = place.split(':')[0]!;
   return paths.includes(path) ? path : paths[0] ?? INTERFACE;
 }
 
-/** Stores in the history how far each entry was scrolled, because an entry's document is drawn only after the browser has tried to scroll. */
+/** Stores in the history how far the reader has scrolled in each entry. The browser cannot restore this itself, because it tries
+ * before the entry's document is drawn. */
 export function keepScroll(): void {
   history.scrollRestoration = 'manual';
   let timer: ReturnType<typeof setTimeout> | undefined;

@@ -2,7 +2,8 @@
 export interface Entry {
   /** The target of the entry. */
   at: string;
-  /** The document that contains it. Its words count as found but do not affect the rank, because a title would otherwise raise all its sections. */
+  /** The document that contains it. Its words count as found, but they do not affect the rank, because a title would otherwise raise
+   * all sections of its document. */
   of: string;
   title: string;
   heading: string;
@@ -18,7 +19,7 @@ const LETTER = /[\p{L}\p{N}_]/u;
 
 export const wordsOf = (query: string): string[] => query.toLowerCase().split(/[\s,;]+/).filter(Boolean);
 
-/** 0: not found; 1: inside a word; 2: at the start of a word; 3: a whole word. */
+/** Returns how well a word fits. 0: not found; 1: inside a word; 2: at the start of a word; 3: a whole word. */
 function fit(text: string, word: string): number {
   let best = 0;
   for (let at = text.indexOf(word); at >= 0 && best < 3; at = text.indexOf(word, at + 1)) {
@@ -28,7 +29,7 @@ function fit(text: string, word: string): number {
   return best;
 }
 
-/** The best results first; equal ones keep their order. */
+/** Returns the results, best first. Results of equal rank keep their order. */
 export function search(entries: Entry[], query: string): Found[] {
   const words = wordsOf(query), phrase = words.join(' ');
   if (words.length === 0) return [];
@@ -55,7 +56,7 @@ export function search(entries: Entry[], query: string): Found[] {
   return found.sort((a, b) => b.score - a.score);
 }
 
-/** The text around the first word, in parts; every second part is a search word. */
+/** Returns the text around the first search word, split into parts; every second part is a search word. */
 export function excerptOf(text: string, query: string, length = 150): string[] {
   const words = wordsOf(query), lower = text.toLowerCase(), first = Math.min(...words.map(word => lower.indexOf(word)).filter(at => at >= 0));
   let from = Number.isFinite(first) ? Math.max(0, first - 50) : 0;
@@ -65,7 +66,7 @@ export function excerptOf(text: string, query: string, length = 150): string[] {
   return partsOf(shown, query);
 }
 
-/** A text in parts; every second part is a search word. */
+/** Splits a text into parts; every second part is a search word. */
 export function partsOf(text: string, query: string): string[] {
   const words = wordsOf(query).map(word => word.replace(/[.*+?^${}()|[\]\\]/g, '\\$&'));
   return words.length === 0 ? [text] : text.split(new RegExp(`(${words.join('|')})`, 'gi'));

@@ -6,7 +6,8 @@ export interface Dropped {
   files: NamedFile[];
 }
 
-/** Entries must be requested while the event is handled; reading them may take longer. */
+/** Reads the files and folders of a drop. Call it while the event is handled, because the browser provides the entries only then;
+ * reading them may take longer. */
 export async function filesOf(data: DataTransfer): Promise<Dropped | undefined> {
   const entries = [...data.items].filter(({ kind }) => kind === 'file').map(item => item.webkitGetAsEntry?.() ?? item.getAsFile());
   const files: NamedFile[] = [];
@@ -21,7 +22,7 @@ export function chosenFiles(list: FileList | readonly File[]): Dropped | undefin
   return named([...list].map(file => ({ name: file.webkitRelativePath || file.name, data: file })));
 }
 
-/** Files that operating systems leave in folders are not part of an asset. */
+/** Removes files that operating systems leave in folders, because they are not part of an asset. */
 const named = (all: NamedFile[]): Dropped | undefined => {
   const files = all.filter(({ name }) => !/(^|\/)(\.|Thumbs\.db$|desktop\.ini$)/.test(name));
   return files.length === 0 ? undefined : { files, label: files[0]!.name.split('/').pop()! };
@@ -41,7 +42,7 @@ async function walk(entry: FileSystemEntry, folder: string, into: NamedFile[]): 
   }
 }
 
-/** The files that are meshes, judged by the formats that the server reads, largest first. The first one is used. */
+/** Returns the files in a format that the server reads, largest first. The page uses the first one. */
 export function meshesOf(files: readonly NamedFile[], formats: readonly string[]): NamedFile[] {
   const ending = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
   const size = ({ data }: NamedFile) => (data instanceof Blob ? data.size : data.byteLength);

@@ -16,12 +16,12 @@ export class Surface {
     return this.positions.length / 3 - 1;
   }
 
-  /** Corners are counter-clockwise when seen from outside. */
+  /** Adds a quadrilateral. Its corners are counter-clockwise when seen from outside. */
   quad(a: number, b: number, c: number, d: number): void {
     this.triangles.push(a, b, c, a, c, d);
   }
 
-  /** A box around `middle`. */
+  /** Adds a box around `middle`. */
   box([x, y, z]: readonly [number, number, number], [w, h, d]: readonly [number, number, number]): this {
     const faces = [[0, 1, 2], [1, 2, 0], [2, 0, 1]] as const, half = [w / 2, h / 2, d / 2], middle = [x, y, z];
     for (const [axis, u, v] of faces)
@@ -40,8 +40,8 @@ export class Surface {
     return this;
   }
 
-  /** A profile of (radius, height), upwards along the outside, rotated about y. `closed`: the last point is joined to the
-   * first (a torus, a vase with an inside); otherwise both ends must lie on the axis. */
+  /** Adds the surface of a profile rotated about y. The profile is a list of (radius, height), upwards along the outside. `closed`:
+   * the last point is joined to the first (a torus, a vase with an inside); otherwise both ends must lie on the axis. */
   lathe(profile: readonly (readonly [number, number])[], around: number, closed = false): this {
     const rows = closed ? profile.length + 1 : profile.length, at: number[][] = [];
     const point = (k: number) => profile[(k + profile.length) % profile.length]!;
@@ -65,13 +65,13 @@ export class Surface {
 }
 
 export interface Look {
-  /** Linear RGBA; translucent if alpha is below 1. */
+  /** Linear RGBA. The surface is translucent if alpha is below 1. */
   color: readonly [number, number, number, number];
   roughness: number;
   metallic?: number;
 }
 
-/** A mesh with a single material. */
+/** Returns a GLB with a single mesh and a single material. */
 export function glbOf(surface: Surface, name: string, { color, roughness, metallic = 0 }: Look): Uint8Array {
   const parts = [
     new Float32Array(surface.positions), new Float32Array(surface.normals), new Float32Array(surface.uvs), new Uint32Array(surface.triangles),

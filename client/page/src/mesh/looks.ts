@@ -3,10 +3,10 @@ import { Color } from 'three';
 import type { Patterns } from 'fracture-client';
 import type { Look } from './glb';
 
-/** Factors by which the outside may be darker or paler than a fresh cut, and the greatest linear brightness of a surface. */
+/** The range of factors by which the outside may be darker or paler than a fresh cut, and the maximum linear brightness of a surface. */
 const AGED = [0.8, 1.35], WHITE = 0.85;
 
-/** Derived from the colour that the server states for a material's cuts; undefined if it states none. */
+/** Returns the look of a sample, derived from the colour that the server gives for the material's cuts; undefined if there is none. */
 export function lookOf(material: Patterns['materials'][number] | undefined): Look | undefined {
   const { interior_color: color, interior_opacity: opacity = 1, interior_roughness: roughness = 0.8, interior_metallic: metallic = 0, interior_mix: mix = 0,
     interior_shade: shade = 0.8 } = material?.parameters ?? {};

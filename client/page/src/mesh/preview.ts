@@ -3,7 +3,7 @@
 import { Glb, type GltfNode } from 'fracture-client';
 import { Matrix4, Quaternion, Vector3 } from 'three';
 
-/** Triangle corners, three numbers each; undefined if the file cannot be read here. */
+/** Returns the corners of the triangles, three numbers each; undefined if the file cannot be read here. */
 export function trianglesOf(name: string, bytes: Uint8Array): Float32Array | undefined {
   const ending = /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase();
   try {
@@ -17,7 +17,7 @@ export function trianglesOf(name: string, bytes: Uint8Array): Float32Array | und
 
 const textOf = (bytes: Uint8Array) => new TextDecoder().decode(bytes);
 
-/** Polygons are split into fans. */
+/** Splits polygons into fans of triangles. Returns the corners of the triangles. */
 function corners(points: readonly (readonly number[])[], faces: Iterable<readonly number[]>): Float32Array {
   const out: number[] = [];
   for (const face of faces) for (let k = 2; k < face.length; ++k) for (const v of [face[0]!, face[k - 1]!, face[k]!]) out.push(...points[v]!);
@@ -115,7 +115,7 @@ function glb(bytes: Uint8Array): Float32Array {
 
 const METRES: Record<string, number> = { m: 1, cm: 0.01, mm: 0.001, inch: 0.0254 };
 
-/** In the server's frame: metres, y up. */
+/** Converts points to the server's frame: metres, y up. */
 export function framed(points: Float32Array, unit: unknown, up: unknown): Float32Array {
   const scale = METRES[String(unit)] ?? 1;
   for (let k = 0; k < points.length; k += 3) {

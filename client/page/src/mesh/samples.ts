@@ -5,7 +5,7 @@ export interface Sample {
   name: string;
   /** The parameters of the first request, as far as the server knows them. */
   settings: Record<string, string | number>;
-  /** Draws the sample in the look of a material, or in its own look if there is no material. */
+  /** Returns the sample as GLB, in the look of a material, or in its own look if none is given. */
   make(look?: Look): Uint8Array;
 }
 
@@ -16,7 +16,7 @@ const PANE: Look = { color: [0.62, 0.80, 0.76, 0.35], roughness: 0.05 };
 const MARBLE: Look = { color: [0.72, 0.70, 0.66, 1], roughness: 0.45 };
 const BRICK: Look = { color: [0.36, 0.12, 0.07, 1], roughness: 0.9 };
 
-/** A Catmull–Rom curve through points of (radius, height). */
+/** Returns a Catmull–Rom curve through points of (radius, height). */
 function smooth(points: readonly (readonly [number, number])[], steps: number): [number, number][] {
   const out: [number, number][] = [], at = (k: number) => points[Math.max(0, Math.min(points.length - 1, k))]!;
   for (let k = 0; k + 1 < points.length; ++k)

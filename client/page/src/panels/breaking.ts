@@ -10,16 +10,16 @@ import { metric, title } from './format';
 import { countRemark } from './remarks';
 import { swatch } from './swatch';
 
-/** Shown first if the server has them. Everything else appears automatically. */
+/** These parameters are shown first if the server has them. All others follow automatically. */
 const OFTEN = ['fragments', 'seed', 'rough_amplitude', 'stretch', 'shell_fraction'];
-/** Parameters that have their own control on this page, or that the page sets itself. */
+/** Parameters that have a separate control on this page, or that the page sets itself. */
 const ELSEWHERE = new Set(['material', 'pattern', 'of', 'delta', 'local_new', 'local_point', 'local_radius', 'local_rest', 'format', 'unit', 'up', 'fragment', 'fragment_sites', 'fragment_seed', 'broken']);
 
 export function breakPanel(app: App): TemplateResult {
   const { knowledge } = app.service, { settings } = app.state.wish;
   if (!knowledge) return html`<p class="hint">${words.header.connecting}</p>`;
   const { materials, patterns } = knowledge.patterns, all = app.service.parameters;
-  // Drawing material pictures takes longer than the first picture may take, so they wait while that one is expected.
+  // The pictures of the materials are drawn only after the first picture of the mesh, because they would delay it.
   const { bringing, inFlight, shown } = app.state, waits = app.marks.at['picture'] === undefined && (bringing !== undefined || inFlight > 0 || shown !== undefined);
   const often = OFTEN.flatMap(name => all.find(parameter => parameter.name === name) ?? []);
   return html`
@@ -52,7 +52,7 @@ function remark(app: App): TemplateResult | typeof nothing {
 function hits(app: App): TemplateResult {
   const { wish: { settings, hits }, radius, shown, tool, play } = app.state, impacts = settings['impacts'], any = impacts !== undefined || hits.length > 0;
   const given = [impacts !== undefined ? words.break.impact : '', hits.length > 0 ? words.break.again(hits.length) : ''].filter(Boolean).join(', ');
-  // Other tools do something else, and so does a click that sets a parameter's point or throws a ball.
+  // A click is a hit only with the Hit tool, and not if it sets a parameter's point or throws a ball.
   const hitsNow = shown && app.stage && tool === 'hit' && !play && app.breaking.pickingFor === undefined;
   const size = app.view?.size ?? 1, to = (value: number) => 1000 * Math.log(value / (size * 0.005)) / Math.log(100);
   return html`<div class="row between"><h3>${words.break.hits}</h3>
@@ -64,7 +64,7 @@ function hits(app: App): TemplateResult {
       <output class="figure" for="radius">${metric(radius, 1)}</output></span></div>`;
 }
 
-/** The points, regions and directions that the pattern uses, which can be dragged in the view. */
+/** Draws the controls for points, regions and directions that the pattern uses. They can also be dragged in the view. */
 function places(app: App): TemplateResult {
   const { settings } = app.state.wish, kinds = placesIn(app.service.parameters), pattern = app.service.patternOf(settings);
   const known = app.service.parameters.filter(({ name, patterns }) => kinds.has(name) && (!patterns || patterns.includes(pattern) || settings[name] !== undefined));
@@ -75,7 +75,7 @@ function places(app: App): TemplateResult {
     ${any ? html`<p class="hint">${words.break.placesHint}</p>` : nothing}`;
 }
 
-/** Groups parameters by their subject, then by the first word of their names if several share it. */
+/** Draws all other parameters, grouped by subject, then by the first word of their names if several share it. */
 function others(app: App, parameters: (ParameterDescription & { patterns?: string[] })[]): TemplateResult {
   const { filter, wish: { settings } } = app.state, search = filter.trim().toLowerCase(), solid = app.service.solidParameters;
   const found = parameters.filter(({ name, description }) => !ELSEWHERE.has(name) && (search === '' || `${name.replaceAll('_', ' ')} ${name} ${description}`.toLowerCase().includes(search)));

@@ -6,7 +6,7 @@ import { words } from '../words/words';
 import { digits } from './format';
 import { icons } from './icons';
 
-/** Relative volume difference that rounding in double precision may leave; the server's own bound is stricter. */
+/** Maximum relative difference of volumes that rounding in double precision may cause. The server's own limit is stricter. */
 const MOST_ERROR = 1e-9;
 
 export function judge(answer: Answer): 'good' | 'bad' | 'softer' {

@@ -8,24 +8,24 @@ import { digits, title } from './format';
 import { icons } from './icons';
 import { parseNumbers, textOf } from './lists';
 
-/** Larger ranges get a field but no slider, because nobody finds a value among millions. */
+/** A parameter with a larger range gets a field but no slider, because nobody finds a value among millions. */
 const SLIDER_RANGE = 1000;
-/** Counts can be far larger than people need; the slider ends here, but the field goes on. */
+/** The end of the slider for numbers of things. They can be far larger than people need; the field accepts all values. */
 const COUNT_END = 400;
 
-/** The value that applies if none is set: the material's, or else the default. */
+/** Returns the value that applies if the user sets none: the material's, or else the default. */
 export function effective(app: App, parameter: ParameterDescription): ParameterValue | undefined {
   const { settings } = app.state.wish, material = app.service.knowledge?.patterns.materials.find(({ name }) => name === settings['material']);
   return settings[parameter.name] ?? material?.parameters[parameter.name] ?? parameter['default'];
 }
 
-/** The meaning of 0 according to the server, if it is not an amount. */
+/** Returns the special meaning of 0 from the server's description; undefined if 0 is an ordinary amount. */
 export function zeroOf({ description = '' }: ParameterDescription): string | undefined {
   if (/\b0: as many as\b/.test(description)) return words.break.auto;
   return /\b0: no limit\b/.test(description) ? words.break.noLimit : undefined;
 }
 
-/** By name: a rejected number, with the limits that it exceeds. */
+/** Rejected numbers by parameter name, with the limits that they exceed. */
 const refused = new Map<string, string>();
 
 export function control(app: App, parameter: ParameterDescription): TemplateResult {
@@ -115,7 +115,7 @@ function numbers(app: App, parameter: ParameterDescription, id: string, value: n
     put(fromSlider(Number((event.target as HTMLInputElement).value)), settled);
   };
   // A key press adds 1 or a hundredth of the range, because the browser's own step may be lost in rounding.
-  // It starts from the currently requested value, because a repeating key is faster than the panel is drawn.
+  // It starts from the value requested last, because a repeating key is faster than the drawing of the panel.
   const pressed = (event: KeyboardEvent) => {
     const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key], now = Number(effective(app, parameter) ?? low);
     if (by === undefined) return;

@@ -8,7 +8,7 @@ export function digits(value: number, most = 3): string {
   return size >= 1e6 || size < 1e-4 ? value.toExponential(most - 1) : Number(value.toPrecision(most)).toLocaleString('en', { maximumSignificantDigits: most });
 }
 
-/** Metres, square metres or cubic metres in a suitable unit: 12 cm³, 3.4 m². */
+/** Formats metres, square metres or cubic metres (`power` 1, 2, 3) in a suitable unit: 12 cm³, 3.4 m². */
 export function metric(value: number, power: 1 | 2 | 3): string {
   const units: [string, number][] = [['m', 1], ['cm', 0.01], ['mm', 0.001]];
   const size = Math.abs(value);

@@ -6,7 +6,8 @@ export function textOf(value: ParameterValue | undefined): string {
   return Array.isArray(value[0]) ? (value as number[][]).map(row => row.join(',')).join(';') : value.join(',');
 }
 
-/** Null if the text is not a list. `shape`: the server's notation; with a semicolon, a list of lists. */
+/** Parses numbers; returns null if the text is not a list. `shape`: the server's notation. If it contains a semicolon, the result is
+ * a list of lists. */
 export function parseNumbers(text: string, shape: string): number[] | number[][] | null {
   const rows = text.split(';').map(row => row.split(/[,\s]+/).filter(Boolean).map(Number)).filter(row => row.length > 0);
   if (rows.length === 0 || rows.flat().some(value => !Number.isFinite(value))) return null;

@@ -36,7 +36,7 @@ export function piecesPanel(app: App): TemplateResult {
 const extreme = (fragments: readonly Fragment[], sign: 1 | -1): number =>
   fragments.reduce((best, fragment) => (sign * fragment.volume > sign * best.volume ? fragment : best)).id;
 
-/** In the view and in the list, which is drawn in the next frame. */
+/** Shows a fragment in the view and scrolls to it in the list, which is drawn in the next frame. */
 function find(app: App, id: number): void {
   app.chooseAndShow(id);
   requestAnimationFrame(() => document.querySelector('.fragments tr.chosen')?.scrollIntoView({ block: 'nearest' }));
@@ -48,7 +48,7 @@ function details(fragment: Fragment | undefined): TemplateResult {
   return html`<p class="hint"><b>${name}</b> ${words.pieces.details(metric(volume, 3), kilograms(mass), metric(area, 2), metric(exteriorArea, 2))}, ${words.pieces.hulls(hulls.length)}${anchored ? `, ${words.pieces.anchored}` : ''}</p>`;
 }
 
-/** Bars of equal width on a logarithmic scale; each bar selects its fragments. */
+/** Draws a histogram of sizes with bars of equal width on a logarithmic scale. A click on a bar selects its fragments. */
 function histogram(app: App, fragments: readonly Fragment[]): TemplateResult {
   const logs = fragments.map(({ volume }) => Math.log10(Math.max(1e-30, volume))), low = Math.min(...logs), high = Math.max(...logs);
   const count = Math.min(24, Math.max(1, Math.ceil(Math.sqrt(fragments.length) * 1.5))), step = (high - low || 1) / count;

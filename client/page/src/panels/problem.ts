@@ -25,7 +25,7 @@ export function problemNotice(app: App): TemplateResult {
   </div>`;
 }
 
-/** One of several meshes was chosen. */
+/** Draws a notice that only one of several dropped meshes was opened. */
 function leftOutNotice(app: App): TemplateResult {
   const { leftOut } = app.state;
   if (!leftOut) return html``;
@@ -34,7 +34,7 @@ function leftOutNotice(app: App): TemplateResult {
     <b>${words.mesh.taken(leftOut.taken)}</b><p>${words.mesh.leftOut(leftOut.others)}</p></div>`;
 }
 
-/** Sheets without volume: offers slabs of a thickness that suits their size. */
+/** Draws a remedy for sheets without volume: slabs of a thickness that suits their size. */
 function wayOut(app: App, problem: FractureError): TemplateResult | typeof nothing {
   const again = app.bringing.refusedMesh;
   if (problem.problem !== 'mesh-not-closed' || !again) return nothing;

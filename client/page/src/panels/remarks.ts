@@ -3,7 +3,7 @@ import { html, nothing, type TemplateResult } from 'lit';
 import type { Shown } from '../app/state';
 import { words } from '../words/words';
 
-/** Warnings are always visible. Notes are collapsed. */
+/** Draws warnings, which are always visible, and notes, which are collapsed. */
 export function remarkLists(warnings: readonly string[], notes: readonly string[]): TemplateResult {
   const list = (texts: readonly string[]) => html`<ul class="notes">${texts.map(text => html`<li>${text}</li>`)}</ul>`;
   return html`
@@ -11,14 +11,14 @@ export function remarkLists(warnings: readonly string[], notes: readonly string[
     ${notes.length > 0 ? html`<details><summary>${words.remarks.notes} <span class="hint">${notes.length.toLocaleString('en')}</span></summary>${list(notes)}</details>` : nothing}`;
 }
 
-/** Why there are more or fewer fragments than requested; undefined if the number matches or none was requested. */
+/** Explains why there are more or fewer fragments than requested; undefined if the number matches or none was requested. */
 export function countRemark({ answer, wish: { hits } }: Shown): string | undefined {
   const asked = Number(answer.parameters['fragments'] ?? 0), made = answer.fragments.length;
   if (asked === 0 || asked === made) return undefined;
   return words.break.made(asked, made, reason(answer, asked, made, hits.length));
 }
 
-/** The numbers decide, not the server's sentences, because those change. */
+/** Returns the reason, which follows from the numbers. It does not parse the server's sentences, because their wording changes. */
 function reason({ report, certificate, parameters }: Shown['answer'], asked: number, made: number, hits: number): string | undefined {
   if (hits > 0) return made > asked ? words.break.brokenOff(hits) : undefined;
   if (10 * made <= 11 * asked && 10 * made >= 9 * asked) return words.break.withinTenth;

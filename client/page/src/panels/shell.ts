@@ -19,7 +19,7 @@ import { takePanel } from './taking';
 
 const TABS: readonly [Tab, (app: App) => TemplateResult][] = [['mesh', meshPanel], ['break', breakPanel], ['pieces', piecesPanel], ['take', takePanel]];
 
-/** `canvas` is created once and never moves. */
+/** Draws the whole page. `canvas` is created once and never moves. */
 export function shell(app: App, canvas: HTMLCanvasElement): TemplateResult {
   const { tab } = app.state, panel = TABS.find(([name]) => name === tab)![1];
   return html`
@@ -42,7 +42,7 @@ export function shell(app: App, canvas: HTMLCanvasElement): TemplateResult {
     ${sheets(app)}`;
 }
 
-/** Explains why nothing is drawn, and what to do. */
+/** Draws an explanation of why there is no picture, and what to do. */
 function instead({ service, state: { webgl, lost, source, bringing, problem } }: App): TemplateResult | typeof nothing {
   if (!webgl) return html`<p class="instead">${words.noWebgl}</p>`;
   if (lost) return html`<p class="instead" role="status">${words.lost}</p>`;

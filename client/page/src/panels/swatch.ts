@@ -5,7 +5,7 @@ import type { Patterns } from 'fracture-client';
 type Material = Patterns['materials'][number];
 const SIZE = 72, made = new Map<string, string>();
 
-/** A generator that always draws the same picture for a material (mulberry32). */
+/** Returns a random number generator (mulberry32). The same seed always gives the same picture of a material. */
 function random(seed: number): () => number {
   return () => {
     seed = seed + 0x6d2b79f5 | 0;
@@ -15,7 +15,7 @@ function random(seed: number): () => number {
   };
 }
 
-/** The address of the picture: a data: URL that the page creates. */
+/** Returns the address of the picture: a data: URL that the page creates. */
 export function swatch(material: Material, pattern: string): string {
   const key = `${material.name} ${JSON.stringify(material.parameters)}`;
   let url = made.get(key);

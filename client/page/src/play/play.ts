@@ -9,7 +9,7 @@ import { disposeOf } from '../scene/overlays';
 import { pick } from '../scene/picking';
 import { words } from '../words/words';
 
-/** The build that this file belongs to, whatever app.js belongs to. */
+/** The build that this file belongs to. app.js may belong to another one. */
 declare const BUILD: string;
 export const build: string = BUILD;
 
@@ -23,10 +23,12 @@ const RETREAT = 1.5;
 const CALM_AFTER = 4;     // seconds
 const TREMBLE = 0.06;     // m/s, for an object one metre in size
 
-/** Loads only once: two loads in progress would each create an engine, and the second would replace the one in use. */
+/** Ensures that the engine is loaded only once. Two loads in progress would each create an engine, and the second would replace the
+ * one in use. */
 let loaded: Promise<void> | undefined;
 
-/** `wanted`: returns what is to be played once the engine is ready, if anything. `made` is called before the first frame. */
+/** Loads the engine and starts to play. `wanted` returns the answer to play once the engine is ready, if there is one. `made` is
+ * called before the first frame. */
 export async function startPlay(app: App, wanted: () => Answer | undefined, made: (physics: Physics) => void): Promise<void> {
   await (loaded ??= RAPIER.init().catch((error: unknown) => {
     loaded = undefined;
@@ -66,7 +68,7 @@ export class Physics {
     const { view, stage } = this.app, size = view!.size, ground = stage!.groundHeight;
     this.clear();
     this.world = new RAPIER.World({ x: 0, y: -9.81, z: 0 });
-    // Determines which distances count as touching and which speeds as slow.
+    // The engine uses this length to decide which bodies touch and which are slow.
     this.world.lengthUnit = Math.max(1e-3, size / 2);
     this.world.createCollider(RAPIER.ColliderDesc.cuboid(100 * size, size, 100 * size).setTranslation(0, ground - size, 0).setFriction(0.7));
     const setup = { rapier: RAPIER, world: this.world, parent: new Group(), materials: [] };
@@ -97,7 +99,7 @@ export class Physics {
     this.app.stage!.retreat(1 / RETREAT);
   }
 
-  /** A step that fails is the last one. */
+  /** Runs a frame. If a step fails, shows the error and stops playing. */
   private safely(seconds: number): boolean {
     try {
       return this.frame(seconds);
@@ -107,7 +109,7 @@ export class Physics {
     }
   }
 
-  /** True while something moves. */
+  /** Advances the physics. Returns true while something moves. */
   private frame(seconds: number): boolean {
     if (!this.running || this.quiet >= QUIET_FRAMES) return false;
     this.behind = Math.min(MOST_STEPS * STEP, this.behind + seconds);
@@ -126,15 +128,16 @@ export class Physics {
     return this.quiet < QUIET_FRAMES;
   }
 
-  /** Chips that wedge each other may tremble forever, invisibly: that counts as rest, too. */
+  /** Returns whether a body moves visibly. Chips that wedge each other may tremble forever, too little to be seen; they count as
+   * resting. */
   private moves(body: RAPIER.RigidBody): boolean {
     if (!body.isDynamic() || body.isSleeping()) return false;
     const { x, y, z } = body.linvel(), { x: u, y: v, z: w } = body.angvel();
     return this.untouched < 2 * CALM_AFTER || Math.hypot(x, y, z) > TREMBLE * Math.sqrt(this.app.view!.size) || Math.hypot(u, v, w) > 20 * TREMBLE;
   }
 
-  /** Round pieces would roll forever on a level floor, and badly placed chips would tremble, unlike in reality: so everything is damped a
-   * little, and much more when nobody has touched anything for some seconds. */
+  /** Damps all bodies a little, and much more if nobody has touched anything for some seconds. Without this, round pieces would roll
+   * forever on a level floor, and badly placed chips would tremble. */
   private damp(): void {
     const calm = this.untouched > CALM_AFTER, [linear, angular] = calm ? [3, 10] : [0.1, 1.2];
     for (const body of [...this.pieces.rigidBodies as RAPIER.RigidBody[], ...this.balls.map(({ body }) => body)])
@@ -183,12 +186,12 @@ export class Physics {
     if (this.running) this.wake();
   }
 
-  /** The direction from the camera to the point under the pointer. */
+  /** Throws a ball from the camera towards the point under the pointer. */
   throwAt(x: number, y: number): void {
     const { stage, view } = this.app, { origin, direction } = stage!.ray(x, y), size = view!.size, radius = 0.07 * size;
     const from = stage!.controls.target.distanceTo(origin), start = origin.clone().addScaledVector(direction, Math.max(0, from - 2.5 * size));
     const speed = 11 * Math.sqrt(size), velocity = direction.clone().multiplyScalar(speed);
-    // Aims higher by the distance that gravity takes on the way.
+    // Aims higher, by the distance that the ball falls on the way.
     velocity.y += 9.81 * Math.min(2.5 * size, from) / speed / 2;
     const body = this.world.createRigidBody(RAPIER.RigidBodyDesc.dynamic().setTranslation(start.x, start.y, start.z)
       .setLinvel(velocity.x, velocity.y, velocity.z).setCcdEnabled(true));
@@ -204,7 +207,7 @@ export class Physics {
     this.throwAt(left + width / 2, top + height * 0.52);
   }
 
-  /** True if there is a piece to drag. */
+  /** Grabs the piece under the pointer. Returns false if there is none. */
   grab(x: number, y: number): boolean {
     const { view, stage } = this.app, ray = stage!.ray(x, y), picked = view!.batch && pick(view!.batch, ray, { exterior: true, interior: true });
     const body = picked?.id === undefined ? undefined : this.pieces.bodyOf(picked.id) as RAPIER.RigidBody | undefined;
@@ -220,14 +223,14 @@ export class Physics {
     this.held.moved = true;
     this.wake();
   }
-  /** True if something was dragged. */
+  /** Releases the dragged piece. Returns true if something was dragged. */
   release(): boolean {
     const dragged = this.held?.moved ?? false;
     this.held = undefined;
     return dragged;
   }
 
-  /** The dragged piece follows the pointer like a heavy object on a short rope. */
+  /** Makes the dragged piece follow the pointer like a heavy object on a short rope. */
   private pull(): void {
     if (!this.held?.moved) return;
     const { body, local, target } = this.held;

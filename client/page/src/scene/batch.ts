@@ -27,7 +27,7 @@ export interface DrawnPiece {
   triangles: number;
 }
 
-/** Without a material, glTF would draw a mirror; clay shows more. */
+/** The material for surfaces without one. glTF's default material would look like a mirror; clay shows more. */
 const CLAY = { color: 0xb9b4ab, roughness: 0.8, metalness: 0 };
 
 export class Batch {
@@ -42,7 +42,7 @@ export class Batch {
   private readonly geometries: BufferGeometry[] = [];
   private readonly own: Material[] = [];
 
-  /** `materials` are shared by all answers of a mesh and not disposed of here. */
+  /** Builds the meshes. `materials` are shared by all answers of a mesh, so this class does not dispose of them. */
   constructor(readonly answer: Answer, materials: readonly Material[], software: boolean) {
     const drawn: readonly Piece[] = [...answer.fragments, ...answer.passedThrough];
     this.poses = new Poses(drawn.length);
@@ -111,7 +111,7 @@ export class Batch {
     }
   }
 
-  /** The sphere around all assembled pieces. */
+  /** Returns a box around all assembled pieces. */
   bounds(): { min: Vector3; max: Vector3 } {
     const min = new Vector3(Infinity, Infinity, Infinity), max = min.clone().negate();
     this.pieces.forEach(({ origin: [x, y, z], ranges }) => {

@@ -16,7 +16,8 @@ export function ramp(t: number): Color {
 /** Hues by the golden ratio, so that neighbouring numbers have very different hues. */
 export const distinct = (k: number): Color => new Color().setHSL((k * 0.618034) % 1, 0.55, 0.42 + 0.16 * ((k * 0.7548) % 1));
 
-/** The cluster of each fragment at a level, where 0 is the coarsest; undefined if there are no levels or the level is that of fragments. */
+/** Returns the cluster of each fragment at a level, where 0 is the coarsest. Undefined if there are no levels, or if the level is
+ * that of the fragments themselves. */
 export function clustersAt(answer: Answer, level: number): Map<number, number> | undefined {
   const levels = answer.figures.levels ?? [];
   if (level >= levels.length) return undefined;
@@ -28,14 +29,14 @@ export function clustersAt(answer: Answer, level: number): Map<number, number> |
   }));
 }
 
-/** The force in newtons that holds each fragment: the sum over its bonds. */
+/** Returns, for each fragment, the sum of the strengths of its bonds (N). */
 export function strengthOf(answer: Answer): Map<number, number> {
   const sum = new Map<number, number>();
   for (const { a, b, strength } of answer.bonds) for (const id of [a, b]) sum.set(id, (sum.get(id) ?? 0) + strength);
   return sum;
 }
 
-/** A colour for each fragment, or none. `level`: the level that is used for colouring by level. */
+/** Returns a colour for each fragment; undefined for a mode without colours. `level`: the level for colouring by level. */
 export function coloursOf(answer: Answer, mode: ColourMode, level: number): Color[] | undefined {
   const { fragments } = answer;
   if (mode === 'material') return undefined;

@@ -8,7 +8,7 @@ export interface Handle {
   /** Stays the same while the handle is dragged. */
   key: string;
   at: Vector3;
-  /** The pointer ray; `facing`: the direction in which the camera looks. */
+  /** Converts a pointer ray to the settings after the drag. `facing`: the direction in which the camera looks. */
   drag(ray: Ray, facing: Vector3): Settings;
 }
 
@@ -102,22 +102,24 @@ const MAKERS: Record<PlaceKind, Maker> = {
   },
 };
 
-/** The point of a plane that is nearest to the mesh's centre, because a plane has no centre of its own. */
+/** Returns the point of a plane that is nearest to the mesh's centre. The handle is drawn there, because a plane has no centre of
+ * its own. */
 export const footOf = (point: Vector3, unit: Vector3, middle: Vector3): Vector3 =>
   middle.clone().addScaledVector(unit, -unit.dot(middle.clone().sub(point)));
 
-/** The point at which the ray meets the plane through `at` that faces the camera; `at` if they do not meet. */
+/** Returns the point where the ray meets the plane through `at` that faces the camera; `at` if they do not meet. */
 function across(ray: Ray, at: Vector3, facing: Vector3): Vector3 {
   return ray.intersectPlane(new Plane().setFromNormalAndCoplanarPoint(facing, at), new Vector3()) ?? at.clone();
 }
 
-/** The position, as a distance from `at` along a unit vector, where that line is nearest to the ray; 0 if they are parallel. */
+/** Returns where the line through `at` along a unit vector is nearest to the ray, as a distance from `at`; 0 if they are parallel. */
 function amountAlong({ origin, direction }: Ray, at: Vector3, along: Vector3): number {
   const between = at.clone().sub(origin), b = along.dot(direction), determinant = 1 - b * b;
   return determinant < 1e-6 ? 0 : (b * direction.dot(between) - along.dot(between)) / determinant;
 }
 
-/** The direction from `center` to the point where the ray meets the sphere, on the side of the tip; if it misses, to the sphere's rim. */
+/** Returns the direction from `center` to the point where the ray meets the sphere, on the same side as the tip. If the ray misses,
+ * it is the direction to the sphere's rim. */
 function turned(ray: Ray, center: Vector3, unit: Vector3, radius: number): number[] {
   const near = ray.closestPointToPoint(center, new Vector3()), beside = near.distanceTo(center), found = near.clone();
   if (new Sphere(center, radius).containsPoint(near)) {
@@ -137,7 +139,7 @@ export function vectorOf(value: unknown): Vector3 | undefined {
 export const rows = (value: ParameterValue | undefined): (Vector3 | undefined)[] => (Array.isArray(value) ? value.map(vectorOf) : []);
 
 let dot: CanvasTexture | undefined;
-/** Handles are dots of constant size on the screen, drawn in front of everything. */
+/** Draws handles as dots of constant size on the screen, in front of everything. */
 export function dotsOf(handles: readonly Handle[], color: Color): Group {
   if (!dot) {
     const canvas = document.createElement('canvas'), context = canvas.getContext('2d')!;

@@ -1,9 +1,9 @@
-// Lines on the ground that fade out, because far away they would only be noise.
+// Lines on the ground. They fade out, because far away they would only be noise.
 import { BufferAttribute, BufferGeometry, type Color, LineBasicMaterial, LineSegments } from 'three';
 
 const LINES = 48, PARTS = 24;
 
-/** Lines in the plane y = 0, one metre apart, or a power of ten of it that suits a mesh of this radius. */
+/** Returns lines in the plane y = 0. Their spacing is a power of ten in metres that suits a mesh of this radius. */
 export function gridOf(radius: number, { r, g, b }: Color): LineSegments<BufferGeometry, LineBasicMaterial> {
   const step = 10 ** Math.floor(Math.log10(radius * 0.9)), end = step * LINES / 2, positions: number[] = [], colours: number[] = [];
   const point = (along: number, beside: number, turned: boolean) => {

@@ -1,4 +1,5 @@
-/** Computes missing vertex normals, if other vertices of the same answer have some: the area-weighted mean of the triangles. */
+/** Computes missing vertex normals as the area-weighted mean of the triangles' normals. Used if other vertices of the same answer
+ * have normals. */
 export function normalsOf(positions: ArrayLike<number>, triangles: ArrayLike<number>): Float32Array {
   const normals = new Float32Array(positions.length);
   for (let t = 0; t < triangles.length; t += 3) {

@@ -19,8 +19,8 @@ export function disposeOf(object: Object3D): void {
   });
 }
 
-/** For the whole mesh: the faces with which the server closed it (in the cut material), and the edges around them, which were
- * open. Lines are drawn through the mesh, so that a hole at the back is visible too. */
+/** Draws the repairs of the whole mesh: the faces with which the server closed it (in the cut material), and the edges around them,
+ * which were open. Lines show through the mesh, so that a hole at the back is visible too. */
 export function repairsOf(whole: Answer): Group {
   const group = new Group(), edges: number[] = [], fills: number[] = [];
   for (const { primitives, positions, translation: [x, y, z] } of whole.fragments) {
@@ -54,7 +54,7 @@ export function repairsOf(whole: Answer): Group {
   return group;
 }
 
-/** Dots at points, in a visible size. */
+/** Draws dots at points, large enough to be visible. */
 export function markers(points: readonly (readonly number[])[], radius: number, color: number): Group {
   const group = new Group();
   for (const [x = 0, y = 0, z = 0] of points) {
@@ -107,7 +107,7 @@ export class BondGraph {
   }
 }
 
-/** The reach of a hit, at the pointer or at an existing hit. */
+/** Returns the sphere that shows a hit's reach, at the pointer or at an existing hit. */
 export function hitSphere(color: Color): Mesh {
   const sphere = new Mesh(new SphereGeometry(1, 32, 20), new MeshBasicMaterial({ color, transparent: true, opacity: 0.16, depthWrite: false }));
   const core = new Mesh(new SphereGeometry(0.06, 12, 8), new MeshBasicMaterial({ color, depthTest: false, transparent: true }));
@@ -118,7 +118,7 @@ export function hitSphere(color: Color): Mesh {
 }
 
 let circle: CanvasTexture | undefined;
-/** A marker of constant size on the screen, drawn in front of everything. */
+/** Returns a marker of constant size on the screen, drawn in front of everything. */
 export function ring(at: Vector3, color: Color): Sprite {
   if (!circle) {
     const canvas = document.createElement('canvas'), context = canvas.getContext('2d')!;
@@ -136,7 +136,7 @@ export function ring(at: Vector3, color: Color): Sprite {
   return sprite;
 }
 
-/** 1.75 metres tall. */
+/** Draws a person, 1.75 metres tall. */
 export function person(): Group {
   const group = new Group(), material = new MeshStandardMaterial({ color: 0x8a93a0, roughness: 1, transparent: true, opacity: 0.5 });
   const part = (radius: number, length: number, x: number, y: number, lean = 0) => {

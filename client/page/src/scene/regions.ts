@@ -1,4 +1,4 @@
-// The points, regions and directions that are set, drawn in the mesh.
+// Draws the points, regions and directions that are set.
 import { ArrowHelper, Box3, Box3Helper, type Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, PlaneGeometry, SphereGeometry, Vector3, WireframeGeometry } from 'three';
 import { type PlaceKind, radiusOf } from '../state/places';
 import type { Settings } from '../state/request';
@@ -40,7 +40,7 @@ export function regionsOf(settings: Settings, places: ReadonlyMap<string, PlaceK
       }
     }
   }
-  // Lines are drawn through the mesh, because most of them lie inside it.
+  // Lines show through the mesh, because most of them are inside it.
   group.traverse(object => {
     if (object instanceof Mesh && object.geometry instanceof PlaneGeometry) return;
     object.renderOrder = 15;

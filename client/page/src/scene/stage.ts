@@ -7,18 +7,20 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { gridOf } from './grid';
 import { surroundings } from './surroundings';
 
-/** Frame times (ms) that are too long, and how many such frames in a row lead to a cheaper way of drawing. */
+/** The frame time (ms) above which a frame is slow, and the number of slow frames in a row that lead to a cheaper way of drawing. */
 const SLOW = 90, PATIENCE = 6;
-/** The maximum resolution (dots per page pixel) while something moves, from the screen's own down to a blur that still follows the hand.
- * Below the first step there are no shadows, which take half of a software frame. Still pictures have full quality. */
+/** The maximum resolution (dots per page pixel) while something moves. It starts at the screen's own and ends at a blur that still
+ * follows the hand. After the first step there are no shadows, because they take half of a software frame. Still pictures have full
+ * quality. */
 const PACES = [2, 0.8, 0.6, 0.45] as const;
 /** Time in ms without a frame, after which the picture is considered still. */
 const STILL = 250;
 
-/** Fraction of the distance to the target; smaller camera movements come only from rounding. */
+/** A fraction of the distance to the target. Smaller camera movements are only rounding errors. */
 const UNMOVED = 1e-6;
 
-/** Pixels of the canvas that are covered by controls, above and below; on a narrow canvas (style/small.css) there are two rows below. */
+/** Height in pixels of the controls that cover the canvas, above and below together. It is larger on a narrow canvas (style/small.css),
+ * because there are two rows below. */
 const OVERLAYS = 112, NARROW = 430, OVERLAYS_NARROW = 164;
 
 export class Stage {
@@ -39,9 +41,9 @@ export class Stage {
   private pace = 0;
   private rest: ReturnType<typeof setTimeout> | undefined;
   private stillIsDue = false;
-  /** Nothing is drawn before this: at first there is nothing to see, and the page behind has the same colour. */
+  /** The time before which nothing is drawn. At first there is nothing to see, and the page behind the canvas has the same colour. */
   private from = Infinity;
-  /** True if there is no graphics card: plain materials and no antialiasing. */
+  /** True if there is no graphics card. Materials are then plain, and there is no antialiasing. */
   readonly software = drawsInSoftware();
   private beforeFrame: ((seconds: number) => boolean) | undefined;
 
@@ -51,7 +53,7 @@ export class Stage {
   /** Throws if there is no WebGL. */
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, powerPreference: 'high-performance' });
-    // Checking for errors would wait for each shader separately; the shaders come from three.js.
+    // A check for errors would wait for each shader separately, and shaders from three.js have none.
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -80,7 +82,7 @@ export class Stage {
     this.resize();
   }
 
-  /** Reflections, which glass and metal need; created after the first picture. */
+  /** Adds reflections, which glass and metal need. It is called after the first picture. */
   reflect(): void {
     if (this.scene.environment || this.software) return;
     const generator = new PMREMGenerator(this.renderer);
@@ -122,7 +124,7 @@ export class Stage {
     this.invalidate();
   }
 
-  /** The distance from which a sphere of this size is completely visible. */
+  /** Returns the distance from which a sphere of this size is completely visible. */
   private distanceFor(radius: number): number {
     const narrow = Math.min(1, this.camera.aspect), { clientWidth: width, clientHeight: height } = this.canvas;
     const free = Math.max(0.5, 1 - (width <= NARROW ? OVERLAYS_NARROW : OVERLAYS) / Math.max(1, height));
@@ -138,7 +140,7 @@ export class Stage {
     this.placed = { at: this.camera.position.clone(), target: middle.clone(), fit: this.distanceFor(1) };
   }
 
-  /** The position at which the stage placed the camera, and `distanceFor(1)`. Until somebody moves the camera, it follows the window size. */
+  /** The camera position that the stage chose, and `distanceFor(1)`. Until a user moves the camera, it follows the window size. */
   private placed: { at: Vector3; target: Vector3; fit: number } | undefined;
   private get isAsPlaced(): boolean {
     const { placed, camera: { position }, controls: { target } } = this;
@@ -157,13 +159,13 @@ export class Stage {
     this.scene.add(this.grid);
   }
 
-  /** Calls this before each frame until it returns that nothing moves any more; undefined stops it. */
+  /** Calls `step` before each frame until it returns false, which means that nothing moves any more. undefined stops this. */
   animate(step: ((seconds: number) => boolean) | undefined): void {
     this.beforeFrame = step;
     this.invalidate();
   }
 
-  /** `shadows`: something that casts shadows has moved. */
+  /** Requests a frame. `shadows`: something that casts shadows has moved. */
   invalidate(shadows = true): void {
     if (shadows) this.renderer.shadowMap.needsUpdate = true;
     this.asked ||= requestAnimationFrame(now => this.draw(now));
@@ -177,12 +179,12 @@ export class Stage {
     });
   }
 
-  /** Draws nothing for this long, because a frame takes half a second in software and better contents will follow soon. */
+  /** Draws nothing for this long, because better contents will follow soon and a software frame takes half a second. */
   hold(milliseconds: number): void {
     this.from = performance.now() + milliseconds;
     setTimeout(() => this.invalidate(false), milliseconds);
   }
-  /** The awaited contents have arrived. */
+  /** Draws again, because the awaited contents have arrived. */
   release(): void {
     this.from = 0;
     this.invalidate();
@@ -196,14 +198,14 @@ export class Stage {
     this.stillIsDue = false;
     const goesOn = this.beforeFrame?.(Math.min(0.1, gap / 1000)) ?? false;
     this.render(still ? 0 : this.pace);
-    // The time when the next frame could be drawn, even if none was requested.
+    // Measures when the next frame could be drawn, even if none was requested.
     if (!still) requestAnimationFrame(next => this.measure(next - now));
     for (const resolve of this.waiting.splice(0)) resolve();
     if (goesOn) this.invalidate();
     clearTimeout(this.rest);
     if (this.pace > 0 && !still)
       this.rest = setTimeout(() => {
-        if (this.asked !== 0) return;  // something is moving, and each frame takes longer than that
+        if (this.asked !== 0) return;  // something is moving, and each frame takes longer than STILL
         this.stillIsDue = true;
         this.invalidate(false);
       }, STILL);
@@ -214,12 +216,12 @@ export class Stage {
     const dots = Math.min(PACES[pace]!, devicePixelRatio), { clientWidth: width, clientHeight: height } = this.canvas.parentElement ?? this.canvas;
     if (dots !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(dots);
     const { x, y } = this.renderer.getSize(new Vector2());
-    // Only here, because resizing a canvas clears it until it is drawn.
+    // The canvas is resized only here, because resizing clears it until it is drawn again.
     if (width * height > 0 && (x !== width || y !== height)) this.renderer.setSize(width, height, false);
     this.renderer.render(this.scene, this.camera);
   }
 
-  /** Frames are repeatedly late, so this machine draws in software or nearly so. */
+  /** Chooses a cheaper pace if frames are repeatedly late, which means that this machine draws in software or nearly so. */
   private measure(gap: number): void {
     if (gap > 1000 || this.pace + 1 >= PACES.length) return;
     this.slowFrames = gap > SLOW ? this.slowFrames + 1 : Math.max(0, this.slowFrames - 1);
@@ -241,7 +243,7 @@ export class Stage {
     this.invalidate(false);
   }
 
-  /** The ray from the camera through a point on the canvas, in page pixels. */
+  /** Returns the ray from the camera through a point on the canvas, in page pixels. */
   ray(x: number, y: number): Ray {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const at = new Vector2((x - left) / width * 2 - 1, 1 - (y - top) / height * 2), ray = new Ray();
@@ -251,7 +253,7 @@ export class Stage {
     return ray;
   }
 
-  /** In page pixels; undefined behind the camera. */
+  /** Converts a point to page pixels; undefined if it is behind the camera. */
   pixelOf(at: Vector3): [number, number] | undefined {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     this.camera.updateMatrixWorld();
@@ -259,10 +261,10 @@ export class Stage {
     return z > 1 ? undefined : [left + (x + 1) / 2 * width, top + (1 - y) / 2 * height];
   }
 
-  /** How much farther away the camera is than where somebody placed it, because of the exploded fragments. */
+  /** The factor by which exploded fragments have moved the camera away from where the user placed it. */
   private room = 1;
-  /** Keeps fragments in view that are exploded to `spread` times the usual radius; when they come back together, so does the camera. A user
-   * who is closer is moved back by the same factor. */
+  /** Keeps fragments in view that are exploded to `spread` times the usual radius. When they are assembled again, the camera
+   * returns. A user who is closer is moved back by the same factor. */
   makeRoom(usual: number, spread: number): void {
     const now = this.camera.position.distanceTo(this.controls.target), own = now / this.room;
     const next = Math.max(1, this.distanceFor(usual * spread) / Math.max(own, this.distanceFor(usual)));
@@ -272,7 +274,7 @@ export class Stage {
     this.invalidate(false);
   }
 
-  /** Moves the camera back, so that falling pieces stay in the picture. */
+  /** Multiplies the camera's distance by a factor, so that falling pieces stay in the picture. */
   retreat(factor: number): void {
     const { isAsPlaced } = this;
     this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
@@ -285,7 +287,7 @@ export class Stage {
     this.invalidate();
   }
 
-  /** The view as PNG. */
+  /** Returns the view as PNG. */
   async picture(): Promise<Blob> {
     this.render(0);
     return new Promise((resolve, reject) => this.canvas.toBlob(blob => (blob ? resolve(blob) : reject(new Error('no picture'))), 'image/png'));

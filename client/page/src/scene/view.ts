@@ -19,7 +19,7 @@ export interface Look {
   explode: number;
   cutsOnly: boolean;
   colours: ColourMode;
-  /** The level whose clusters move and are coloured together; the number of levels means the fragments themselves. */
+  /** The level whose clusters move together and share a colour. The number of levels stands for the fragments themselves. */
   level: number;
   bonds: boolean;
   wireframe: boolean;
@@ -28,13 +28,13 @@ export interface Look {
   chosen: ReadonlySet<number>;
 }
 
-/** Up to this explode factor, everything that the camera frames stays in the picture. */
+/** The largest explode factor at which everything that the camera frames stays in the picture. */
 export const USUAL = 0.18;
 
 /** Time in ms within which the fragments of a new mesh usually arrive; until then the whole mesh is not drawn. */
 const SOON = 400;
 
-/** More rings than this are useless, and a fragment larger than this share of the mesh is visible without one. */
+/** The maximum number of rings, and the share of the mesh above which a fragment is visible without one. */
 const FEW = 12, SMALL = 0.06;
 
 export class View {
@@ -59,7 +59,7 @@ export class View {
   private middle = new Vector3();
   size = 1;
   private corners: Bounds = { low: [0, 0, 0], high: [1, 1, 1] };
-  /** Physics moves the fragments; the look does not. */
+  /** True while physics moves the fragments. The look then does not position them. */
   private held = false;
 
   constructor(readonly stage: Stage, accent: Color) {
@@ -133,19 +133,19 @@ export class View {
     }
     if (this.bonds && (before?.explode !== look.explode || before.level !== look.level)) this.bonds.update();
     if (this.repairs) this.repairs.visible = look.repairs;
-    // A person next to a city or a nut is not helpful.
     this.haloes(batch, look);
+    // The person is hidden if the mesh is far larger or smaller, like a city or a nut.
     this.figure.visible = look.person && this.size < 40 && this.size > 0.25;
     this.stage.invalidate();
   }
 
-  /** From now on physics moves the fragments, so overlays at their old positions are removed. */
+  /** Lets physics move the fragments from now on, and removes overlays at their old positions. */
   hold(): void {
     this.held = true;
     this.rings.clear();
     this.reach.visible = false;
   }
-  /** The look positions the fragments again. */
+  /** Ends hold(): the look positions the fragments again. */
   letGo(look: Look): void {
     this.held = false;
     this.apply(look);
@@ -209,7 +209,7 @@ export class View {
     this.wires = [];
   }
 
-  /** A mesh without an answer: its triangles, and its edges with only one face. */
+  /** Shows a mesh without an answer: its triangles, and its edges with only one face. */
   showRaw(points: Float32Array): void {
     this.clear();
     this.raw = rawMesh(points);
@@ -221,7 +221,7 @@ export class View {
     this.stage.release();
   }
 
-  /** The open edges and filled holes of the whole mesh. */
+  /** Shows the open edges and filled holes of the whole mesh; undefined removes them. */
   repaired(whole: Answer | undefined): void {
     if (this.repairs) disposeOf(this.repairs);
     this.repairs = whole && repairsOf(whole);
@@ -231,7 +231,7 @@ export class View {
     }
   }
 
-  /** The points, regions and directions that are set, with their handles. */
+  /** Shows the points, regions and directions that are set, with their handles. */
   wished(settings: Settings, places: ReadonlyMap<string, PlaceKind>): void {
     if (this.regions) disposeOf(this.regions);
     const { color } = this.reach.material as MeshBasicMaterial, extent = { middle: this.middle, size: this.size };
@@ -244,7 +244,7 @@ export class View {
     return this.corners;
   }
 
-  /** The nearest handle within this many pixels of a point on the page. */
+  /** Returns the nearest handle within this many pixels of a point on the page. */
   handleAt(x: number, y: number, within: number): string | undefined {
     let best: string | undefined, nearest = within;
     for (const { key, at } of this.handles) {
@@ -253,12 +253,12 @@ export class View {
     }
     return best;
   }
-  /** The new value when a handle is dragged to this pointer position. */
+  /** Returns the settings that result from dragging a handle to this pointer position. */
   dragged(key: string, x: number, y: number): Settings | undefined {
     return this.handles.find(handle => handle.key === key)?.drag(this.stage.ray(x, y), this.stage.camera.getWorldDirection(new Vector3()));
   }
 
-  /** The location of a problem. */
+  /** Marks the location of a problem. */
   mark(points: readonly (readonly number[])[]): void {
     if (this.place) disposeOf(this.place);
     this.place = points.length > 0 ? markers(points, 0.012 * this.size, RED) : undefined;
@@ -271,7 +271,7 @@ export class View {
     return pick(this.batch, this.stage.ray(x, y), { exterior: !this.look?.cutsOnly, interior: true });
   }
 
-  /** The sphere of a hit, or none. */
+  /** Shows the sphere of a hit, or no sphere if `at` is undefined. */
   reachAt(at: readonly number[] | undefined, radius: number): void {
     this.reach.visible = at !== undefined;
     if (at) this.reach.position.set(at[0]!, at[1]!, at[2]!);
@@ -279,7 +279,7 @@ export class View {
     this.stage.invalidate(false);
   }
 
-  /** Called after physics has moved fragments. */
+  /** Updates the view after physics has moved fragments. */
   moved(): void {
     this.batch?.poses.commit();
     this.bonds?.update();
@@ -302,7 +302,7 @@ export class View {
   }
 }
 
-/** Also disposes of the textures and decoded images, which belong to them alone. */
+/** Disposes of materials, and of their textures and decoded images, which no other material uses. */
 function free(materials: readonly Material[]): void {
   for (const material of materials) {
     for (const value of Object.values(material)) {

@@ -1,10 +1,12 @@
-// Answers while a slider moves. Every value may be requested; the newest wins; an older answer never replaces a newer one.
+// Fetches answers while a slider moves. Not every value is requested, but the newest always is. An older answer never replaces a newer
+// one.
 //
 //   values   1  2  3  4  5  6  7 …
 //   asked    1  2        5     7      at most `MOST` at a time; the newest value waits for a slot, others are dropped
 //   shown       2        5     7      an answer that arrives cancels all older requests
 
-/** Maximum number of requests in progress. The service works on two; a third would only queue ahead of the newest. */
+/** Maximum number of requests in progress. The server works on two at a time, and a third would only wait in
+ * front of the newest. */
 const MOST = 2;
 
 interface Asked {
@@ -18,13 +20,14 @@ export class Asker<Question, Answer> {
   private last = 0;
   private shown = 0;
 
-  /** `ask` is called with the time of the input, `show` only with ever newer answers, `fail` with the error of the newest request. */
+  /** `ask` is called with the time of the input, `show` only with an answer newer than the last one, and `fail` with the error of
+   * the newest request. */
   constructor(private readonly ask: (question: Question, signal: AbortSignal) => Promise<Answer>,
               private readonly show: (answer: Answer, question: Question, at: number) => void,
               private readonly fail: (error: unknown, question: Question) => void,
               private readonly changed: (inFlight: number) => void) {}
 
-  /** `settled`: dragging has ended, so the requests in progress are no longer needed. */
+  /** Requests an answer. `settled`: dragging has ended, so the requests in progress are no longer needed. */
   put(question: Question, settled = true): void {
     const next = { number: ++this.last, question, at: performance.now() };
     if (settled) this.drop(next.number);
@@ -32,7 +35,7 @@ export class Asker<Question, Answer> {
     else this.waiting = next;
   }
 
-  /** The latest value is final, so older requests are no longer needed. */
+  /** Makes the latest value final, so that older requests are no longer needed. */
   settle(): void {
     this.drop(this.last);
     const next = this.waiting;
@@ -42,7 +45,7 @@ export class Asker<Question, Answer> {
     }
   }
 
-  /** Cancels everything. */
+  /** Cancels all requests. */
   cancel(): void {
     this.waiting = undefined;
     this.shown = this.last;

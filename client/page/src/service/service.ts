@@ -19,7 +19,7 @@ export class Service {
   private token = '';
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** `changed`: the state has changed; `back`: the server has become available (again). */
+  /** `changed` is called if the state has changed, and `back` if the server has become available (again). */
   constructor(private readonly changed: () => void, private readonly back: () => void) {
     this.client = new Client('', { token: () => this.token, retries: 2 });
   }
@@ -36,7 +36,7 @@ export class Service {
     }
   }
 
-  /** Every failure is reported here. Returns true if it only means that the server is away or requires a token. */
+  /** Call this for every failure. Returns true if it only means that the server is away or requires a token. */
   noticed(error: unknown): boolean {
     if (!(error instanceof FractureError)) return false;
     if (error.problem === 'unauthorized') {
@@ -69,7 +69,7 @@ export class Service {
     this.changed();
   }
 
-  /** Every parameter once, with the patterns that alone use it. */
+  /** Every parameter once. `patterns` lists the patterns that use it; it is absent if all patterns do. */
   get parameters(): (ParameterDescription & { patterns?: string[] })[] {
     if (!this.knowledge) return [];
     const { limits, patterns } = this.knowledge, shared = new Set(patterns.parameters.map(({ name }) => name));
@@ -79,7 +79,7 @@ export class Service {
     });
   }
 
-  /** The pattern that applies to these settings: their own, their material's, or the server's default. */
+  /** Returns the pattern that applies to these settings: their own, their material's, or the server's default. */
   patternOf(settings: Readonly<Record<string, unknown>>): string {
     const material = this.knowledge?.patterns.materials.find(({ name }) => name === settings['material']);
     return String(settings['pattern'] ?? material?.parameters['pattern'] ?? this.parameters.find(({ name }) => name === 'pattern')?.['default'] ?? '');

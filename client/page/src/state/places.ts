@@ -14,7 +14,7 @@ export interface Bounds {
 
 const POINT = 'x,y,z', POINTS = 'x,y,z;x,y,z';
 
-/** By the name of the parameter that has the position: for a sphere, that of its centre. */
+/** Returns the kind of each place, by the name of the parameter that contains its position (for a sphere, its centre). */
 export function placesIn(parameters: readonly ParameterDescription[]): Map<string, PlaceKind> {
   const names = new Set(parameters.map(({ name }) => name)), places = new Map<string, PlaceKind>();
   for (const { name, type, text, unit } of parameters) {
@@ -30,7 +30,7 @@ export function placesIn(parameters: readonly ParameterDescription[]): Map<strin
 
 export const radiusOf = (center: string): string => center.replace(/_center$/, '_radius');
 
-/** The settings that also apply to other meshes: no lists in metres, no planes, and no radius without its centre. */
+/** Returns the settings that also apply to other meshes: no lists in metres, no planes, and no radius without its centre. */
 export function withoutPlaces(settings: Settings, parameters: readonly ParameterDescription[]): Settings {
   const places = placesIn(parameters), gone = new Set(['local_radius', 'local_sites', 'broken']);  // for hits and fragments
   for (const { name, type, unit } of parameters) {
@@ -42,7 +42,7 @@ export function withoutPlaces(settings: Settings, parameters: readonly Parameter
   return Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
 }
 
-/** The initial position before dragging: a sphere in the upper half, the lower part as a box, the ground as a plane. */
+/** Returns the initial position, before any dragging: a sphere in the upper half, a box at the bottom, or a plane at the ground. */
 export function firstPlace(name: string, kind: PlaceKind, { low, high }: Bounds, known: ParameterValue | undefined): Settings {
   const size = Math.hypot(...low.map((value, k) => high[k]! - value)), round = rounding(size);
   const at = (share: Triple): Triple => low.map((value, k) => round(value + share[k]! * (high[k]! - value))) as Triple;
@@ -55,12 +55,13 @@ export function firstPlace(name: string, kind: PlaceKind, { low, high }: Bounds,
   }
 }
 
-/** Removes the settings of a region. */
+/** Returns the settings without those of a region. */
 export function withoutPlace(settings: Settings, name: string): Settings {
   return Object.fromEntries(Object.entries(settings).filter(([each]) => each !== name && each !== radiusOf(name)));
 }
 
-/** Rounds to a ten-thousandth of the mesh size, which is finer than a hand can move, so that links stay short. */
+/** Returns a function that rounds to about a ten-thousandth of the mesh size. That is finer than a hand can move, and it keeps links
+ * short. */
 export function rounding(size: number): (value: number) => number {
   const digits = Math.max(0, Math.min(12, 4 - Math.floor(Math.log10(Math.max(1e-9, size)))));
   return value => Number(value.toFixed(digits)) + 0;

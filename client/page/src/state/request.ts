@@ -14,7 +14,7 @@ export interface Wish {
   hits: readonly Hit[];
 }
 
-/** The parameters of a single request that includes everything. */
+/** Returns the parameters of a single request for everything: the settings and all hits. */
 export function parametersOf({ settings, hits }: Wish): Record<string, ParameterValue> {
   if (hits.length === 0) return { ...settings };
   return {
@@ -29,8 +29,8 @@ export function withSetting(settings: Settings, name: string, value: ParameterVa
   return next;
 }
 
-/** Drops those of the page's `own` settings that, according to a problem, exclude a setting of the user: its `details` quote both
- * names. Undefined if there is nothing to drop. */
+/** Removes those of the page's `own` settings that, according to a problem, exclude one of the user's settings. The problem's
+ * `details` quote both names. Returns undefined if there is nothing to remove. */
 export function withoutExcluded(settings: Settings, own: Settings, details: readonly string[]): Settings | undefined {
   const isOwn = (name: string) => own[name] !== undefined && JSON.stringify(own[name]) === JSON.stringify(settings[name]);
   const gone = new Set(details.flatMap(detail => {
@@ -40,7 +40,8 @@ export function withoutExcluded(settings: Settings, own: Settings, details: read
   return gone.size === 0 ? undefined : Object.fromEntries(Object.entries(settings).filter(([name]) => !gone.has(name)));
 }
 
-/** The settings that remain with another pattern, which refuses other patterns' parameters: impacts become hits with this radius, if there are no hits yet. */
+/** Returns the request with the settings that another pattern accepts, because it refuses other patterns' parameters. If there are
+ * no hits yet, impacts become hits with this radius. */
 export function underPattern({ settings, hits }: Wish, pattern: string, parameters: readonly { name: string; patterns?: string[] }[], radius: number): Wish {
   const foreign = new Set(parameters.filter(({ patterns }) => patterns && !patterns.includes(pattern)).map(({ name }) => name)), { impacts } = settings;
   const moved = foreign.has('impacts') && Array.isArray(impacts) ? (impacts as Vector3[]).map(point => ({ point, radius })).filter(({ point }) => !hits.some(hit => String(hit.point) === String(point))) : [];
@@ -50,22 +51,24 @@ export function underPattern({ settings, hits }: Wish, pattern: string, paramete
 /** A request and its result, to which undo returns. */
 export interface Step extends Wish {
   answer: Answer | undefined;
-  /** Its number: all values of a drag are one step. */
+  /** The number of the gesture: all values of a drag are one step. */
   gesture: number;
 }
 
-/** Number of answers that are kept; older ones are requested again and are identical. */
+/** The maximum number of answers that are kept. Older ones are requested again, and are identical. */
 const KEPT = 8;
 const ONE_GESTURE = 900;  // ms between two key presses or drags that belong together
 
-/** Decides which values belong together: those of one drag, however long their answers take, and changes to the same thing soon after. */
+/** Decides which values belong to one step: all values of a drag, however long their answers take, and quick successive changes to
+ * the same setting. */
 export class Gestures {
   private number = 0;
   private cause = '';
   private held = false;
   private at = -Infinity;
 
-  /** The number of the gesture that set a value at `now` (ms). `cause`: what was changed, '' if it stands alone; `settled`: it was released. */
+  /** Returns the number of the gesture that set a value at `now` (ms). `cause`: the setting that changed, '' for a gesture of its
+   * own. `settled`: the drag has ended. */
   of(cause: string, settled: boolean, now: number): number {
     if (cause === '' || cause !== this.cause || !(this.held || now - this.at < ONE_GESTURE)) ++this.number;
     this.cause = cause;
@@ -88,7 +91,7 @@ export class History {
   get canRedo(): boolean {
     return this.at + 1 < this.steps.length;
   }
-  /** Restores the steps of this moment. */
+  /** Returns a function that restores the current steps. */
   keep(): () => void {
     const { steps, at } = this;
     return () => {

@@ -1,6 +1,7 @@
 // Browser functions for text and files.
 
-/** Returns false if copying is not allowed. Over plain HTTP from another machine there is no clipboard, so a selected field is used. */
+/** Copies text. Returns false if the browser does not allow it. A page loaded over plain HTTP from another machine has no clipboard,
+ * so it copies from a selected field instead. */
 export async function copy(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);

@@ -19,7 +19,7 @@ export async function saveGlb(app: App, variant: Parameters): Promise<void> {
   }
 }
 
-/** A sample, or a mesh offered by the server: neither is on the user's disk. */
+/** Saves a sample, or a mesh offered by the server, because neither is on the user's disk. */
 export function saveMesh({ state: { source } }: App): void {
   const { name, data } = (source?.fetched && source.input ? source.input : {}) as { name?: string; data?: Uint8Array<ArrayBuffer> };
   if (name && data) saveAs(new Blob([data], { type: name.endsWith('.glb') ? 'model/gltf-binary' : 'application/octet-stream' }), name);

@@ -1,5 +1,5 @@
-// A link that restores what is shown: the request, and the mesh by its content key. They are in the part after #, which no server
-// receives.
+// A link that restores what is shown: the request, and the mesh by its content key. Both are after the #, in the part that browsers do
+// not send to servers.
 import type { App } from '../app/app';
 import type { Wish } from '../state/request';
 
@@ -25,7 +25,7 @@ export function hashOf(app: App): string {
 }
 export const linkOf = (app: App): string => `${location.origin}${location.pathname}${hashOf(app)}`;
 
-/** Returns undefined if the text is not a link of this page. */
+/** Parses a link; undefined if the text is not a link of this page. */
 export function readLink(hash: string): Link | undefined {
   const parts = new URLSearchParams(hash.replace(/^#/, '')), sample = parts.get('sample') ?? undefined, mesh = parts.get('mesh') ?? undefined;
   if (!sample && !(mesh && /^sha256:[0-9a-f]{64}$/.test(mesh))) return undefined;

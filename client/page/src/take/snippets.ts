@@ -1,20 +1,21 @@
-// The same request for use elsewhere: in a shell, in a script, without a server, or on a farm.
+// The current request for use outside the page: in a shell, in a script, without a server, or on a render farm.
 import type { ParameterValue } from 'fracture-client';
 import type { App } from '../app/app';
 import { textOf } from '../panels/lists';
 import { parametersOf } from '../state/request';
 import { words } from '../words/words';
 
-/** A single shell word, whatever characters it contains. */
+/** Returns a text as a single shell word, whatever characters it contains. */
 const shell = (text: string) => (/^[\w./:=,+@%-]+$/.test(text) ? text : `'${text.replaceAll('\'', '\'\\\'\'')}'`);
 const json = (value: unknown) => JSON.stringify(value);
-/** A file in a curl form. In curl, commas, semicolons and spaces have a meaning unless the name is quoted. */
+/** Returns a filename for a curl form. curl treats commas, semicolons and spaces specially unless the name is quoted. */
 const formFile = (name: string) => (!/^[\w./-]+$/.test(name) ? `"${name.replace(/["\\]/g, '\\$&')}"` : name);
-/** curl also ends a form value at a semicolon, which in JSON occurs only inside strings. */
+/** Returns JSON for a curl form. curl ends a value at a semicolon, so this function escapes semicolons; in JSON they occur only
+ * inside strings. */
 const formJson = (value: unknown) => json(value).replaceAll(';', '\\u003b');
-/** A path that no program mistakes for an option. */
+/** Returns a path that no program mistakes for an option. */
 const fileWord = (name: string) => shell(name.startsWith('-') ? `./${name}` : name);
-/** Text for the rest of a line. */
+/** Removes line breaks and control characters, so that the text fits on one line. */
 const oneLine = (text: string) => text.replace(/[\p{Cc}\p{Zl}\p{Zp}]/gu, ' ');
 
 function python(value: ParameterValue): string {

@@ -1,4 +1,4 @@
-// The texts of the page /docs. The server describes the interface, and the documents come from the repository.
+// The page's own texts on /docs. The description of the interface comes from the server, and the documents from the repository.
 export const words = {
   title: 'HTTP interface', loading: 'Asking the server …', absent: 'The server does not answer. Reload the page to try again.', token: 'This server needs a token', use: 'Use it',
   contents: 'Contents', home: 'Back to the main page', search: 'Search', hint: 'Search ( / )', parameters: 'Parameters', raw: 'For programs:', headers: 'Headers',

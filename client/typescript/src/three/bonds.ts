@@ -1,7 +1,7 @@
 // The bonds that a blow breaks, and the groups that stay together.
 //
-// A bond is a spring that breaks at the tension `strength` (N; in the file it is bond_strength times the area), when it has
-// stretched by `give` metres. By then it has absorbed ½ · strength · give joules. The energy of a blow is that of a collision without
+// A bond is a spring that breaks when it has stretched by `give` metres. Its tension is then `strength` (N), which in the file is
+// bond_strength times the area. By then it has absorbed ½ · strength · give joules. The energy of a blow is that of a collision without
 // a bounce, J² / 2μ, with its impulse J and the two bodies' reduced mass μ. The blow breaks the nearest bonds until its energy is
 // used up. This is a model for games: forces do not travel through the group, and slow loads break nothing.
 import type { Bond } from '../fragments.js';
@@ -23,7 +23,7 @@ export const energyOf = (impulse: number, massA: number, massB: number): number 
   return impulse * impulse * inverse / 2;
 };
 
-/** The indices of the bonds that break, nearest first. `candidates`: the indices of the bonds that can break. */
+/** Returns the indices of the bonds that break, nearest first. `candidates`: the indices of the bonds that can break. */
 export function brokenBy(blow: Blow, bonds: readonly Bond[], candidates: Iterable<number>, give = GIVE): number[] {
   const distance = (k: number) => length(sub(bonds[k]!.centroid, blow.point));
   const near = [...candidates].map(k => ({ k, at: distance(k) })).sort((a, b) => a.at - b.at || a.k - b.k);
@@ -39,7 +39,7 @@ export function brokenBy(blow: Blow, bonds: readonly Bond[], candidates: Iterabl
 
 export type Ends = (bond: number) => readonly [number, number];
 
-/** The groups of members that are connected by bonds. `ends` returns a bond's two members. */
+/** Returns the groups of members that are connected by bonds. `ends` returns a bond's two members. */
 export function components(members: readonly number[], bonds: Iterable<number>, ends: Ends): number[][] {
   const root = new Map(members.map(member => [member, member]));
   const find = (k: number): number => {

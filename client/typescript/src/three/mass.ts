@@ -3,9 +3,9 @@
 import type { Motion } from '../fragments.js';
 
 export type Vec3 = [number, number, number];
-/** x, y, z, w; unit. */
+/** A unit quaternion: x, y, z, w. */
 export type Quat = [number, number, number, number];
-/** Row-major. An inertia is symmetric. */
+/** A 3 × 3 matrix in row-major order. As an inertia, it is symmetric. */
 export type Mat3 = [number, number, number, number, number, number, number, number, number];
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -40,7 +40,7 @@ function product(a: Mat3, b: Mat3): Mat3 {
       m.push(a[3 * row]! * b[column]! + a[3 * row + 1]! * b[3 + column]! + a[3 * row + 2]! * b[6 + column]!);
   return m as Mat3;
 }
-/** R diag(moments) Rᵀ */
+/** Returns the inertia R diag(moments) Rᵀ, where R is the rotation `axes`. */
 export function inertiaOf(moments: Vec3, axes: Quat): Mat3 {
   const r = matrixOf(axes);
   return product(product(r, [moments[0], 0, 0, 0, moments[1], 0, 0, 0, moments[2]]), transposed(r));
@@ -58,18 +58,18 @@ export interface MassProperties {
   inertia: Mat3;
 }
 
-/** A fragment's mass properties in the mesh's frame. `translation`: that of its node. */
+/** Returns a fragment's mass properties in the mesh's frame. `translation`: that of its node. */
 export function massOf(motion: Motion, translation: Vec3): MassProperties {
   const inertia = inertiaOf(motion.inertiaDiagonal, motion.inertiaOrientation);
   return { mass: motion.mass, center: add(translation, motion.centerOfMass), inertia };
 }
 
-/** The same mass properties in world space. The mesh's frame is at `at` and has the rotation `turn`. */
+/** Returns the same mass properties in world space. The mesh's frame is at `at` and has the rotation `turn`. */
 export function placed({ mass, center, inertia }: MassProperties, at: Vec3, turn: Quat): MassProperties {
   return { mass, center: add(at, rotate(turn, center)), inertia: turned(inertia, turn) };
 }
 
-/** The inertia (kg·m²) of a point mass at this offset from the centre (m). */
+/** Returns the inertia (kg·m²) of a point mass at this offset from the centre (m). */
 export function pointInertia(mass: number, [x, y, z]: Vec3): Mat3 {
   return [
     mass * (y * y + z * z), -mass * x * y, -mass * x * z, -mass * x * y, mass * (x * x + z * z), -mass * y * z,
@@ -77,7 +77,7 @@ export function pointInertia(mass: number, [x, y, z]: Vec3): Mat3 {
   ];
 }
 
-/** The mass properties of all parts as a single rigid body (Huygens–Steiner). If there are no parts, the mass is 0. */
+/** Returns the mass properties of all parts as a single rigid body (Huygens–Steiner). If there are no parts, the mass is 0. */
 export function combine(parts: readonly MassProperties[]): MassProperties {
   let mass = 0, moment: Vec3 = [0, 0, 0];
   for (const part of parts) {
@@ -90,7 +90,8 @@ export function combine(parts: readonly MassProperties[]): MassProperties {
   return { mass, center, inertia };
 }
 
-/** Principal moments and axes: inertia = R diag(moments) Rᵀ, by Jacobi rotations down to the rounding error of doubles. */
+/** Returns the principal moments and axes, so that inertia = R diag(moments) Rᵀ. Uses Jacobi rotations, and is exact except for the
+ * rounding error of doubles. */
 export function principalAxes(inertia: Mat3): { moments: Vec3; axes: Quat } {
   let m = inertia, axes: Quat = [0, 0, 0, 1];
   for (let sweep = 0; sweep < 30; ++sweep) {
@@ -125,7 +126,7 @@ export interface Momentum {
   center: Vec3;
 }
 
-/** The total momentum of all bodies, about their common centre of mass or another point. */
+/** Returns the total momentum of all bodies, about their common centre of mass or another point. */
 export function momentumOf(bodies: readonly MovingBody[], about?: Vec3): Momentum {
   const { mass, center: own } = combine(bodies), center = about ?? own;
   let linear: Vec3 = [0, 0, 0], angular: Vec3 = [0, 0, 0];
@@ -154,8 +155,8 @@ export function setMomentum(bodies: MovingBody[], wanted: Momentum): void {
   }
 }
 
-/** Replaces a moving body with parts. Each part gets the velocity v + ω × r at its centre. Then all parts get a common rigid motion, so
- * that their linear and angular momentum equal the body's even if the masses differ. Everything is in world space. */
+/** Replaces a moving body with parts. Each part gets the velocity v + ω × r at its centre. Then all parts get a common rigid motion,
+ * so that their total linear and angular momentum equal those of the body even if the masses differ. Everything is in world space. */
 export function inherit(body: MovingBody, parts: readonly MassProperties[]): MovingBody[] {
   const made = parts.map(part => ({
     ...part, velocity: add(body.velocity, cross(body.spin, sub(part.center, body.center))), spin: [...body.spin] as Vec3,

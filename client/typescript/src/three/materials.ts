@@ -1,5 +1,5 @@
-// An answer's materials for three.js: core glTF 2.0, and the extensions for glass and lamps. You can also pass your own materials, by
-// their index in the file: first the mesh's materials in order, then those of the cuts.
+// An answer's materials for three.js: core glTF 2.0, and the extensions for glass and lamps. You can also pass your own materials, in
+// the order of the file: first the mesh's materials, then those of the cuts.
 import {
   ClampToEdgeWrapping, Color, DoubleSide, FrontSide, LinearFilter, LinearMipmapLinearFilter, LinearMipmapNearestFilter, type Material,
   MeshBasicMaterial, MeshPhysicalMaterial, MirroredRepeatWrapping, NearestFilter, NearestMipmapLinearFilter, NearestMipmapNearestFilter,
@@ -14,8 +14,8 @@ const FILTER: Record<number, Texture['minFilter']> = {
   9986: NearestMipmapLinearFilter, 9987: LinearMipmapLinearFilter,
 };
 
-/** The materials of an answer. Images are decoded if the platform has createImageBitmap(); otherwise surfaces have plain colours. All
- * answers for the same mesh can share them if their cut materials are the same. */
+/** Returns the materials of an answer. Images are decoded if the platform has createImageBitmap(); otherwise surfaces have plain
+ * colours. All answers for the same mesh can share them if their cut materials are the same. */
 export async function materialsOf(answer: Answer): Promise<Material[]> {
   const glb = answer.document, textures = new Textures(glb);
   const primitives = (glb.json.meshes ?? []).flatMap(mesh => mesh.primitives);
@@ -25,7 +25,7 @@ export async function materialsOf(answer: Answer): Promise<Material[]> {
     materialOf(source, { colors: colors.has(k), tangents: tangents.has(k) }, textures)));
 }
 
-/** The glTF default material, for primitives without a material. */
+/** Returns the glTF default material, for primitives without a material. */
 export const defaultMaterial = (): Material => new MeshPhysicalMaterial({ color: 0xffffff, metalness: 1, roughness: 1 });
 
 async function materialOf(source: any, surface: { colors: boolean; tangents: boolean }, textures: Textures): Promise<Material> {
@@ -78,7 +78,7 @@ class Textures {
     return texture;
   }
 
-  /** Decodes from a Blob, because a page's policy may forbid object URLs. Null if the image cannot be decoded. */
+  /** Decodes an image from a Blob, because a page's policy may forbid object URLs. Returns null if the image cannot be decoded. */
   private image(index: number): Promise<ImageBitmap | null> {
     let image = this.images.get(index);
     if (!image) {

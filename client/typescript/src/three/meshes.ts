@@ -46,7 +46,7 @@ class SharedBuffers {
     return new SharedAttribute(buffer, width, (accessor.byteOffset ?? 0) / (4 * width), accessor.count);
   }
 
-  /** All indices of the same width, with the range of this accessor. */
+  /** Returns a view's indices, which all have the same width, and the range that belongs to this accessor. */
   index(index: number): { attribute: BufferAttribute; start: number; count: number } {
     const accessor = this.glb.accessorAt(index), size = bytesPerComponent(accessor.componentType), view = accessor.bufferView!;
     let attribute = this.indices.get(view);
@@ -59,9 +59,9 @@ class SharedBuffers {
   }
 }
 
-/** One three.js mesh per fragment, at its position in the mesh's frame; `userData.fragment` is its id. The geometries share buffers:
- * dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of the answer, such as
- * answer.passedThrough. Throws FractureError (bad-argument) for a modified GLB. */
+/** Returns one three.js mesh per fragment, at its position in the mesh's frame. `userData.fragment` is the fragment's id. The
+ * geometries share buffers: dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of
+ * the answer, such as answer.passedThrough. Throws FractureError (bad-argument) for a modified GLB. */
 export function meshesOf(answer: Answer, materials: readonly Material[], pieces: readonly Piece[] = answer.fragments): Mesh[] {
   const buffers = new SharedBuffers(answer.document);
   const flat = new Map<Material, Material>();  // for surfaces without normals, because glTF shades their triangles flat

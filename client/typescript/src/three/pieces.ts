@@ -49,11 +49,11 @@ interface Body {
   members: number[];
   /** Origin of the body's frame, in the frame of the mesh. */
   origin: Vec3;
-  /** The body sleeps, and its meshes are already in position. */
+  /** True if the body sleeps and its meshes are already in position. */
   settled: boolean;
 }
 
-/** Only a contact force above this multiple of a group's weight is a blow. */
+/** A contact force is a blow only if it exceeds this multiple of a group's weight. */
 const QUIET = 4;
 
 export class Pieces {
@@ -71,7 +71,7 @@ export class Pieces {
   private cutsShown = true;
   private blows: { member: number; energy: number }[] = [];
 
-  /** Use place() or swap(). @internal */
+  /** Called by place() and swap(), which are the public functions. @internal */
   constructor(readonly answer: Answer, private readonly setup: World, private readonly options: PieceOptions) {
     this.indexOf = new Map(answer.fragments.map(({ id }, k) => [id, k]));
     if (options.bonded) answer.bonds.forEach((_, k) => this.holding.add(k));
@@ -85,11 +85,11 @@ export class Pieces {
   get rigidBodies(): RapierBody[] {
     return [...this.bodies].map(body => body.rigid);
   }
-  /** The body that contains the fragment with this id. */
+  /** Returns the body that contains the fragment with this id. */
   bodyOf(id: number): RapierBody | undefined {
     return this.bodyOfMember.get(this.indexOf.get(id) ?? -1)?.rigid;
   }
-  /** Ids of the fragments in a body. */
+  /** Returns the ids of the fragments in a body. */
   fragmentsIn(rigid: RapierBody): number[] {
     const body = [...this.bodies].find(({ rigid: { handle } }) => handle === rigid.handle);
     return (body?.members ?? []).map(member => this.answer.fragments[member]!.id);
@@ -98,12 +98,12 @@ export class Pieces {
   get bondsLeft(): number {
     return this.holding.size;
   }
-  /** The momentum of all moving bodies, about their common centre of mass or another point. */
+  /** Returns the momentum of all moving bodies, about their common centre of mass or another point. */
   momentum(about?: Vec3): Momentum {
     return momentumOf(this.rigidBodies.filter(rigid => rigid.isDynamic()).map(movingBody), about);
   }
-  /** Converts a point on a fragment from the world to the mesh's frame before anything moved, as hits require. Throws FractureError
-   * (bad-argument) for an unknown id. */
+  /** Converts a point on a fragment from world space to the mesh's frame before anything moved, which is the frame of hits. Throws
+   * FractureError (bad-argument) for an unknown id. */
   pointOf(id: number, point: Vec3): Vec3 {
     const body = this.bodyOfMember.get(this.indexOf.get(id) ?? -1);
     if (!body) throw localError('bad-argument', `None of these pieces has the id ${id}.`, { parameter: 'id' });
@@ -158,8 +158,8 @@ export class Pieces {
     return broken;
   }
 
-  /** Hits a fragment's group. `point`: in the mesh's frame (m). `energy`: J. `id`: the fragment; default: the nearest one. A loose
-   * fragment does not break. Returns the number of broken bonds. */
+  /** Hits a fragment's group and breaks bonds. `point`: in the mesh's frame (m). `energy`: J. `id`: the fragment; default: the
+   * nearest one. A loose fragment does not break. Returns the number of broken bonds. */
   strike(point: Vec3, energy: number, id?: number): number {
     const body = this.bodyOfMember.get(id === undefined ? this.nearest(point) : this.indexOf.get(id) ?? -1);
     if (!body || body.members.length < 2) return 0;
@@ -202,7 +202,7 @@ export class Pieces {
     this.enter();
   }
 
-  /** The only body and the origin of its frame. Throws FractureError (bad-argument) if there are several. @internal */
+  /** Returns the only body and the origin of its frame. Throws FractureError (bad-argument) if there are several. @internal */
   only(): { rigid: RapierBody; origin: Vec3 } {
     const [body, ...others] = this.bodies;
     if (!body || others.length > 0)

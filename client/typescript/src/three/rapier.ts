@@ -56,7 +56,7 @@ export const xyzw = ([x, y, z, w]: Quat): Xyzw => ({ x, y, z, w });
 export const vec = ({ x, y, z }: Xyz): Vec3 => [x, y, z];
 export const quat = ({ x, y, z, w }: Xyzw): Quat => [x, y, z, w];
 
-/** The current motion of a Rapier body, in double precision. */
+/** Returns the current motion of a Rapier body, in double precision. */
 export function movingBody(body: RapierBody): MovingBody {
   const axes = multiply(quat(body.rotation()), quat(body.principalInertiaLocalFrame()));
   return {
@@ -71,8 +71,8 @@ export function setMotion(body: RapierBody, { velocity, spin }: Pick<MovingBody,
   body.setAngvel(xyz(spin), true);
 }
 
-/** Descriptions of a fragment's colliders, in the frame of a body in which the fragment is at `offset`. They have no mass, because mass
- * and inertia belong to the body. `threshold`: force (N) above which contacts are reported. */
+/** Returns collider descriptions for a fragment, in the frame of a body in which the fragment is at `offset`. Colliders have no
+ * mass, because mass and inertia belong to the body. `threshold`: force (N) above which contacts are reported. */
 export function colliders({ ColliderDesc, ActiveEvents }: Rapier, fragment: Fragment, offset: Vec3, threshold: number | undefined): any[] {
   const { hulls, surface: { friction, restitution }, collisionSystem } = fragment;
   return hulls.flatMap(({ positions, triangles }) => {
