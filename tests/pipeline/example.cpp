@@ -22,7 +22,7 @@ int main(int count, char** arguments) {
   Expected<Mesh> mesh = import_mesh(std::as_bytes(std::span(bytes)), MeshFormat::kObj, {});
   if (!mesh) return refused(mesh.error());
 
-  const Execution execution{.threads = 2};  // the bytes do not depend on it
+  const Execution execution{.threads = 2};  // does not affect the bytes
   StageTimings timings;
   FractureParameters parameters;
   parameters.sites = 20;

@@ -144,8 +144,8 @@ TEST(Sheets, SeveralAreCountedAndTheNodeOfTheFirstIsNamed) {
 TEST(Repairs, AreNotesBecauseNothingIsToBeDoneAboutThem) {
   const Expected<Solid> one = try_solid(cube_without({2})), two = try_solid(cube_without({2, 3}));
   ASSERT_TRUE(one && two);
-  for (const auto& [solid, words] : {std::pair(&*one, "1 hole was filled with 2 triangles of the material"),
-                                     {&*two, "2 holes were filled with 4 triangles of the material"}}) {
+  for (const auto& [solid, words] : {std::pair(&*one, "1 hole was filled with 2 triangles in the material"),
+                                     {&*two, "2 holes were filled with 4 triangles in the material"}}) {
     EXPECT_TRUE(solid->report.remarks.warnings.empty());
     ASSERT_EQ(solid->report.remarks.notes.size(), 1u);
     EXPECT_TRUE(solid->report.remarks.notes[0].starts_with(words)) << solid->report.remarks.notes[0];

@@ -130,7 +130,7 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
   EXPECT_EQ(solid->report.sheets_thickened, 0u);
   ASSERT_EQ(warnings_on_thickness(*solid), 1u);
   // 2/3 pi of a slab of 2 pi x 0.01: 33 times, of polygons a little less.
-  const std::string times = "holds 3";
+  const std::string times = "has 3";
   EXPECT_NE(solid->report.remarks.warnings[0].find(times), std::string::npos)
       << solid->report.remarks.warnings[0];
   EXPECT_NE(solid->report.remarks.warnings[0].find("modelling tool"), std::string::npos);

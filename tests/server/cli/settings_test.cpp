@@ -112,7 +112,7 @@ TEST_F(Settings, EveryMistakeIsNamedAtOnceWithItsPlace) {
                           testing::AllOf(HasSubstr("max-body must be"), HasSubstr("'12x'"),
                                          HasSubstr("(--max-body)")),
                           testing::AllOf(HasSubstr("log-level must be one of"), HasSubstr("'loud'")),
-                          testing::AllOf(HasSubstr("idle must be seconds"), HasSubstr("config.toml")),
+                          testing::AllOf(HasSubstr("idle must be a number of seconds"), HasSubstr("config.toml")),
                           HasSubstr("colour is not a setting"), HasSubstr("max-uri must be given once"),
                           HasSubstr("limits.idle is not a setting")));
 }
