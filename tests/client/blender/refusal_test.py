@@ -28,7 +28,7 @@ class Refused(InBlender):
         words = self.refused()
         self.assertIn("repair=strict fills no holes: 341 open edges", words)
         self.assertIn("mesh-not-closed, HTTP 422", words)
-        self.assertIn(f"The open edges of {item.name} are selected", words)
+        self.assertIn(f"The open edges of '{item.name}' are selected", words)
         self.assertEqual(bpy.context.mode, "EDIT_MESH")
         self.assertEqual(selected_edges(), [1] * 341)
 

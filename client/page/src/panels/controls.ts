@@ -21,7 +21,7 @@ export function effective(app: App, parameter: ParameterDescription): ParameterV
 
 /** Returns the special meaning of 0 from the server's description; undefined if 0 is an ordinary amount. */
 export function zeroOf({ description = '' }: ParameterDescription): string | undefined {
-  if (/\b0: as many as\b/.test(description)) return words.break.auto;
+  if (/\b0: `\w+` determines\b/.test(description)) return words.break.auto;
   return /\b0: no limit\b/.test(description) ? words.break.noLimit : undefined;
 }
 
