@@ -95,7 +95,7 @@ Expected<MeshFormat> kind_of_xml(std::span<const std::byte> bytes) {
   if (root == "WORLD" || root == "World" || root == "world") return MeshFormat::kXgl;
   if (root == "mesh")  // Ogre's has its vertices in these two, Irrlicht's in buffers
     return second == "submeshes" || second == "sharedgeometry" ? MeshFormat::kXml : MeshFormat::kIrrmesh;
-  if (root.empty()) return fail(ErrorCode::kMalformedMesh, "The file is not XML: it has no element.");
+  if (root.empty()) return fail(ErrorCode::kMalformedMesh, "The file is not XML: it contains no elements.");
   for (char& c : root) c = c >= 0x20 && c < 0x7f ? c : '.';
   return fail(ErrorCode::kUnsupportedFeature,
               "The root element of the XML is <" + root.substr(0, 40) +

@@ -79,8 +79,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Points of hits that break only the area around them, applied in order, in the answer's coordinate frame. Use them for "
-           "a hole or a chipped corner; use `impacts` to break the whole mesh. Requires `local_radius`."},
+           "Points, in the answer's coordinate frame, of hits that each break only the area around the point. Hits are applied in "
+           "order. Use them for a hole or a chipped corner; use `impacts` to break the whole mesh. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -106,7 +106,7 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .choices = {"whole", "fractured"},
        .doc =
            "State of the cells whose sites are outside the radius of every hit. `whole`: they stay together as one piece. "
-           "`fractured`: they stay as the pattern makes them. With `of`, this always applies if that answer has no hits."},
+           "`fractured`: they stay as the pattern makes them. With `of`, `fractured` always applies if the earlier answer has no hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;

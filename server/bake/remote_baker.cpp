@@ -221,7 +221,8 @@ class Conversation {
   }
 
   Expected<Step> put_mesh(Clock::time_point asked) {
-    if (!puts_.begin(mesh_, asked, stop_)) return again("The server did not keep the mesh of another job.");
+    if (!puts_.begin(mesh_, asked, stop_))
+      return again("The server did not keep this mesh, which another job had uploaded.");
     const Expected<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());

@@ -316,11 +316,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     if (!refusal) return;
     const bool share = *refusal == HeldBuffers::Refusal::kOverShare;
     response = Response::problem(
-        Problem(
-            share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-            share
-                ? "Answers that this client has not read yet use all of its share. Read them first."
-                : "Answers that clients have not read yet use all of the memory for answers (--max-answers).")
+        Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
+                share ? "This client's unread answers use up its whole share. Read them first."
+                      : "Unread answers use up all of the memory for answers (--max-answers).")
             .with("Retry-After", "2"),
         id_);
   }

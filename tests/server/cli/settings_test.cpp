@@ -108,13 +108,14 @@ TEST_F(Settings, EveryMistakeIsNamedAtOnceWithItsPlace) {
   const auto errors =
       configured({{"max-body", {"12x", "--max-body"}}, {"log-level", {"loud", "--log-level"}}},
                  "idle = -1\ncolour = \"red\"\nmax-uri = 3000\nmax-uri = 3001\n[limits]\nidle = 1\n");
-  EXPECT_THAT(errors, testing::UnorderedElementsAre(
-                          testing::AllOf(HasSubstr("max-body must be"), HasSubstr("'12x'"),
-                                         HasSubstr("(--max-body)")),
-                          testing::AllOf(HasSubstr("log-level must be one of"), HasSubstr("'loud'")),
-                          testing::AllOf(HasSubstr("idle must be a number of seconds"), HasSubstr("config.toml")),
-                          HasSubstr("colour is not a setting"), HasSubstr("max-uri must be given once"),
-                          HasSubstr("limits.idle is not a setting")));
+  EXPECT_THAT(
+      errors,
+      testing::UnorderedElementsAre(
+          testing::AllOf(HasSubstr("max-body must be"), HasSubstr("'12x'"), HasSubstr("(--max-body)")),
+          testing::AllOf(HasSubstr("log-level must be one of"), HasSubstr("'loud'")),
+          testing::AllOf(HasSubstr("idle must be a number of seconds"), HasSubstr("config.toml")),
+          HasSubstr("colour is not a setting"), HasSubstr("max-uri must be given once"),
+          HasSubstr("limits.idle is not a setting")));
 }
 
 TEST_F(Settings, LimitsThatContradictEachOtherAreRefusedTogether) {
