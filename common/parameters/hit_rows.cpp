@@ -98,7 +98,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHitSites,
        .doc =
-           "Number of sites that each hit adds to the pattern's sites, or one value for all hits; at most 10,000 in total."},
+           "Number of sites that each hit adds to the pattern's sites: a list with one number per hit, or a "
+           "single number for every hit. At most 10,000 in total."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",

@@ -30,7 +30,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .type = Type::kNumber,
        .low = 0.1,
        .high = 100,
-       .doc = "Number of waves of the coarsest noise across the solid's size."},
+       .doc = "How many waves of the coarsest noise layer fit into the solid's size."},
       [](auto& r) -> auto& { return r.fracture.roughness.frequency; }));
   rows.push_back(with_member(
       {.name = "rough_octaves",

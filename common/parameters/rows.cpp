@@ -126,7 +126,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .choices = {"circumcenter", "barycenter"},
        .doc =
            "How cells are made. `circumcenter`: Voronoi cells, an exact partition. `barycenter`: hulls of the tetrahedra's "
-           "barycentres, which look softer but are not a partition; size limits merge nothing."},
+           "barycentres, which look softer but are not a partition; with it, size limits never merge fragments."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -248,8 +248,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Fragments below this share of the mean volume that follows from `fragments` or `sites` get white, opaque cut faces, "
-           "like crushed ice. 0: none. Default for ice: 0.4."},
+           "Fragments smaller than this share of the mean volume (computed from `fragments` or `sites`) get white, opaque cut "
+           "faces, like crushed ice. 0: none. Default for ice: 0.4."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));

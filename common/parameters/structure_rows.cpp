@@ -60,8 +60,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   size(
       "min_of_mean", 1, "",
       "`min_volume` as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a "
-      "hundredth of this share of the mean volume without hits. Before cuts are roughened, the share is doubled, to at most "
-      "0.05. 0: no limit. Default with a `material`: 0.002.",
+      "hundredth of this share, applied to the mean volume that fragments would have without hits. Before cuts are roughened, "
+      "the share is doubled, to at most 0.05. 0: no limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {

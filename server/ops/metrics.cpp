@@ -78,8 +78,8 @@ struct Metrics::Impl {
       counter("fracture_answers_undelivered_total", "Answers that the client did not read in full.");
   Family<Counter>& caches =
       counter("fracture_cache_lookups_total", "Lookups in each cache by outcome (hit, miss).");
-  Family<Counter>& connections =
-      counter("fracture_connections_total", "Connections accepted, including refused ones.");
+  Family<Counter>& connections = counter(
+      "fracture_connections_total", "Connections opened by clients, including those that were then refused.");
   Family<Counter>& refused = counter("fracture_connections_refused_total",
                                      "Connections that were only told that there were too many.");
   Family<Counter>& abandoned =

@@ -48,8 +48,8 @@ def _points(problem):
 
 
 def _select(context, item, places):
-    """Selects all edges that do not have exactly two faces, in edit mode, if the ends of one of them are at `places` (one end, if
-    there is a single place). If there are no places, any such edge will do. Returns whether it selected them."""
+    """Selects all edges that do not have exactly two faces, in edit mode. Selects nothing unless one of these edges has its ends at
+    `places` (or one end, if there is only one place). Without places, any such edge will do. Returns whether it selected them."""
     near = NEAR * max(*item.dimensions, 1e-9)
     world = item.matrix_world
     mesh = bmesh.new()

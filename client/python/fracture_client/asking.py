@@ -1,6 +1,6 @@
-"""Sends a request until an answer arrives, or until the call has no tries or no time left.
+"""Sends a request until an answer arrives, or until the call has no tries or time left.
 
-- If the server is absent, it retries after growing pauses.
+- If the server cannot be reached, it retries after increasingly long pauses.
 - If the server is busy, it retries after the server's Retry-After.
 - If the server has forgotten the mesh, it sends the mesh with PUT and retries.
 - If an answer is cut off or its digest is wrong, it retries at once.
