@@ -73,7 +73,7 @@ TEST_F(WaitingJob, BeginsAgainWhenItsMemoryWasGivenUpForAWaitingClient) {
   require_eventually(kPatience, "the answer", [&] { return answered.load(); });
   EXPECT_TRUE(eventually(kPatience, "the job to begin again and end", [&] {
     host->jobs
-        .sweep();  // as the server does every second: the request may have held its memory at the first attempt
+        .sweep();  // as the server does every ten seconds: the request may have held its memory at the first attempt
     return host->find(job).state == JobState::kDone;
   }));
   EXPECT_GE(cuts, 3)
