@@ -214,7 +214,7 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
     if (urgency.priority_of_task() != Priority::kBackground) return false;
     given_up = true;
     if (dispatcher.pool_.give_up(urgency.task())) return true;
-    // It is queued, or waits for a part. What ends it gives memory back, which takes the lock, too.
+    // It is queued or waits for a part. Ending it gives memory back, which takes the same lock.
     dispatcher.timer_.at(Clock::now(), [weak = weak_from_this()] {
       if (const Shared c = weak.lock()) c->dispatcher.end_if_given_up(c);
     });

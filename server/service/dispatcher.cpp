@@ -150,7 +150,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   };
   const auto place = std::make_shared<Place>();
   place->result = c->flight;
-  // What is given up is told to the part, which has to know by then who waits for it.
+  // Tells the part if this computation is given up. By then the part must know who waits for it.
   const auto leave = [this, &flights, weak = std::weak_ptr(place)] {
     const auto left = weak.lock();
     if (!left || !flights.leave(left->seat)) return false;

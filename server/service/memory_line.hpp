@@ -62,8 +62,8 @@ class MemoryLine {
     MemoryLine& line_;
   };
 
-  /// Memory was given back, or somebody who waits was given up. Background work comes last. Whoever has waited longest is
-  /// tried first; one that needs more than there is holds up none of its use. Needs no memory itself.
+  /// Call it when memory was given back, or when waiting work was abandoned. Background work comes last. Among the others the
+  /// longest waiting is tried first. Work that needs more than is free does not block the rest. Needs no memory itself.
   void given_back() noexcept {
     std::list<Entry> over, go_on;  // let go, and called, without the lock
     {

@@ -16,8 +16,8 @@
 
 namespace fracture {
 
-/// What the values of a request are called in the caches. Keys hash everything that determines the value and
-/// the algorithm version, so an entry is never stale.
+/// Names of a request's values in the caches. Keys hash the algorithm version and everything that determines the
+/// value, so an entry is never stale.
 struct RequestKeys {
   std::string digest;  ///< digest_of() in hex
   std::string mesh;    ///< bytes, format and everything that decides the solid
@@ -40,7 +40,7 @@ struct FractureRequest {
   std::shared_ptr<const void> owner{};
   std::string digest{};         ///< digest_of() in hex, when it is known already
   std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
-  /// keys_of() of this request, if they are known already. What they hash must not change any more.
+  /// keys_of() of this request, if already known. The members that they hash must not change afterwards.
   std::shared_ptr<const RequestKeys> keys{};
 };
 

@@ -92,7 +92,7 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return priority_;
   }
-  /// Of its task. If that computes a part, others may wait for the part.
+  /// The priority of its task. If the task computes a part, others may wait for that part.
   Priority priority_of_task() const {
     const std::lock_guard lock(mutex_);
     return in_part_ ? part_->priority() : priority_;

@@ -90,7 +90,7 @@ class WorkerPool {
   void share(TaskId task);
   /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
   bool withdraw(TaskId task);
-  /// The same of a task that was resumed. Whoever withdraws it has to end what it went on with.
+  /// The same for a task that was resumed. The caller must end the work that the task was to continue.
   bool withdraw_resumed(TaskId task);
   /// A background task that runs ends at its next poll (kOverloaded): more urgent ones need what it holds. False where it
   /// does not run, or is more urgent.

@@ -216,7 +216,7 @@ TEST_F(HeldInBackground, IsGivenUpWhenTheTurnComesOfAComputationThatIsExpectedTo
   end();
 }
 
-/// They began to wait before bob did. What the first job gives up would do for both of them, and not for bob besides.
+/// They began to wait before bob did. The first job's memory is enough for both of them, but not for bob as well.
 TEST_F(HeldInBackground, IsNotTakenByFurtherJobsThatWaitForMemory) {
   Gate grows, busy;
   control->during_cut = [&](const Execution& execution) {
