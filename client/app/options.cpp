@@ -120,8 +120,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   std::string picture = render::kTierWishNames[static_cast<std::size_t>(o.picture)];
   app.add_option(
          "--picture", picture,
-         "Picture quality: low, for computers without a graphics card; high, for a graphics card; auto: high in "
-         "a window if the graphics card is fast enough, else low")
+         "Picture quality. low: for computers without a graphics card. high: for computers with one. auto: high if "
+         "the program has a window and a fast graphics card, otherwise low")
       ->check(CLI::IsMember(render::kTierWishNames));
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
   CLI::Option* without_anticipation =

@@ -5,8 +5,8 @@
 
 namespace fracture::app {
 
-/// Runs until the window is closed. Returns the exit code: 0, or 1 if there is no display or no OpenGL 3.3 (explained on
-/// stderr).
+/// Runs until the window is closed. Returns the exit code 0. Without a display or OpenGL 3.3, prints the reason
+/// on stderr and returns 1.
 int run_window(const Options& options);
 
 }  // namespace fracture::app

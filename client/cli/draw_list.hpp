@@ -9,8 +9,9 @@
 
 namespace fracture::cli {
 
-/// Reads lines until the end, each a JSON object with the options of a picture and "output", the PNG to write. Each
-/// line is answered at once by a line {"output": …} (null if the line has none), with a "problem" (type and detail) if there is no picture.
+/// Reads lines until the end. Each is a JSON object with the options of a picture and "output", the PNG to write. Writes
+/// one line {"output": …} for each as soon as it is drawn; "output" is null if the line does not state it. If the picture
+/// cannot be drawn, the line has a "problem" with type and detail.
 /// An invalid line, or a file that cannot be drawn, does not end the process.
 void draw_list(
     std::istream& in, std::ostream& out,

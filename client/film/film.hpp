@@ -26,7 +26,7 @@ class Film {
   /// if nothing can be written there.
   static Expected<Film> create(const std::string& path, FilmSettings settings);
   Film(Film&&) noexcept;
-  ~Film();  ///< without finish(), the program is stopped and there is no new film
+  ~Film();  ///< stops the program and discards the film if finish() was not called
 
   /// Fails with kBadParameter if the size differs from the settings; with kNoProgram and the program's output if it ended or accepted
   /// nothing within the patience; with kFileAccess or kBadImage in a folder.

@@ -38,7 +38,7 @@ struct GameSettings {
   std::shared_ptr<const Recording> replay;
 };
 
-/// A thing in the world, for the renderer.
+/// One object of the world as the renderer needs it.
 struct Thing {
   world::ObjectId id = 0;
   std::size_t scene_object = 0;  ///< index into Scene::objects; secondary pieces have that of their parent

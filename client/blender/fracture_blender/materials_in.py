@@ -77,7 +77,7 @@ class AnswerMaterials:
             tree.links.new(normal.outputs["Normal"], principled.inputs["Normal"])
 
     def _texture(self, tree, info, space, height):
-        """Returns a new shader node with the texture; None if there is no texture."""
+        """Returns a new shader node that shows the texture, or None if the material has no such texture."""
         if info is None:
             return None
         image = self._image(self._file.item("textures", info["index"]).get("source"), space)

@@ -102,7 +102,8 @@ class Client(Caller):
     def fracture(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, files: Optional[Files] = None,
                  format: Optional[str] = None, timeout: Optional[float] = None, cancel: Optional[Cancel] = None,
                  realtime: Optional[bool] = None, **more: Any) -> Answer:
-        """Sends mesh and parameters in one request, for a mesh that is fractured only once. For a Mesh, it calls Mesh.fracture().
+        """Sends mesh and parameters in one request. Use it for a mesh that you fracture only once. If `mesh` is a Mesh, calls
+        its fracture().
 
         mesh, files, format   as for put()
         parameters, realtime  as for Mesh.fracture()
@@ -120,9 +121,8 @@ class Client(Caller):
 
     def answer(self, location: str, *, unless: Optional[str] = None, timeout: Optional[float] = None,
                cancel: Optional[Cancel] = None) -> Optional[Answer]:
-        """Fetches an answer again by its address (Answer.location), while it is in the server's cache. `unless`: the etag of an
-        answer that you already have; if it is still current, the result is None. Raises FractureError, of type "not-found" if
-        the answer is no longer in the cache."""
+        """Fetches an answer again by its address (Answer.location). `unless`: the etag of an answer that you already have. If it
+        is still current, returns None. Raises FractureError of type "not-found" if the server's cache no longer has the answer."""
         target = "/fractures/" + urllib.parse.quote(location.rsplit("/", 1)[-1], safe=":")
         headers = {"Accept": "model/gltf-binary", **({"If-None-Match": unless} if unless else {})}
         response = self._ask("GET", target, b"", headers, asking.check_digest, timeout, cancel)

@@ -46,7 +46,7 @@ class Fragment:
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
     part: int  # number of the connected part of the mesh to which it belongs
-    level: int  # level in the hierarchy; 0 if there is no hierarchy
+    level: int  # in the hierarchy; 0 without a hierarchy
     parent: Optional[int]  # the id of its cluster; None if there is none
     sites: Tuple[int, ...]  # the cells that it consists of
     collision_system: Optional[int]  # fragments with the same number overlap, so they must not collide with each other

@@ -171,11 +171,11 @@ export class Fragment extends Piece {
   get part(): number {
     return this.figures['part'];
   }
-  /** Its level in the hierarchy; 0 if there is none. */
+  /** Its level in the hierarchy. 0 without a hierarchy. */
   get level(): number {
     return this.figures['level'];
   }
-  /** The id of its cluster; null if there are no levels. */
+  /** The id of its cluster, or null without levels. */
   get parent(): number | null {
     return this.figures['parent'];
   }

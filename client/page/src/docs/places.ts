@@ -15,7 +15,7 @@ export function placeOf(hash: string): string {
   }
 }
 
-/** Returns the document that contains a place, or INTERFACE. If there is no such place, it is the first of `paths`. */
+/** Returns the path of the document that contains a place, or INTERFACE. Returns the first of `paths` for an unknown place. */
 export function documentOf(place: string, paths: string[]): string {
   if (place === INTERFACE || place === 'parameters' || /^parameter |^[a-z]+ \//.test(place)) return INTERFACE;
   const path = place.split(':')[0]!;

@@ -1,5 +1,5 @@
-// The raw triangles of a file, for a mesh that the server refuses, so that the problem's location can be shown. Reads the common
-// parts of OBJ, STL, PLY, OFF and GLB; other formats have no preview.
+// Reads the raw triangles of a file that the server refused, so that the page can show where the problem is. Reads the common
+// parts of OBJ, STL, PLY, OFF and GLB. Other formats have no preview.
 import { Glb, type GltfNode } from 'fracture-client';
 import { Matrix4, Quaternion, Vector3 } from 'three';
 

@@ -8,7 +8,7 @@ import { digits, title } from './format';
 import { icons } from './icons';
 import { parseNumbers, textOf } from './lists';
 
-/** A parameter with a larger range gets a field but no slider, because nobody finds a value among millions. */
+/** The largest range with a slider. A wider range gets only a field, because a slider cannot select one value among millions. */
 const SLIDER_RANGE = 1000;
 /** The end of the slider for numbers of things. They can be far larger than people need; the field accepts all values. */
 const COUNT_END = 400;

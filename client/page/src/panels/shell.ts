@@ -42,7 +42,7 @@ export function shell(app: App, canvas: HTMLCanvasElement): TemplateResult {
     ${sheets(app)}`;
 }
 
-/** Draws an explanation of why there is no picture, and what to do. */
+/** Shows a message in place of the picture: why there is none, and what the user can do. */
 function instead({ service, state: { webgl, lost, source, bringing, problem } }: App): TemplateResult | typeof nothing {
   if (!webgl) return html`<p class="instead">${words.noWebgl}</p>`;
   if (lost) return html`<p class="instead" role="status">${words.lost}</p>`;

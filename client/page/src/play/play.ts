@@ -136,8 +136,8 @@ export class Physics {
     return this.untouched < 2 * CALM_AFTER || Math.hypot(x, y, z) > TREMBLE * Math.sqrt(this.app.view!.size) || Math.hypot(u, v, w) > 20 * TREMBLE;
   }
 
-  /** Damps all bodies a little, and much more if nobody has touched anything for some seconds. Without this, round pieces would roll
-   * forever on a level floor, and badly placed chips would tremble. */
+  /** Damps all bodies a little, so that round pieces stop rolling on a level floor. After some seconds without input it damps them
+   * strongly, so that chips stop trembling. */
   private damp(): void {
     const calm = this.untouched > CALM_AFTER, [linear, angular] = calm ? [3, 10] : [0.1, 1.2];
     for (const body of [...this.pieces.rigidBodies as RAPIER.RigidBody[], ...this.balls.map(({ body }) => body)])

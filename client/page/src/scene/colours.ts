@@ -16,8 +16,8 @@ export function ramp(t: number): Color {
 /** Hues by the golden ratio, so that neighbouring numbers have very different hues. */
 export const distinct = (k: number): Color => new Color().setHSL((k * 0.618034) % 1, 0.55, 0.42 + 0.16 * ((k * 0.7548) % 1));
 
-/** Returns the cluster of each fragment at a level, where 0 is the coarsest. Undefined if there are no levels, or if the level is
- * that of the fragments themselves. */
+/** Returns the cluster of each fragment at a level. Level 0 is the coarsest. Returns undefined if the answer has no levels, or if
+ * `level` is the level of the fragments themselves. */
 export function clustersAt(answer: Answer, level: number): Map<number, number> | undefined {
   const levels = answer.figures.levels ?? [];
   if (level >= levels.length) return undefined;

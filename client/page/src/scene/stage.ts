@@ -9,9 +9,9 @@ import { surroundings } from './surroundings';
 
 /** The frame time (ms) above which a frame is slow, and the number of slow frames in a row that lead to a cheaper way of drawing. */
 const SLOW = 90, PATIENCE = 6;
-/** The maximum resolution (dots per page pixel) while something moves. It starts at the screen's own and ends at a blur that still
- * follows the hand. After the first step there are no shadows, because they take half of a software frame. Still pictures have full
- * quality. */
+/** Resolutions (dots per page pixel, at most) for pictures in motion. Slow frames move on to the next one. Only the first draws shadows,
+ * because shadows take half of the time of a frame that is drawn in software. The last is blurred, but motion still follows the mouse.
+ * Pictures without motion have full quality. */
 const PACES = [2, 0.8, 0.6, 0.45] as const;
 /** Time in ms without a frame, after which the picture is considered still. */
 const STILL = 250;
@@ -43,7 +43,7 @@ export class Stage {
   private stillIsDue = false;
   /** The time before which nothing is drawn. At first there is nothing to see, and the page behind the canvas has the same colour. */
   private from = Infinity;
-  /** True if there is no graphics card. Materials are then plain, and there is no antialiasing. */
+  /** True if the browser draws without a graphics card. Then materials are plain and edges are not smoothed. */
   readonly software = drawsInSoftware();
   private beforeFrame: ((seconds: number) => boolean) | undefined;
 

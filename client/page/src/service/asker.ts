@@ -27,7 +27,7 @@ export class Asker<Question, Answer> {
               private readonly fail: (error: unknown, question: Question) => void,
               private readonly changed: (inFlight: number) => void) {}
 
-  /** Requests an answer. `settled`: dragging has ended, so the requests in progress are no longer needed. */
+  /** Requests an answer. `settled`: the user has stopped dragging, so older requests are cancelled. */
   put(question: Question, settled = true): void {
     const next = { number: ++this.last, question, at: performance.now() };
     if (settled) this.drop(next.number);
@@ -35,7 +35,7 @@ export class Asker<Question, Answer> {
     else this.waiting = next;
   }
 
-  /** Makes the latest value final, so that older requests are no longer needed. */
+  /** Cancels all requests but the latest, because its value is final. */
   settle(): void {
     this.drop(this.last);
     const next = this.waiting;

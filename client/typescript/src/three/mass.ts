@@ -77,7 +77,7 @@ export function pointInertia(mass: number, [x, y, z]: Vec3): Mat3 {
   ];
 }
 
-/** Returns the mass properties of all parts as a single rigid body (Huygens–Steiner). If there are no parts, the mass is 0. */
+/** Returns the mass properties of all parts as a single rigid body (Huygens–Steiner). Without parts, the mass is 0. */
 export function combine(parts: readonly MassProperties[]): MassProperties {
   let mass = 0, moment: Vec3 = [0, 0, 0];
   for (const part of parts) {
