@@ -148,11 +148,13 @@ bool Jobs::begins_again(const Shared& job, const Error& error) {
   if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
   if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   if (lacked_memory) {
-    // That much was not enough. Half as much more makes attempts few, but beyond three quarters of all the job
-    // would begin only if nobody else held any.
+    // That much was not enough. Half as much more makes attempts few. Three quarters of all leave others some room. If
+    // these were not enough either, each attempt halves what is missing to all.
     const auto bytes = needed->get<std::uint64_t>();
-    const std::uint64_t most = dispatcher_.working().capacity() / 4 * 3;
-    job->least_bytes = std::max(job->least_bytes, std::min(bytes / 2 * 3, std::max(bytes, most)));
+    const std::uint64_t all = dispatcher_.working().capacity(), most = all / 4 * 3;
+    const std::uint64_t next =
+        bytes < most ? std::min(bytes / 2 * 3, most) : bytes + (all - std::min(bytes, all)) / 2;
+    job->least_bytes = std::max(job->least_bytes, next);
   }
   job->waiting = true;
   return true;

@@ -131,15 +131,14 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
 
 /// Sets aside what a piece of work needs whose turn has come. False: there is not so much now, and it leaves its thread.
 /// When there is, `again` queues it; where that cannot be, `failed` is told why.
-template <class Work, class Again, class Failed>
-bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string& client, Priority priority,
-                            std::uint64_t bytes, Again again, Failed failed) {
+template <class Work, class PriorityNow, class Again, class Failed>
+bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string& client,
+                            PriorityNow priority_now, std::uint64_t bytes, Again again, Failed failed) {
   if (work->working) return true;
-  const MemoryBudget::Use use = use_of(priority);
   std::optional<MemoryBudget::Reservation> memory =
       line_.take({.client = client,
                   .bytes = bytes,
-                  .use = use,
+                  .use = [work, priority_now] { return use_of(priority_now()); },
                   .given_up = [work] { return work->abandoned(); },
                   .go_on =
                       [work, again, failed](MemoryBudget::Reservation later) {
@@ -151,9 +150,6 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
                         if (!queued) failed(queued.error());
                       }});
   if (memory) work->hold(std::move(*memory));
-  bytes = std::min(bytes, working_.whole().capacity());
-  if (!memory && working_.judge(client, bytes, use) == MemoryBudget::Verdict::kHeldInBackground)
-    background_.give_up(client, working_.whole().missing(bytes));
   return memory.has_value();
 }
 
@@ -211,10 +207,10 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   /// As BackgroundMemory::Holder says it, with the lock of that.
   bool give_up() {
     const Urgency& urgency = flight->common.urgency;
-    if (urgency.priority_of_task() != Priority::kBackground) return false;
-    given_up = true;
-    if (dispatcher.pool_.give_up(urgency.task())) return true;
-    // It is queued or waits for a part. Ending it gives memory back, which takes the same lock.
+    given_up = urgency.priority_of_task() == Priority::kBackground;
+    if (!given_up) return false;
+    dispatcher.pool_.give_up(urgency.task());
+    // If it does not run, it is queued or waits for a part, or will soon. Ending it gives memory back, which takes the same lock.
     dispatcher.timer_.at(Clock::now(), [weak = weak_from_this()] {
       if (const Shared c = weak.lock()) c->dispatcher.end_if_given_up(c);
     });

@@ -127,6 +127,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     } else {
       ++collapsed_;
       flight.common.urgency.join(pool_, terms.priority, terms.payer.turn());
+      line_.given_back();  // where the computation waits for memory, it may be more urgent now
     }
   });
   return std::nullopt;
@@ -231,8 +232,10 @@ void Dispatcher::begin(const Shared& c, int threads) {
       return pool_.resume([this, c](int free) { at_station(c, [&] { begin(c, free); }); }, priority, c->cost,
                           c->origin, flow, Computation::paid_by(c));
     });
+    end_if_given_up(c);  // it holds memory since before it was queued
   };
-  if (!has_memory(c, urgency.turn().name, urgency.priority(), c->bytes, again,
+  const auto priority_now = [&urgency] { return urgency.priority(); };
+  if (!has_memory(c, urgency.turn().name, priority_now, c->bytes, again,
                   [this, c](const Error& error) { end(c, tl::unexpected<Error>(error)); }))
     return;
   const Clock::time_point now = Clock::now();

@@ -115,8 +115,10 @@ class Dispatcher {
 
   /// Returns when nothing is computed any more and no reply is outstanding.
   void wait_idle() {
-    pool_.wait_idle();
-    timer_.flush();
+    do {  // a call of the timer may resume tasks
+      pool_.wait_idle();
+      timer_.flush();
+    } while (pool_.running() + pool_.queued() > 0);
   }
 
   /// How many tasks go before the computations of these results (RequestKeys::result); nothing for one that is not
@@ -185,8 +187,8 @@ class Dispatcher {
 
   // The stations of a computation, each on a thread of the pool.
   void begin(const Shared& c, int threads);
-  template <class Work, class Again, class Failed>
-  bool has_memory(const std::shared_ptr<Work>& work, const std::string& client, Priority priority,
+  template <class Work, class PriorityNow, class Again, class Failed>
+  bool has_memory(const std::shared_ptr<Work>& work, const std::string& client, PriorityNow priority_now,
                   std::uint64_t bytes, Again again, Failed failed);
   void obtain_mesh(const Shared& c, int threads);
   void obtain_diagram(const Shared& c, int threads);
@@ -214,8 +216,10 @@ class Dispatcher {
   WorkerPool& pool_;
   FailureKeeper* const failures_;
   ClientShares working_;
-  MemoryLine line_{working_};
   BackgroundMemory background_;
+  MemoryLine line_{working_, [this](const std::string& client, std::uint64_t bytes) {
+                     background_.give_up(client, working_.whole().missing(bytes));
+                   }};
   ResultFlights results_;
   MeshFlights meshes_;
   DiagramFlights diagrams_;

@@ -104,8 +104,9 @@ void Dispatcher::begin_errand(const std::shared_ptr<Errand>& errand, int threads
   };
   const auto failed = [errand](const Error& error) { errand->fail(error); };
   const Expected<bool> ready = guarded([&]() -> Expected<bool> {
-    return has_memory(errand, errand->terms.payer.flow.name, errand->terms.priority, errand->work.bytes,
-                      again, failed);
+    return has_memory(
+        errand, errand->terms.payer.flow.name, [errand] { return errand->terms.priority; },
+        errand->work.bytes, again, failed);
   });
   if (!ready) return failed(ready.error());
   if (!*ready) return;  // its turn comes again

@@ -1,7 +1,7 @@
 // Work whose turn has come and for which there is no memory: it leaves its thread to others and goes on when somebody
 // has given back enough. So queued work holds none of the memory that computing takes.
 //
-// Background work gives up memory for those whom a client waits for. Until they have it, no other background work takes it.
+// Background work gives up memory for work that a client waits for. Until that work has it, no further background work begins.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/service/client_shares.hpp"
 
@@ -21,23 +22,30 @@ namespace fracture {
 /// holds memory, and calls given_back() when it has given that back: nobody waits for ever.
 class MemoryLine {
  public:
-  explicit MemoryLine(ClientShares& memory) : memory_(memory) {}
+  /// Has background work of other clients give up memory, so that a client's work may have so many bytes.
+  using MakeRoom = std::function<void(const std::string& client, std::uint64_t bytes)>;
+  /// `make_room` is called without locks, again after each change, for each entry that lacks what background work holds.
+  MemoryLine(ClientShares& memory, MakeRoom make_room) : memory_(memory), make_room_(std::move(make_room)) {}
 
   struct Waits {
     std::string client;
     std::uint64_t bytes = 0;
-    MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor;
-    std::function<bool()> given_up;                        ///< nobody wants it any more
+    std::function<MemoryBudget::Use()> use;  ///< asked again: a client may have begun to wait for it
+    std::function<bool()> given_up;          ///< nobody wants it any more
     std::function<void(MemoryBudget::Reservation)> go_on;  ///< called once, or dropped if it was given up
   };
   /// The memory, or nothing: then `waits` is in the line.
   std::optional<MemoryBudget::Reservation> take(Waits waits) {
     waits.bytes = std::min(waits.bytes, memory_.whole().capacity());
-    // Nobody else takes any between the attempt and the place in the line.
-    const std::lock_guard lock(mutex_);
-    MemoryBudget::Reservation reservation = memory_.begin(waits.client, waits.use);
-    if (may_take(waits.use) && reservation.grow_to(waits.bytes)) return reservation;
-    line_.push_back({std::move(waits), std::move(reservation)});
+    const Use use = waits.use();
+    {
+      // Nobody else takes any between the attempt and the place in the line.
+      const std::lock_guard lock(mutex_);
+      MemoryBudget::Reservation reservation = memory_.begin(waits.client, use);
+      if (may_take(use) && reservation.grow_to(waits.bytes)) return reservation;
+      line_.push_back({std::move(waits), std::move(reservation)});
+    }
+    make_room();
     return std::nullopt;
   }
 
@@ -72,9 +80,14 @@ class MemoryLine {
         const bool may = may_take(use);  // those who wait for clients were tried again by then
         for (auto at = line_.begin(); at != line_.end();) {
           const auto next = std::next(at);
-          if (at->waits.given_up())
+          if (at->waits.given_up()) {
             over.splice(over.end(), line_, at);
-          else if (may && at->waits.use == use && at->reservation.grow_to(at->waits.bytes))
+            at = next;
+            continue;
+          }
+          if (const Use now = at->waits.use(); now != at->reservation.use())
+            at->reservation = memory_.begin(at->waits.client, now);
+          if (may && at->reservation.use() == use && at->reservation.grow_to(at->waits.bytes))
             go_on.splice(go_on.end(), line_, at);
           at = next;
         }
@@ -84,6 +97,7 @@ class MemoryLine {
         entry.waits.go_on(std::move(entry.reservation));
       } catch (...) {  // no memory even to say that there is none: the others go on
       }
+    make_room();
   }
 
   std::size_t size() const {
@@ -98,6 +112,17 @@ class MemoryLine {
     MemoryBudget::Reservation reservation;  ///< of nothing yet
   };
 
+  void make_room() noexcept try {
+    std::vector<std::pair<std::string, std::uint64_t>> lacking;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const Entry& entry : line_)
+        if (entry.reservation.verdict() == MemoryBudget::Verdict::kHeldInBackground)
+          lacking.emplace_back(entry.waits.client, entry.waits.bytes);
+    }
+    for (const auto& [client, bytes] : lacking) make_room_(client, bytes);
+  } catch (...) {  // no memory to ask for room: the next change asks again
+  }
   /// With the lock. Background work does not, while others wait for what background work holds beyond its half.
   bool may_take(Use use) const {
     if (use != Use::kBackground) return true;
@@ -107,6 +132,7 @@ class MemoryLine {
   }
 
   ClientShares& memory_;
+  const MakeRoom make_room_;
   mutable std::mutex mutex_;
   std::list<Entry> line_;  // the longest waiting first
   std::size_t claims_ = 0;

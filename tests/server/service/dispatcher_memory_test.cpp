@@ -301,27 +301,68 @@ TEST_F(HeldInBackground, IsKeptFromOtherBackgroundWork) {
   EXPECT_EQ(end_of("ana"), std::nullopt);
 }
 
-TEST(MemoryLine, GivesBackgroundWorkNothingWhileSomebodyNeedsWhatItGivesUp) {
-  ClientShares memory(MemoryBudget::Divided{100, 0, 0}, 100);
-  MemoryLine line(memory);
+struct MemoryLineTest : testing::Test {
+  using Use = MemoryBudget::Use;
+  ClientShares memory{MemoryBudget::Divided{100, 0, 0}, 100};
+  std::vector<std::string> asked;  // clients that room was to be made for
+  MemoryLine line{memory, [this](const std::string& client, std::uint64_t) { asked.push_back(client); }};
   std::vector<std::string> went_on;
   std::vector<MemoryBudget::Reservation> held;
-  const auto take = [&](const std::string& client, MemoryBudget::Use use) {
-    return line.take({client, 10, use, [] { return false; },
-                      [&, client](MemoryBudget::Reservation later) {
-                        went_on.push_back(client);
-                        held.push_back(std::move(later));
-                      }});
-  };
+
+  bool take(const std::string& client, const Use& use, std::uint64_t bytes) {
+    std::optional<MemoryBudget::Reservation> got =
+        line.take({client, bytes, [&use] { return use; }, [] { return false; },
+                   [this, client](MemoryBudget::Reservation later) {
+                     went_on.push_back(client);
+                     held.push_back(std::move(later));
+                   }});
+    if (!got) return false;
+    held.push_back(std::move(*got));
+    return true;
+  }
+  void give_back(std::size_t k) {
+    held.erase(held.begin() + static_cast<std::ptrdiff_t>(k));
+    line.given_back();
+  }
+  const Use background = Use::kBackground, waited_for = Use::kWaitedFor;
+};
+
+TEST_F(MemoryLineTest, GivesBackgroundWorkNothingWhileSomebodyNeedsWhatItGivesUp) {
   {
     const MemoryLine::Claim claim(line);
-    EXPECT_FALSE(take("ana", MemoryBudget::Use::kBackground));
-    EXPECT_TRUE(take("bob", MemoryBudget::Use::kWaitedFor));
+    EXPECT_FALSE(take("ana", background, 10));
+    EXPECT_TRUE(take("bob", waited_for, 10));
     line.given_back();
     EXPECT_TRUE(went_on.empty());
   }
   EXPECT_EQ(went_on, std::vector<std::string>{"ana"});
   EXPECT_EQ(line.size(), 0u);
+}
+
+/// The first job that gives up its memory leaves enough for one of two.
+TEST_F(MemoryLineTest, AsksForRoomAgainWhileSomebodyLacksIt) {
+  for (int job = 0; job < 3; ++job) ASSERT_TRUE(take("ana", background, 30));
+  EXPECT_FALSE(take("bob", waited_for, 35));
+  EXPECT_FALSE(take("eve", waited_for, 12));
+  asked.clear();
+  give_back(0);
+  EXPECT_EQ(went_on, std::vector<std::string>{"bob"});
+  EXPECT_EQ(asked, std::vector<std::string>{"eve"}) << "60 of 100 are background work's";
+  give_back(0);
+  EXPECT_EQ(went_on.back(), "eve");
+}
+
+TEST_F(MemoryLineTest, AsksForRoomForWorkThatAClientBeginsToWaitFor) {
+  Use use = Use::kBackground;
+  ASSERT_TRUE(take("ana", background, 60));
+  EXPECT_FALSE(take("bob", use, 45));
+  EXPECT_TRUE(asked.empty()) << "background work makes no room";
+  use = Use::kWaitedFor;
+  line.given_back();
+  EXPECT_EQ(asked, std::vector<std::string>{"bob"});
+  give_back(0);
+  EXPECT_EQ(went_on, std::vector<std::string>{"bob"});
+  EXPECT_EQ(held.back().use(), Use::kWaitedFor);
 }
 
 }  // namespace
