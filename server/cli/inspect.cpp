@@ -40,10 +40,10 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
     std::printf("  passed through whole: %s\n",
                 counted(source.passed_through->triangles.size(), "triangle", "triangles").c_str());
   if (mended)
-    std::printf("  repaired   %s, %s, %s filled with %.6g m²\n",
+    std::printf("  repaired   %s, %s, %s; %.6g m² were added\n",
                 counted(r.open_edges, "open edge", "open edges").c_str(),
                 counted(r.nonmanifold_edges, "non-manifold edge", "non-manifold edges").c_str(),
-                counted(r.holes_filled, "hole", "holes").c_str(), r.filled_area);
+                counted(r.holes_filled, "filled hole", "filled holes").c_str(), r.filled_area);
   const Remarks remarks = mesh.solid.remarks();
   for (const std::string& warning : remarks.warnings) std::printf("  warning: %s\n", warning.c_str());
   for (const std::string& note : remarks.notes) std::printf("  note: %s\n", note.c_str());

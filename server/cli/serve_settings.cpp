@@ -134,8 +134,10 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
               "to four times as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files at the same time"),
-       number("import-memory", "BYTES", o.import_memory, 0, kTiB,
-              "Bytes by which an import process may grow while it reads a file; 0: no limit"),
+       number(
+           "import-memory", "BYTES", o.import_memory, 0, kTiB,
+           "Bytes by which an import process may grow while it reads a file; 0: no limit. If not given, at most half "
+           "of --max-working"),
        choice(
            "require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
            "Refuse to start if import processes cannot be sandboxed; auto: only if other machines can reach "

@@ -8,6 +8,9 @@
 namespace fracture::http {
 namespace {
 
+/// An offer of a file whose type its name decides. Each range may match it, and the best one counts.
+constexpr std::string_view kAnyType = "*/*";
+
 /// 2 for the type itself, 1 for type/*, 0 for */*, -1 for no match.
 int specificity(std::string_view range, std::string_view offer) {
   if (equals_ignoring_case(range, offer)) return 2;
@@ -48,8 +51,10 @@ std::optional<std::size_t> negotiate(std::string_view accept, std::span<const st
           q = thousandths(parameter.substr(2));
         semicolon = next;
       }
-      const int s = specificity(trimmed(item.substr(0, item.find(';'))), offers[k]);
-      if (q < 0 || s <= matched) continue;
+      const std::string_view range = trimmed(item.substr(0, item.find(';')));
+      const bool any = offers[k] == kAnyType && range.find('/') != std::string_view::npos;
+      const int s = any ? 0 : specificity(range, offers[k]);
+      if (q < 0 || (any ? q <= quality : s <= matched)) continue;
       matched = s;
       quality = q;
     }

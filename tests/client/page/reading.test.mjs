@@ -63,6 +63,45 @@ describe('the documents', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
+  test('the server itself sends documents and interface', async () => {
+    const page = await bench.browser.newPage();
+    await page.goto(`${bench.server.url}/docs#proto/interface.md`);
+    await page.waitForSelector('article.docs-text');
+    assert.equal(await page.locator('main h1').textContent(), 'Requests and answers');
+    await page.goto(`${bench.server.url}/docs#post /fracture`);
+    await page.waitForSelector('article[id="post /fracture"]');
+    await page.close();
+  });
+
+  test('documents that cannot be loaded are missed aloud, and the interface is there', async () => {
+    const opened = await bench.open({ path: '/docs', wait: false }), { page } = opened;
+    await page.route('**/documents.json', route => route.fulfill({ status: 406 }));
+    await page.reload();
+    await page.getByText('The documents could not be loaded. (406').waitFor();
+    await page.waitForSelector('article[id="post /fracture"]');
+    await opened.close();
+  });
+
+  test('a link to the address that is open goes to its place again', async () => {
+    const opened = await bench.open({ path: '/docs', hash: '#server/README.md:exit-codes', wait: false }), { page } = opened, seen = page.locator('[id="server/README.md:exit-codes"]');
+    await eventually(() => seen.boundingBox(), box => assert.ok(box.y >= 0 && box.y < 500, `${box.y}`));
+    await page.evaluate(() => globalThis.scrollTo(0, 0));
+    await page.keyboard.press('/');
+    await page.keyboard.type('exit codes');
+    await page.waitForSelector('#found [aria-selected=true]');
+    await page.keyboard.press('Enter');
+    await eventually(() => seen.boundingBox(), box => assert.ok(box.y >= 0 && box.y < 500, `${box.y}`));
+    // Left at once after a movement, and back to there.
+    await page.evaluate(() => {
+      globalThis.scrollTo(0, 900);
+      document.querySelector('.docs-nav a[href="#CHANGELOG.md"]').click();
+    });
+    await eventually(() => page.locator('main h1').textContent(), found => assert.equal(found, 'Changelog'));
+    await page.goBack();
+    await eventually(() => page.evaluate(() => scrollY), found => assert.equal(found, 900));
+    await opened.close();
+  });
+
   test('documents fit small screens and can be read by all', async () => {
     for (const colorScheme of ['dark', 'light']) {
       const { page, close } = await bench.open({ path: '/docs', hash: '#proto/parameters.md', wait: false, colorScheme, width: 360, height: 640, bypassCSP: true });

@@ -89,7 +89,9 @@ TEST(Page, NeedsNoTokenAndGivesNothingElseAway) {
   EXPECT_EQ(server.get("/", kBrowser).status, 200);
   EXPECT_EQ(server.get("/").status, 401) << "JSON is for who is known";
   EXPECT_EQ(server.get("/limits", kBrowser).status, 401);
-  EXPECT_EQ(server.get("/docs", kBrowser).status, page::files().empty() ? 404 : 200);
+  const int there = page::files().empty() ? 404 : 200;
+  EXPECT_EQ(server.get("/docs", kBrowser).status, there);
+  EXPECT_EQ(server.get("/page/documents.json", "Accept: application/json\r\n").status, there);
   EXPECT_EQ(server.post("/", "x", kBrowser).status, 401);
 }
 

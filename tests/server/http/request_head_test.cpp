@@ -191,6 +191,14 @@ TEST(Accept, TheBestQualityWinsAndTiesGoToTheFirstOffer) {
   EXPECT_EQ(negotiate(",,;;,", offers), std::nullopt);
 }
 
+TEST(Accept, AFileOfAnyTypeMatchesEachRange) {
+  constexpr std::string_view offers[] = {"*/*"};
+  for (const char* accept : {"", "*/*", "application/json", "image/*", "text/html;q=0, application/json"})
+    EXPECT_EQ(negotiate(accept, offers), 0u) << accept;
+  EXPECT_EQ(negotiate("*/*;q=0", offers), std::nullopt);
+  EXPECT_EQ(negotiate("json", offers), std::nullopt);
+}
+
 // -- multipart
 
 const std::string kForm =

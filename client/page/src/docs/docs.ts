@@ -11,7 +11,9 @@ import { documentOf, INTERFACE, keepScroll, placeOf, scrollTo } from './places';
 import type { Entry } from './search';
 
 const root = document.getElementById('docs')!;
-let pages: Page[] | undefined, service: Interface | undefined, entries: Entry[] = [], problem = '', token = '', open = false, settled = false;
+let pages: Page[] | undefined, service: Interface | undefined, entries: Entry[] = [], token = '', open = false, settled = false;
+/** Why the documents and the interface are missing: an HTTP status or a sentence. */
+const missing = { documents: '', service: '' };
 const finder = new Finder(() => entries, show);
 
 const current = (): string => documentOf(placeOf(location.hash), (pages ?? []).map(({ path }) => path));
@@ -32,7 +34,7 @@ function show(): void {
         ${(pages ?? []).filter(each => each.kind === kind).map(each => one(each.path, each.name, at, () => headingsOf(each).filter(({ level }) => level === 2)
           .map(({ id, text }) => html`<a href="#${id}">${text}</a>`)))}`)}</nav></div>
     <main class="docs-body" tabindex="-1">${page ? html`<p class="docs-path">${words.kinds[page.kind]} · <code>${page.path}</code>${page.pictures ? ` · ${words.pictures}` : ''}</p>
-      <article class="docs-text">${unsafeHTML(shownOf(page))}</article>` : at === INTERFACE && pages ? asked() : html`<p role="status">${problem || words.loading}</p>`}</main>`, root);
+      <article class="docs-text">${unsafeHTML(shownOf(page))}</article>` : at === INTERFACE && pages ? html`${missing.documents ? html`<p role="status">${words.noDocuments} (${missing.documents})</p>` : nothing}${asked()}` : html`<p role="status">${words.loading}</p>`}</main>`, root);
 }
 
 /** Draws a document in the list, with its table of contents if it is open. */
@@ -43,22 +45,22 @@ function one(place: string, name: string, at: string, contents: () => unknown): 
 /** Draws the interface, or the reason why it is missing. */
 function asked(): TemplateResult {
   if (service) return service.shown();
-  return html`<h1>${words.title}</h1>${problem === '401' ? html`<form @submit=${(event: Event) => {
+  return html`<h1>${words.title}</h1>${missing.service === '401' ? html`<form @submit=${(event: Event) => {
     event.preventDefault();
     token = String(new FormData(event.target as HTMLFormElement).get('token'));
     void loadInterface();
   }}><label>${words.token} <input name="token" type="password" autocomplete="off"></label> <button class="primary">${words.use}</button></form>`
-  : html`<p role="status">${problem || words.loading}</p>`}`;
+  : html`<p role="status">${missing.service || words.loading}</p>`}`;
 }
 
-/** Fetches the JSON at an address. If that fails, returns undefined and sets `problem` to the reason. */
-async function load<T>(address: string): Promise<T | undefined> {
+/** Fetches the JSON at an address. If that fails, returns undefined and stores the reason in `missing`. */
+async function load<T>(address: string, what: keyof typeof missing): Promise<T | undefined> {
   try {
     const answer = await fetch(address, { headers: { Accept: 'application/json', ...(token ? { Authorization: `Bearer ${token}` } : {}) } });
     if (answer.ok) return await answer.json() as T;
-    problem = answer.status === 401 ? '401' : `${answer.status} ${answer.statusText}`;
+    missing[what] = answer.status === 401 ? '401' : `${answer.status} ${answer.statusText}`;
   } catch {
-    problem = words.absent;
+    missing[what] = words.absent;
   }
   return undefined;
 }
@@ -94,7 +96,7 @@ function reachable(): void {
 }
 
 async function loadInterface(): Promise<void> {
-  const found = await load<Document>('/openapi.json');
+  const found = await load<Document>('/openapi.json', 'service');
   if (found) service = new Interface(found);
   arrived();
 }
@@ -102,10 +104,18 @@ async function loadInterface(): Promise<void> {
 takeTheme();
 keepScroll();
 addEventListener('hashchange', move);
+// A link to the address that is open changes nothing that the browser tells about, and still goes to its place.
+addEventListener('click', event => {
+  const link = (event.target as Element).closest?.<HTMLAnchorElement>('a[href^="#"]');
+  if (link?.hash !== location.hash) return;
+  event.preventDefault();
+  history.replaceState(null, '');
+  move();
+});
 addEventListener('resize', reachable);
 show();
 void loadInterface();
-void load<Page[]>('/page/documents.json').then(found => {
+void load<Page[]>('/page/documents.json', 'documents').then(found => {
   pages = found ?? [];
   arrived();
 });

@@ -36,7 +36,7 @@ export class Finder {
       if (!(event.currentTarget as Element).contains(event.relatedTarget as Node | null)) this.show(false);
     }}>
       <input type="search" role="combobox" aria-label=${words.search} placeholder=${words.hint} aria-expanded=${any} aria-controls="found" aria-autocomplete="list"
-        aria-activedescendant=${any ? `found-${chosen}` : nothing} autocomplete="off" spellcheck="false"
+        aria-activedescendant=${any ? `found-${chosen}` : nothing} autocomplete="off" spellcheck="false" maxlength="200"
         @input=${(event: Event) => this.ask((event.target as HTMLInputElement).value)} @focus=${() => this.show(query !== '')} @keydown=${this.key}>
       <div class="docs-found" ?hidden=${!open || query.trim() === ''}>
         <p role="status">${!open || query.trim() === '' ? '' : words.found(this.all, found.length)}</p>
@@ -70,7 +70,7 @@ export class Finder {
       this.show(true);
       document.getElementById(`found-${this.chosen}`)?.scrollIntoView({ block: 'nearest' });
     } else if (event.key === 'Enter' && this.open && chosen) {
-      location.hash = `#${chosen.entry.at}`;
+      document.getElementById(`found-${this.chosen}`)?.click();
       // From then on, keys scroll the text.
       document.querySelector('main')?.focus({ preventScroll: true });
       this.show(false);

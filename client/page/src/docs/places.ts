@@ -1,7 +1,7 @@
 // Places in the documents. The address contains the reader's place, so that links, reloads and going back work.
 //   #                                   the first document
 //   #proto/interface.md                 a document
-//   #proto/interface.md:compression     a heading in it
+//   #proto/interface.md:all-addresses   a heading in it
 //   #interface, #parameters, #parameter NAME, #post /fracture   the HTTP interface and places in it
 
 export const INTERFACE = 'interface';
@@ -27,11 +27,14 @@ export function documentOf(place: string, paths: string[]): string {
 export function keepScroll(): void {
   history.scrollRestoration = 'manual';
   let timer: ReturnType<typeof setTimeout> | undefined;
+  const keep = () => history.replaceState({ scrolled: scrollY }, '');
+  // A click may leave the entry before the timer has ended.
+  addEventListener('click', keep, { capture: true });
   addEventListener('scroll', () => {
     const { hash } = location;
     clearTimeout(timer);
     // Browsers refuse many changes in a short time.
-    timer = setTimeout(() => location.hash === hash && history.replaceState({ scrolled: scrollY }, ''), 150);
+    timer = setTimeout(() => location.hash === hash && keep(), 150);
   }, { passive: true });
 }
 

@@ -17,7 +17,7 @@ export interface Found {
 const FIELDS = [['title', 300], ['heading', 200], ['text', 100], ['of', 0]] as const;
 const LETTER = /[\p{L}\p{N}_]/u;
 
-export const wordsOf = (query: string): string[] => query.toLowerCase().split(/[\s,;]+/).filter(Boolean);
+export const wordsOf = (query: string): string[] => [...new Set(query.toLowerCase().split(/[\s,;]+/).filter(Boolean))];
 
 /** Returns how well a word fits. 0: not found; 1: inside a word; 2: at the start of a word; 3: a whole word. */
 function fit(text: string, word: string): number {
