@@ -50,6 +50,8 @@ const char* name_of(Product product) {
       return "import_bytes";
     case Product::kMeshBytes:
       return "mesh_bytes";
+    case Product::kContacts:
+      return "contacts";
   }
   return "";
 }
@@ -68,6 +70,8 @@ std::uint64_t bytes_of(Product product) {
       return 150;
     case Product::kFragmentTriangles:
       return 220;
+    case Product::kContacts:
+      return 200;
     case Product::kImportBytes:
     case Product::kMeshBytes:
       return 1;

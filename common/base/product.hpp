@@ -20,8 +20,9 @@ enum class Product {
   kFragmentTriangles,  ///< what is written
   kImportBytes,        ///< of a process that reads a file, and of what it delivers
   kMeshBytes,          ///< of the mesh as it was imported
+  kContacts,           ///< pairs of parts in contact
 };
-inline constexpr std::size_t kProducts = 8;
+inline constexpr std::size_t kProducts = 9;
 const char* name_of(Product product);
 /// Peak bytes for one of them, including its vertices, its indices and the tables of the stage that makes it.
 /// common/pipeline/DECISION.md has the measurements.

@@ -12,11 +12,11 @@
 
 namespace fracture {
 
-std::vector<Contact> find_contacts(const RestrictedDiagram& d, const Pieces& pieces,
-                                   const std::vector<std::uint32_t>& group_of_piece,
-                                   const Execution& execution) {
+std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& d, const Pieces& pieces,
+                                              const std::vector<std::uint32_t>& group_of_piece,
+                                              const Execution& execution) {
   // Every touching pair is a contact, those without area too: they bind where there is nothing better.
-  std::vector<Contact> all;
+  std::vector<PieceContact> all;
   for (const Bond& b : find_bonds(d, pieces, group_of_piece, execution)) {
     all.push_back({b.a, b.b, b.area});
     all.push_back({b.b, b.a, b.area});
@@ -29,7 +29,7 @@ std::vector<Contact> find_contacts(const RestrictedDiagram& d, const Pieces& pie
     all.push_back({group_of_piece[p], group_of_piece[q], 0});
     all.push_back({group_of_piece[q], group_of_piece[p], 0});
   }
-  sort_with_polls(execution, all.begin(), all.end(), [](const Contact& x, const Contact& y) {
+  sort_with_polls(execution, all.begin(), all.end(), [](const PieceContact& x, const PieceContact& y) {
     if (x.of != y.of) return x.of < y.of;
     return x.area != y.area ? x.area > y.area : x.with < y.with;
   });
@@ -104,7 +104,7 @@ class SmallestFirst {
   /// `volumes`: of the groups.
   SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                 const std::vector<double>& volumes, const Execution& execution)
-      : SmallestFirst(pieces, groups, volumes, find_contacts(d, pieces, groups.names(), execution),
+      : SmallestFirst(pieces, groups, volumes, find_piece_contacts(d, pieces, groups.names(), execution),
                       execution) {}
   SmallestFirst(const SmallestFirst&) = delete;  // its table of contacts refers to its pacer
   SmallestFirst& operator=(const SmallestFirst&) = delete;
@@ -170,7 +170,7 @@ class SmallestFirst {
   }
 
   SmallestFirst(const Pieces& pieces, const PieceGroups& groups, const std::vector<double>& volumes,
-                const std::vector<Contact>& contacts, const Execution& execution)
+                const std::vector<PieceContact>& contacts, const Execution& execution)
       : pacer_(execution),
         volume_(volumes),
         name_(pieces.pieces.size()),
@@ -181,7 +181,7 @@ class SmallestFirst {
       pacer_.step(4);
       name_[p] = seat_[p] = p;
     }
-    for (const Contact& c : contacts)  // each stands there for both
+    for (const PieceContact& c : contacts)  // each pair is listed twice
       if (c.of < c.with) touches_.add(c.of, c.with, c.area);
     for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
       if (!groups.is_group(p)) continue;

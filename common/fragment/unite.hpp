@@ -14,14 +14,14 @@
 namespace fracture {
 
 /// Two groups of pieces that share caps.
-struct Contact {
+struct PieceContact {
   std::uint32_t of, with;
   double area;  ///< m²; 0 where they touch without a bond
 };
 /// Both directions of each pair; by `of`, then the largest area first, ties by `with`. Throws Interrupted.
-std::vector<Contact> find_contacts(const RestrictedDiagram& diagram, const Pieces& pieces,
-                                   const std::vector<std::uint32_t>& group_of_piece,
-                                   const Execution& execution);
+std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& diagram, const Pieces& pieces,
+                                              const std::vector<std::uint32_t>& group_of_piece,
+                                              const Execution& execution);
 
 /// Of each group of pieces, by its name, m³; 0 where there is no group of that name. Throws Interrupted.
 std::vector<double> volumes_of_groups(const RestrictedDiagram& diagram, const Pieces& pieces,

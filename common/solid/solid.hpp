@@ -14,6 +14,7 @@
 #include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/solid/contact_graph.hpp"
 #include "common/solid/vertex_id.hpp"
 
 namespace fracture {
@@ -32,6 +33,8 @@ struct SolidOptions {
   /// filled holes would enclose less than this times their area) become slabs of this thickness behind their
   /// surface. 0 = such pieces are dropped.
   double thickness = 0;
+  /// Metres, for the contact graph (keep_contacts()); make_solid() ignores it. Empty: kContactGap of the longest side.
+  std::optional<double> contact_gap{};
 };
 
 /// Per-triangle material of triangles that were not in the source (filled holes): the interior material.
@@ -137,6 +140,8 @@ struct Solid {
   std::uint32_t layers = 0;  ///< 1 + the largest Part::layer
   Box box;
   SolidReport report;
+  /// Null until keep_contacts() (contacts/contacts.hpp). Copies, images and extracts of the solid share it or have none.
+  std::shared_ptr<const ContactGraph> contacts{};
 
   /// Those of the importer, then those of make_solid().
   Remarks remarks() const;

@@ -109,8 +109,8 @@ TEST(GroupContacts, AreThoseOfAllCapsAfterAnyUnions) {
   Random random(7);
   for (int step = 0; step < 50; ++step) {
     std::map<std::uint32_t, std::vector<Neighbor>> expected;
-    std::vector<Contact> all = find_contacts(cut.restricted, cut.pieces, groups.names(), {});
-    for (const Contact& c : all) {
+    std::vector<PieceContact> all = find_piece_contacts(cut.restricted, cut.pieces, groups.names(), {});
+    for (const PieceContact& c : all) {
       auto& of = expected[c.of];
       const auto same = [&](const Neighbor& x) { return x.group == c.with; };
       if (std::none_of(of.begin(), of.end(), same)) of.push_back({c.with, c.area});
@@ -125,7 +125,8 @@ TEST(GroupContacts, AreThoseOfAllCapsAfterAnyUnions) {
         EXPECT_EQ(found[k].area, expected[g][k].area);  // to the bit: it decides
       }
     }
-    const Contact& pick = all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
+    const PieceContact& pick =
+        all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
     contacts.unite(pick.of, pick.with);
   }
 }
@@ -133,7 +134,8 @@ TEST(GroupContacts, AreThoseOfAllCapsAfterAnyUnions) {
 TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
   const Cut cut(bow_tie(0.6), {}, 200);
   const auto n = static_cast<std::uint32_t>(cut.pieces.pieces.size());
-  const std::vector<Contact> all = find_contacts(cut.restricted, cut.pieces, PieceGroups(n).names(), {});
+  const std::vector<PieceContact> all =
+      find_piece_contacts(cut.restricted, cut.pieces, PieceGroups(n).names(), {});
   Random random(11);
   int negative = 0, positive = 0, unknown = 0;
   for (int run = 0; run < 60; ++run) {
@@ -141,7 +143,8 @@ TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
     Pacer pacer(kUninterrupted);
     VolumeSigns signs(cut.restricted, cut.pieces, kAlone);
     for (int step = 0; step < 12; ++step) {
-      const Contact& pick = all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
+      const PieceContact& pick =
+          all[static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size()))];
       const std::uint32_t a = groups.of(pick.of), b = groups.of(pick.with), name = std::min(a, b);
       if (a == b) continue;
       signs.unite(groups, a, b, name);

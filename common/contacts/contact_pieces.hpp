@@ -1,0 +1,44 @@
+// The surface that is a contact's area, as convex pieces.
+#pragma once
+
+#include <vector>
+
+#include "common/base/pacer.hpp"
+#include "common/contacts/facing.hpp"
+#include "common/contacts/overlap.hpp"
+#include "common/contacts/trapezoids.hpp"
+
+namespace fracture::contacts_detail {
+
+/// Keeps its memory from pair to pair; borrows all.
+class PieceMaker {
+ public:
+  PieceMaker(const PartSurfaces& surfaces, Pacer& pacer)
+      : surfaces_(surfaces), pacer_(pacer), sweep_(pacer) {}
+
+  /// Adds the pieces of a contact measured by facing: the polygons on its measured part.
+  void add_facing(const Contact& contact, const NearPair& pair, const FacingPolygons& polygons,
+                  std::vector<ContactPiece>& pieces);
+  /// Adds the pieces of a contact measured by common surface.
+  void add_common(const NearPair& pair, const Overlap& overlap, std::vector<ContactPiece>& pieces);
+  /// Adds the pieces of a contact measured by the surface inside the other part. Triangles of the pair that coincide with the
+  /// other part's surface apart from rounding are moved to the side on which they are not inside, because otherwise
+  /// chance would decide.
+  void add_inside(const Contact& contact, NearPair& pair, const Overlap& overlap,
+                  std::vector<ContactPiece>& pieces);
+
+ private:
+  void add_polygon(std::span<const Vec3d> corners, double area, const Vec3d& normal, double height,
+                   std::vector<ContactPiece>& pieces) const;
+  /// Returns for each triangle whether it was moved; empty if none coincides.
+  std::vector<char> move_off(NearPair& pair, bool of_b, std::vector<Corners>& exact);
+  std::array<int, 3> windings_alone(const Corners& corners, const Crossed& crossed, std::uint32_t around,
+                                    Owner owner);
+
+  const PartSurfaces& surfaces_;
+  Pacer& pacer_;
+  TrapezoidSweep sweep_;
+  Vec3d origin_;  ///< of the pair
+};
+
+}  // namespace fracture::contacts_detail
