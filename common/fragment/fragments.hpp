@@ -70,12 +70,14 @@ struct Fragment {
   std::uint64_t open_edges = 0;  ///< open_edges()
 };
 
-/// The shared caps of two fragments.
+/// Two fragments that hold together: by their shared caps or, if they belong to different parts, by their share in the
+/// contact of these parts (structure/contact_bonds.hpp).
 struct Bond {
   std::uint32_t a, b;  ///< indices into FragmentSet::fragments, a < b
   double area = 0;  ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
   Vec3d centroid;   ///< m; the mean of the caps, by that area
   Vec3d normal;     ///< unit, from a to b, the mean of the caps by their own area
+  double strength = 1;  ///< per area, as a multiple of the material's strength
 };
 
 /// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not

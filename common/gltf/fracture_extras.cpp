@@ -29,7 +29,8 @@ void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptio
   rounded_column("area", [](const Bond& bond) { return bond.area; });
   rounded_column("centroid", [](const Bond& bond) { return bond.centroid; });
   rounded_column("normal", [](const Bond& bond) { return bond.normal; });
-  rounded_column("strength", [&](const Bond& bond) { return bond.area * options.bond_strength; });
+  rounded_column("strength",
+                 [&](const Bond& bond) { return bond.area * options.bond_strength * bond.strength; });
   json.end_object();
 }
 

@@ -67,6 +67,35 @@ void write_size(JsonText& json, const SizeReport& size) {
   json.end_object();
 }
 
+/// Writes the listed contacts as columns.
+void write_contacts(JsonText& json, const ContactReport& contacts) {
+  const auto column = [&](const char* name, const auto& of) {
+    json.key(name).begin_array();
+    for (const Contact& contact : contacts.listed) json.value(of(contact));
+    json.end_array();
+  };
+  json.begin_object()
+      .member("alone", contacts.alone)
+      .member("area", contacts.area)
+      .member("gap", contacts.gap);
+  json.key("listed").begin_object();
+  column("a", [](const Contact& c) { return c.a; });
+  column("area", [](const Contact& c) { return c.area; });
+  column("b", [](const Contact& c) { return c.b; });
+  column("kind",
+         [](const Contact& c) { return c.kind == ContactKind::kOverlapping ? "overlapping" : "touching"; });
+  column("normal", [](const Contact& c) { return c.normal; });
+  column("place", [](const Contact& c) { return c.place; });
+  column("volume", [](const Contact& c) { return c.volume; });
+  json.end_object()
+      .member("overlapping", contacts.overlapping)
+      .member("pairs", contacts.pairs)
+      .member("parts", contacts.parts)
+      .member("touching", contacts.touching)
+      .member("volume", contacts.volume)
+      .end_object();
+}
+
 void write_solid(JsonText& json, const SolidReport& solid) {
   json.key("solid").begin_object();
   solid.each_figure([&](const char* name, const auto& figure) {
@@ -93,6 +122,10 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
   json.begin_object();
   if (report.anchored) json.key("anchors").begin_object().member("fragments", *report.anchored).end_object();
   if (report.barycenter) write_barycenter(json, *report.barycenter);
+  if (report.contacts) {
+    json.key("contacts");
+    write_contacts(json, *report.contacts);
+  }
   if (report.fragment)
     json.key("fragment")
         .begin_object()
@@ -166,7 +199,7 @@ void write_support(JsonText& json, const FragmentSet& set, const Support& suppor
   column("b", support.weak, [&](std::uint32_t bond) { id(set.bonds[bond].b); });
   column("share", support.weak, [&](std::uint32_t bond) {
     if (asked.strength > 0)
-      json.value(stress(bond) / asked.strength);
+      json.value(stress(bond) / (asked.strength * set.bonds[bond].strength));
     else
       json.null();
   });
@@ -194,6 +227,12 @@ void write_certificate(JsonText& json, const Certificate& c) {
       .member("fragments", c.fragments)
       .member("crossing_caps", c.crossing_caps)
       .end_object();
+}
+
+nlohmann::json contacts_document(const ContactReport& contacts) {
+  JsonText json;
+  write_contacts(json, contacts);
+  return nlohmann::json::parse(json.text());
 }
 
 nlohmann::json certificate_document(const Certificate& certificate) {

@@ -9,6 +9,7 @@
 #include "common/hits/difference.hpp"
 #include "common/hits/local_hit.hpp"
 #include "common/pipeline/fracture_steps.hpp"
+#include "common/structure/contact_bonds.hpp"
 
 namespace fracture {
 namespace {
@@ -20,59 +21,112 @@ bool may_be_local(const FractureParameters& p) {
          (p.hits.empty() || p.rest == LocalRest::kFractured);
 }
 
+/// A bond with a new or changed fragment at one end or both.
+struct ChangedBond {
+  PlaceInAnswer a, b;
+  Bond bond;  ///< its ends are not set yet
+};
+
+const KeptFragment& kept_at(const HitOutcome& hit, const PlaceInAnswer& place) {
+  return hit.next.cells[place.site]->fragments[place.fragment];
+}
+
+/// The index of a place in an ascending list; kNoIndex if it is missing.
+std::uint32_t number_in(const std::vector<PlaceInAnswer>& places, const PlaceInAnswer& place) {
+  const auto at = std::lower_bound(places.begin(), places.end(), place);
+  return at != places.end() && *at == place ? static_cast<std::uint32_t>(at - places.begin()) : kNoIndex;
+}
+
+std::vector<ChangedBond> changed_cap_bonds(const HitOutcome& hit, Pacer& pacer) {
+  std::vector<ChangedBond> bonds;
+  for (const SiteId s : hit.around) {
+    if (!hit.next.bonds[s]) continue;
+    for (const KeptBond& bond : *hit.next.bonds[s]) {
+      pacer.step(8);
+      const PlaceInAnswer a{s, bond.fragment}, b{bond.other_cell, bond.other_fragment};
+      if (number_in(hit.changed, a) != kNoIndex || number_in(hit.changed, b) != kNoIndex)
+        bonds.push_back({a, b, {0, 0, bond.area, bond.centroid, bond.normal}});
+    }
+  }
+  return bonds;
+}
+
+/// Linear in the cells, and in the pieces of contacts of changed parts.
+void add_changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
+                               std::vector<ChangedBond>& bonds, const Execution& execution) {
+  if (hit.changed.empty() || !parts_hold_together(with.solid)) return;
+  Pacer pacer(execution);
+  std::vector<PlaceInAnswer> places;
+  std::vector<const Fragment*> fragments;
+  std::vector<char> wanted;
+  auto next = hit.changed.begin();
+  for (const SiteId s : ids<SiteId>(hit.next.cells.size())) {
+    pacer.step(8);
+    const std::vector<KeptFragment>& here = hit.next.cells[s]->fragments;
+    for (std::uint32_t k = 0; k < here.size(); ++k) {
+      places.push_back({s, k});
+      fragments.push_back(&here[k].fragment);
+      const bool changed = next != hit.changed.end() && *next == places.back();
+      wanted.push_back(changed ? 1 : 0);
+      if (changed) ++next;
+    }
+  }
+  for (const Bond& bond : find_contact_bonds(with, fragments, wanted, execution))
+    bonds.push_back({places[bond.a], places[bond.b], bond});
+}
+
+/// The sites if bonds across parts need them, otherwise nothing.
+std::vector<Vec3d> points_of(const Solid& solid, const LocalBase& base, const Execution& execution) {
+  if (!parts_hold_together(solid)) return {};
+  std::vector<Vec3d> points;
+  points.reserve(base.tetrahedra.site_count());
+  Pacer pacer(execution);
+  for (const SiteId s : ids<SiteId>(base.tetrahedra.site_count())) {
+    pacer.step();
+    points.push_back(base.tetrahedra.site(s));
+  }
+  return points;
+}
+
 /// The fragments that are new or changed, with their bonds and the ids of the neighbours that these lead to.
-CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, Delta& delta,
-                          const Execution& execution) {
+CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellSites& cells,
+                          double contact_strength, Delta& delta, const Execution& execution) {
   CutCells cut;
   FragmentSet& set = cut.set;
   set.source = solid.source;
+  state_lattice(solid, set);
   Pacer pacer(execution);
-  const auto kept = [&](const PlaceInAnswer& place) -> const KeptFragment& {
-    return hit.next.cells[place.site]->fragments[place.fragment];
-  };
   for (const PlaceInAnswer& place : hit.changed) {
     pacer.step(64);
-    set.fragments.push_back(kept(place).fragment);
-    cut.hulls.of_fragment.push_back(kept(place).hulls);
+    set.fragments.push_back(kept_at(hit, place).fragment);
+    cut.hulls.of_fragment.push_back(kept_at(hit, place).hulls);
   }
-  const auto number = [](const std::vector<PlaceInAnswer>& places, const PlaceInAnswer& place) {
-    const auto at = std::lower_bound(places.begin(), places.end(), place);
-    return at != places.end() && *at == place ? static_cast<std::uint32_t>(at - places.begin()) : kNoIndex;
-  };
-  const auto each_bond = [&](const auto& visit) {
-    for (const SiteId s : hit.around) {
-      if (!hit.next.bonds[s]) continue;
-      for (const KeptBond& bond : *hit.next.bonds[s]) {
-        pacer.step(8);
-        const PlaceInAnswer a{s, bond.fragment}, b{bond.other_cell, bond.other_fragment};
-        const std::uint32_t here = number(hit.changed, a), there = number(hit.changed, b);
-        if (here != kNoIndex || there != kNoIndex) visit(bond, a, b, here, there);
-      }
-    }
-  };
+  std::vector<ChangedBond> bonds = changed_cap_bonds(hit, pacer);
+  add_changed_contact_bonds({solid, cells, set.lattice_step, contact_strength}, hit, bonds, execution);
   std::vector<PlaceInAnswer> neighbors;
-  each_bond([&](const KeptBond&, const PlaceInAnswer& a, const PlaceInAnswer& b, std::uint32_t here,
-                std::uint32_t there) {
-    if (here == kNoIndex) neighbors.push_back(a);
-    if (there == kNoIndex) neighbors.push_back(b);
-  });
-  std::sort(neighbors.begin(), neighbors.end());
+  for (const ChangedBond& bond : bonds)
+    for (const PlaceInAnswer& place : {bond.a, bond.b})
+      if (number_in(hit.changed, place) == kNoIndex) neighbors.push_back(place);
+  sort_with_polls(execution, neighbors.begin(), neighbors.end());
   neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
-  for (const PlaceInAnswer& place : neighbors) delta.neighbors.push_back(kept(place).fragment.id);
-  const auto first = static_cast<std::uint32_t>(hit.changed.size());
-  each_bond([&](const KeptBond& bond, const PlaceInAnswer& a, const PlaceInAnswer& b, std::uint32_t here,
-                std::uint32_t there) {
-    set.bonds.push_back({here != kNoIndex ? here : first + number(neighbors, a),
-                         there != kNoIndex ? there : first + number(neighbors, b), bond.area, bond.centroid,
-                         bond.normal});
-  });
+  for (const PlaceInAnswer& place : neighbors) delta.neighbors.push_back(kept_at(hit, place).fragment.id);
+  const auto number = [&](const PlaceInAnswer& place) {
+    const std::uint32_t here = number_in(hit.changed, place);
+    return here != kNoIndex ? here
+                            : static_cast<std::uint32_t>(hit.changed.size()) + number_in(neighbors, place);
+  };
+  for (ChangedBond& bond : bonds) {
+    pacer.step(8);
+    bond.bond.a = number(bond.a);
+    bond.bond.b = number(bond.b);
+    set.bonds.push_back(bond.bond);
+  }
   point_upwards(set.bonds, execution);
 
   const FragmentFigures& figures = hit.next.figures;
   set.certificate = certificate_of(solid, figures);
   set.size = hit.next.size;
   if (hit.next.rough) cut.rough = hit.next.rough->report;
-  state_lattice(solid, set);
   cut.whole = CutCells::Whole{figures.sorted_volumes, figures.triangles, figures.hulls};
   return cut;
 }
@@ -94,10 +148,13 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
         hit_cells(solid, base, plan.points, plan.groups_of_hits, parameters, execution);
     if (!hit) return std::nullopt;
     hit->next.notes.remarks = std::move(plan.remarks);
-    CutCells cut = new_hits.only_changed ? changed_cells_of(solid, *hit, hit->delta, execution)
-                                         : all_cells_of(solid, hit->next, execution);
+    const std::vector<Vec3d> points = points_of(solid, hit->next, execution);
+    CutCells cut = new_hits.only_changed
+                       ? changed_cells_of(solid, *hit, {points, hit->next.map}, parameters.contact_strength,
+                                          hit->delta, execution)
+                       : all_cells_of(solid, hit->next, execution);
     Expected<FracturedSolid> completed =
-        complete(solid, hit->next.notes, parameters, std::move(cut), execution);
+        complete(solid, hit->next.notes, parameters, std::move(cut), {points, hit->next.map}, execution);
     if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
     completed->delta = std::move(hit->delta);
     return KeptAnswer{std::move(*completed), {std::move(hit->next)}, true};
@@ -134,7 +191,8 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
     const RoughReport rough = cut->rough;
     KeptAnswer out;
     Expected<FracturedSolid> completed =
-        complete(solid, notes_of(diagram), parameters, std::move(*cut), execution);
+        complete(solid, notes_of(diagram), parameters, std::move(*cut),
+                 {diagram.tetrahedralization.points, diagram.map}, execution);
     if (!completed) return tl::unexpected(std::move(completed.error()));
     out.fractured = std::move(*completed);
     if (local) out.base.local = maker.make(out.fractured, diagram, execution);

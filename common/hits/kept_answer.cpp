@@ -180,11 +180,12 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
     for (; k < all.size() && fragments[all[k].a].sites[0] == s; ++k) {
       pacer.step(8);
       const Bond& bond = all[k];
+      if (fragments[bond.a].part != fragments[bond.b].part) continue;  // a contact's bond: computed again
       const SiteId other = fragments[bond.b].sites[0];
       of_cell.push_back(
           {bond.a - first_of[s], other, bond.b - first_of[other], bond.area, bond.centroid, bond.normal});
     }
-    bonds[s] = std::make_shared<const std::vector<KeptBond>>(std::move(of_cell));
+    if (!of_cell.empty()) bonds[s] = std::make_shared<const std::vector<KeptBond>>(std::move(of_cell));
   }
   base.cells = SharedBlocks<std::shared_ptr<const KeptCell>>(std::move(cells));
   base.lowest = SharedBlocks<SiteId, 256>(std::move(lowest_));

@@ -24,7 +24,7 @@
 
 namespace fracture {
 
-/// A bond, kept at the cell of its lower fragment: of cells that stay together, at the lowest of them.
+/// A bond of shared caps, kept at the cell of its lower fragment. For cells that stay together, this is the lowest of them.
 struct KeptBond {
   std::uint32_t fragment;        ///< of that cell: its number there
   SiteId other_cell;             ///< not lower; of cells that stay together the lowest

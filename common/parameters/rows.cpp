@@ -95,6 +95,17 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
            "Vertices closer than this fraction of the box's diagonal are merged if that closes open edges. 0: only equal vertices."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
+      {.name = "contact_gap",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = 0,
+       .high = 1000,
+       .doc =
+           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their fragments "
+           "are bonded. Parts that overlap are always in contact. Default: 0.001 of the longest side of the mesh's box. Values above "
+           "0.1 of this side count as 0.1."},
+      [](auto& r) -> auto& { return r.solid.contact_gap; }));
+  add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
        .choices = {"file", "m", "cm", "mm", "inch"},
@@ -302,51 +313,6 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
     rows[k].matters = [](const RequestParameters& r) { return r.interior.uvs != CutUvs{}; };
 }
 
-void add_physical_rows(std::vector<ParameterSpec>& rows) {
-  ParameterSpec density = with_member(
-      {.name = "density",
-       .type = Type::kNumber,
-       .unit = "kg/m³",
-       .low = 1e-3,
-       .high = 1e6,
-       .doc = "Density of the fragments."},
-      [](auto& r) -> auto& { return r.physical.density; });
-  density.get = [get = density.get](const RequestParameters& r, const ParameterSpec& s) {
-    return r.mass ? nlohmann::json() : get(r, s);
-  };
-  rows.push_back(std::move(density));
-  rows.push_back(with_member(
-      {.name = "mass",
-       .type = Type::kNumber,
-       .unit = "kg",
-       .low = 1e-9,
-       .high = 1e15,
-       .doc = "Total mass of all fragments. Use it instead of `density`."},
-      [](auto& r) -> auto& { return r.mass; }));
-  rows.push_back(with_member(
-      {.name = "friction",
-       .type = Type::kNumber,
-       .low = 0,
-       .high = 10,
-       .doc = "Static and dynamic friction of the fragments."},
-      [](auto& r) -> auto& { return r.physical.friction; }));
-  rows.push_back(with_member(
-      {.name = "restitution",
-       .type = Type::kNumber,
-       .low = 0,
-       .high = 1,
-       .doc = "How much the fragments bounce."},
-      [](auto& r) -> auto& { return r.physical.restitution; }));
-  rows.push_back(with_member(
-      {.name = "bond_strength",
-       .type = Type::kNumber,
-       .unit = "Pa",
-       .low = 0,
-       .high = 1e12,
-       .doc = "Stress that the area shared by two fragments withstands before they separate."},
-      [](auto& r) -> auto& { return r.physical.bond_strength; }));
-}
-
 ParameterSpec format_row(const FormatSet& formats) {
   ParameterSpec spec{.name = "format",
                      .type = Type::kChoice,
@@ -378,7 +344,7 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
   add_output_rows(rows);
   add_exterior_row(rows);
   add_interior_rows(rows);
-  add_physical_rows(rows);
+  for (ParameterSpec& row : physical_parameter_rows()) rows.push_back(std::move(row));
   rows.push_back(format_row(formats));
   for (ParameterSpec& row : rows) {
     std::vector<nlohmann::json> defaults;  // one for each pattern

@@ -24,6 +24,9 @@ std::vector<ParameterSpec> hit_parameter_rows();
 /// The rows for rough cuts.
 std::vector<ParameterSpec> rough_parameter_rows();
 
+/// The rows for mass, contact properties and the strength of bonds.
+std::vector<ParameterSpec> physical_parameter_rows();
+
 /// An error kBadParameter with the parameter's name.
 Error bad_parameter(std::string name, std::string detail);
 

@@ -18,6 +18,7 @@
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
 #include "common/solid/image.hpp"
+#include "common/structure/contact_bonds.hpp"
 #include "common/structure/hierarchy.hpp"
 
 namespace fracture {
@@ -200,7 +201,7 @@ SiteNotes notes_of(const Diagram& diagram) {
 }
 
 Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
-                                  const FractureParameters& parameters, CutCells cut,
+                                  const FractureParameters& parameters, CutCells cut, const CellSites& cells,
                                   const Execution& execution) {
   execution.poll();
   execution.reaches(1);
@@ -211,6 +212,8 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
   execution.poll();
+  if (promise == Promise::kPartition && !cut.whole)
+    add_contact_bonds(set, solid, cells, parameters.contact_strength, execution);
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
@@ -231,7 +234,8 @@ Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<FracturedSolid> {
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
-    return complete(solid, notes_of(diagram), parameters, std::move(*cut), execution);
+    return complete(solid, notes_of(diagram), parameters, std::move(*cut),
+                    {diagram.tetrahedralization.points, diagram.map}, execution);
   });
 }
 

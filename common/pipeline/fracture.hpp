@@ -49,6 +49,8 @@ struct FractureParameters : SiteParameters {
   Anchors anchors;                  ///< fragments that touch these are marked
   std::vector<LocalImpact> hits{};  ///< one after the other, each on what the ones before it left
   LocalRest rest = LocalRest::kWhole;
+  /// Strength of bonds across parts, as a multiple of the material's; >= 0. 0: no such bonds. They need Solid::contacts.
+  double contact_strength = 1;
 };
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.

@@ -14,6 +14,7 @@
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/rough/roughen.hpp"
+#include "common/structure/contact_bonds.hpp"
 
 namespace fracture {
 
@@ -85,10 +86,11 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const std::function<void(const RestrictedDiagram&)>& inspect = {},
                              std::optional<RoughTrace>* trace = nullptr);
 
-/// Judges the fragments and puts their companions beside them: hierarchy, anchors, hulls (of fragments that have
-/// none) and the report. Every answer leaves the pipeline through here. Error: kUnsound. Throws Interrupted.
+/// Checks the fragments, bonds them across parts unless the set is only part of an answer, and makes their companions:
+/// hierarchy, anchors, hulls (for fragments that have none) and the report. Every answer leaves the pipeline through here.
+/// Error: kUnsound. Throws Interrupted.
 Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
-                                  const FractureParameters& parameters, CutCells cut,
+                                  const FractureParameters& parameters, CutCells cut, const CellSites& cells,
                                   const Execution& execution);
 
 }  // namespace fracture

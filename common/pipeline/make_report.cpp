@@ -13,6 +13,7 @@ namespace {
 
 void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet& set, Report& report) {
   report.solid = solid.report;
+  report.contacts = contact_report(solid);
   report.sites = sites.figures;
   report.remarks = solid.remarks();
   report.remarks.add(sites.remarks);

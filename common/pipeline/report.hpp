@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/base/remarks.hpp"
+#include "common/contacts/contact_report.hpp"
 #include "common/fragment/size_limits.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/physics/collision_hulls.hpp"
@@ -74,6 +75,7 @@ struct Report {
   SolidReport solid;
   SiteFigures sites;
   SizeReport size;
+  std::optional<ContactReport> contacts{};    ///< if the solid has several parts
   std::optional<std::uint64_t> kept_cells{};  ///< that FractureParameters::keep keeps together
   std::optional<std::uint32_t> anchored{};    ///< how many fragments are
   std::optional<HullReport> hulls{};          ///< of all fragments of the answer

@@ -65,13 +65,16 @@ std::vector<Bond> bonds_between(const std::vector<Bond>& bonds,
   for (std::size_t k = 0; k < parts.size();) {
     Bond sum{parts[k].a, parts[k].b, 0, {}, {}};
     Vec3d moment, normal;
+    double strength = 0;
     for (; k < parts.size() && parts[k].a == sum.a && parts[k].b == sum.b; ++k) {
       pacer.step();
       const Bond& b = bonds[parts[k].bond];
       sum.area += b.area;
+      strength += b.area * b.strength;
       moment = moment + b.area * b.centroid;
       normal = normal + (parts[k].reversed ? -b.area : b.area) * b.normal;
     }
+    sum.strength = strength / sum.area;
     sum.centroid = (1 / sum.area) * moment;
     const double l = length(normal);
     sum.normal = l > 0 ? (1 / l) * normal : Vec3d{0, 0, 1};

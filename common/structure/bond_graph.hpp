@@ -41,8 +41,8 @@ class BondGraph {
   std::vector<Edge> edges_;
 };
 
-/// The bonds between groups of nodes: area the sum, centroid and normal weighted by area, the normal from the
-/// lower group to the higher. group_of_node[n]: 0..; bonds within a group disappear. Ascending by (a, b).
+/// The bonds between groups of nodes: area the sum, centroid, normal and strength weighted by area, the normal
+/// from the lower group to the higher. group_of_node[n]: 0..; bonds within a group disappear. Ascending by (a, b).
 /// Throws Interrupted.
 std::vector<Bond> bonds_between(const std::vector<Bond>& bonds,
                                 const std::vector<std::uint32_t>& group_of_node,

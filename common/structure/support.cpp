@@ -272,9 +272,10 @@ Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchore
   }
 
   for (std::uint32_t k = 0; k < out.loads.size(); ++k)
-    if (out.loads[k].stress > options.strength) out.weak.push_back(k);
+    if (out.loads[k].stress > options.strength * set.bonds[k].strength) out.weak.push_back(k);
   sort_with_polls(execution, out.weak.begin(), out.weak.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const double x_a = out.loads[a].stress, x_b = out.loads[b].stress;
+    const double x_a = out.loads[a].stress / set.bonds[a].strength,
+                 x_b = out.loads[b].stress / set.bonds[b].strength;
     return x_a != x_b ? x_a > x_b : a < b;
   });
   return out;

@@ -23,7 +23,7 @@ namespace fracture {
 struct SupportOptions {
   Vec3d gravity{0, -9.81, 0};         ///< m/s²
   double density = 1000;              ///< kg/m³
-  double strength = 1e6;              ///< Pa: the tensile stress at which a bond breaks
+  double strength = 1e6;              ///< Pa; a bond breaks at this tensile stress times Bond::strength
   std::vector<std::uint64_t> broken;  ///< ids of fragments that are gone, with their bonds
 };
 
@@ -41,10 +41,11 @@ struct Support {
   SupportOptions asked;
   std::vector<std::uint32_t> falling;  ///< indices of fragments, ascending; without those that are gone
   std::vector<BondLoad> loads;         ///< per bond
-  std::vector<std::uint32_t> weak;     ///< indices of bonds above the strength, worst first
-  std::uint32_t anchored = 0;          ///< how many fragments are held
-  std::uint32_t unknown = 0;           ///< ids in `broken` that no fragment has
-  double residual = 0;                 ///< of the balance, relative to the weight; 1e-9 when solved
+  std::vector<std::uint32_t>
+      weak;                    ///< indices of overloaded bonds, the largest stress relative to strength first
+  std::uint32_t anchored = 0;  ///< how many fragments are held
+  std::uint32_t unknown = 0;   ///< ids in `broken` that no fragment has
+  double residual = 0;         ///< of the balance, relative to the weight; 1e-9 when solved
 };
 
 /// Linear in the bonds times the iterations, which are bounded. Throws Interrupted.

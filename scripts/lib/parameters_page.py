@@ -28,7 +28,8 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
     ("The mesh", "How the file is read, and how the mesh is prepared before it breaks.",
-     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball"]),
+     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball",
+      "contact_gap"]),
     ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
     ("Ragged chunks", "Fragments that consist of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
@@ -48,7 +49,8 @@ SUBJECTS = [
     ("Appearance of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
                                 "interior_roughness", "interior_metallic", "interior_material", "interior_name",
                                 "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
-    ("Physics and engines", "", ["physics", "ue_collision", "pivot", "density", "mass", "friction", "restitution", "bond_strength"]),
+    ("Physics and engines", "", ["physics", "ue_collision", "pivot", "density", "mass", "friction", "restitution", "bond_strength",
+                                "contact_strength"]),
     ("Barycentric cells", "The cells described in the paper that this project started from.", ["dual", "drop_above"]),
 ]
 

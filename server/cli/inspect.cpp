@@ -1,5 +1,6 @@
 // fracture-server inspect: what the service would make of a mesh, without fracturing it.
 #include <cerrno>
+#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "common/base/words.hpp"
+#include "common/contacts/contact_report.hpp"
 #include "common/mesh/material_library.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
@@ -32,6 +34,11 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   std::printf("  solid      %s, %s, %s\n", counted(r.parts, "part", "parts").c_str(),
               counted(r.shells, "shell", "shells").c_str(),
               counted(r.cavities, "cavity", "cavities").c_str());
+  if (const auto contacts = contact_report(mesh.solid))
+    std::printf("  contacts   %s of parts in contact, %" PRIu64
+                " of them overlapping: %.6g m², %.6g m³ in common; %s no other part\n",
+                counted(contacts->pairs, "pair", "pairs").c_str(), contacts->overlapping, contacts->area,
+                contacts->volume, counted(contacts->alone, "part touches", "parts touch").c_str());
   std::printf(
       "  source     %s, %s, %s, %s, %s\n", counted(r.source_triangles, "triangle", "triangles").c_str(),
       counted(r.source_vertices, "vertex", "vertices").c_str(), counted(nodes, "node", "nodes").c_str(),

@@ -2,11 +2,15 @@
 
 #include <utility>
 
+#include "common/contacts/contacts.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture {
 namespace {
+
+/// Share of a mesh's preparation that comes before the search for contacts.
+constexpr double kBeforeContacts = 0.8;
 
 class LibraryEngine final : public FractureEngine {
  public:
@@ -20,12 +24,18 @@ class LibraryEngine final : public FractureEngine {
   Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                           const HollowOptions& hollow, const Execution& execution) const override {
     Expected<Solid> solid = [&] {
-      const StageProgress::Part part(execution.within, hollow.any() ? 0.5 : 1);
+      const StageProgress::Part part(execution.within, hollow.any() ? 0.5 : kBeforeContacts);
       return make_solid(std::move(mesh), options, execution);
     }();
     if (!solid) return solid;
+    {
+      const StageProgress::Part part(execution.within, kBeforeContacts);
+      solid = hollowed(std::move(*solid), hollow, execution);
+    }
+    if (!solid) return solid;
     const StageProgress::Part part(execution.within, 1);
-    return hollowed(std::move(*solid), hollow, execution);
+    keep_contacts(*solid, options.contact_gap, execution);
+    return solid;
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,
                          const Execution& execution) const override {

@@ -38,6 +38,9 @@ std::size_t memory_size(const PreparedMesh& mesh) {
                       heap(solid.material) + heap(solid.edges) + heap(solid.edge_vertices) +
                       heap(solid.shell) + heap(solid.part) + heap(solid.parts);
   for (const Part& part : solid.parts) bytes += heap(part.shells);
+  if (solid.contacts)
+    bytes += sizeof *solid.contacts + heap(solid.contacts->contacts) + heap(solid.contacts->pieces) +
+             heap(solid.contacts->first_piece);
   if (solid.source) bytes += memory_size(*solid.source);
   return bytes;
 }

@@ -1,4 +1,7 @@
 #include "server/service/mesh_report.hpp"
+
+#include "common/contacts/contact_report.hpp"
+#include "common/gltf/report_text.hpp"
 #include "common/mesh/material_library.hpp"
 
 namespace fracture {
@@ -30,6 +33,7 @@ nlohmann::json mesh_report(const PreparedMesh& mesh) {
                            {"images", source.library->images.size()},
                            {"warnings", remarks.warnings},
                            {"notes", remarks.notes}};
+  if (const auto contacts = contact_report(mesh.solid)) report["contacts"] = contacts_document(*contacts);
   if (source.passed_through)
     report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};
   return report;

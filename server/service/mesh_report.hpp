@@ -10,7 +10,8 @@ namespace fracture {
 /// Did the solid need anything beyond merging equal positions?
 bool repaired(const SolidReport& report);
 
-/// verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes, passed_through.
+/// verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes, passed_through and, if
+/// the mesh has several parts, contacts (gltf/report_text.hpp).
 nlohmann::json mesh_report(const PreparedMesh& mesh);
 
 }  // namespace fracture

@@ -40,6 +40,22 @@ FracturedSolid with_everything() {
   report.size.united = {.united = 3, .alone = 1, .min_volume = 0.1, .fewest_triangles = 20};
   report.size.max_volume = 6;
   report.size.split = {.sites_added = 4, .passes = 2, .too_large = 1};
+  report.contacts = ContactReport{.gap = 0.5,
+                                  .parts = 4,
+                                  .alone = 1,
+                                  .pairs = 2,
+                                  .touching = 1,
+                                  .overlapping = 1,
+                                  .area = 5,
+                                  .volume = 0.25};
+  report.contacts->listed = {{.a = 1, .b = 2, .area = 4, .place = {1, 2, 3}, .normal = {0, 1, 0}},
+                             {.a = 0,
+                              .b = 2,
+                              .kind = ContactKind::kOverlapping,
+                              .area = 1,
+                              .place = {},
+                              .normal = {1, 0, 0},
+                              .volume = 0.25}};
   report.kept_cells = 5;
   report.anchored = 1;
   report.hulls = {.hulls = 3, .flat = 2, .simplified = 1};
@@ -70,6 +86,14 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
   EXPECT_EQ(report.at("anchors"), json::parse(R"({"fragments": 1})"));
   EXPECT_EQ(report.at("barycenter"), json::parse(R"({"partition": false, "skipped_hulls": 2, "dropped": 3,
                                                     "dropped_volume": 0.5})"));
+  EXPECT_EQ(
+      report.at("contacts"),
+      json::parse(
+          R"({"alone": 1, "area": 5, "gap": 0.5, "overlapping": 1, "pairs": 2, "parts": 4, "touching": 1,
+                            "volume": 0.25,
+                            "listed": {"a": [1, 0], "b": [2, 2], "kind": ["touching", "overlapping"], "area": [4, 1],
+                                       "place": [[1, 2, 3], [0, 0, 0]], "normal": [[0, 1, 0], [1, 0, 0]],
+                                       "volume": [0, 0.25]}})"));
   EXPECT_EQ(report.at("fragment"), json::parse(R"({"id": 77, "volume": 0.25})"));
   EXPECT_EQ(report.at("frame"), json::parse(R"({"metres_per_unit": 0.0254, "unit_from": "request", "up": "z",
                                                 "up_from": "file"})"));

@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 
+#include "common/contacts/contacts.hpp"
 #include "common/hits/difference.hpp"
 #include "common/hits/local_hit.hpp"
 #include "tests/support/figures.hpp"
@@ -183,13 +184,14 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads) {
   Execution execution;
   execution.threads = threads;
   StageTimings timings;
-  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
+  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
   if (!solid) throw std::runtime_error(solid.error().detail);
+  keep_contacts(*solid, {}, execution);
   FractureParameters p = all;
   p.hits.clear();
   Expected<KeptAnswer> last = fracture_and_keep(*solid, p, execution, timings);
   if (!last) throw std::runtime_error(last.error().detail);
-  FracturedSolid before = fracture_mesh(mesh, p);
+  FracturedSolid before = fracture_solid(*solid, p);
   expect_same(last->fractured, before);
   int local = 0;
   for (std::size_t k = 0; k < all.hits.size(); ++k) {
@@ -197,7 +199,7 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads) {
     p.hits.push_back(all.hits[k]);
     Expected<KeptAnswer> next = fracture_delta(*solid, last->base, p, {1}, execution, timings);
     if (!next) throw std::runtime_error(next.error().detail);
-    const FracturedSolid after = fracture_mesh(mesh, p);
+    const FracturedSolid after = fracture_solid(*solid, p);
     local += next->local;
     const FracturedSolid& answer = next->fractured;
     expect_same(answer, after);

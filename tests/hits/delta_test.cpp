@@ -80,6 +80,23 @@ TEST(Delta, OfPartsThatOverlap) {
   EXPECT_EQ(expect_hits(mesh, p), 3);
 }
 
+// Bonds across parts are computed again for changed fragments, whichever cell the other fragment is in.
+TEST(Delta, OfPartsInContact) {
+  std::vector<Mesh> parts{box({-2, 0, -0.3}, {2, 0.3, 0.3}, 2), box({-1.7, -2, -0.1}, {-1.5, 0.1, 0.1}, 2)};
+  for (int k = 0; k < 4; ++k) parts.push_back(box({-2 + k * 1.0, 0.3, -0.3}, {-1 + k * 1.0, 0.7, 0.3}));
+  const Mesh mesh = joined(parts);
+  FractureParameters p = hits_on(mesh, 60, 0.1);
+  p.hits[0].point = {-1.6, 0.1, 0};
+  p.hits[1].point = {0, 0.3, 0};
+  p.hits[2].point = {1, 0.35, 0.1};
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+  p.anisotropy = {.stretch = 3, .grain_of = GrainOf::kPart};
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+  p.contact_strength = 0.25;
+  p.levels = {8};
+  expect_hits(mesh, p);
+}
+
 // One cell with thousands of pieces: what is compared is looked up, not searched for.
 TEST(Delta, OfACellWithManyPieces) {
   const Mesh mesh = cube_field(8);

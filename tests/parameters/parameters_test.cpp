@@ -314,6 +314,20 @@ TEST(Parameters, OnlyWhatDecidesTheSitesIsInTheirKey) {
             key({{"pattern", "impact"}, {"impacts", "0,0,1"}}));
 }
 
+TEST(Parameters, TheGapOfContactsDecidesTheSolidAndTheirStrengthTheAnswer) {
+  const auto parsed = table().parse({{"contact_gap", "0.02"}, {"contact_strength", "0.5"}});
+  ASSERT_TRUE(parsed);
+  EXPECT_EQ(parsed->solid.contact_gap, 0.02);
+  EXPECT_EQ(parsed->fracture.contact_strength, 0.5);
+  EXPECT_EQ(canonical_solid_parameters(*parsed)["contact_gap"], 0.02);
+  EXPECT_FALSE(canonical_solid_parameters(*parsed).contains("contact_strength"));
+  EXPECT_EQ(canonical_site_parameters(*parsed), canonical_site_parameters(*table().parse({})));
+  EXPECT_EQ(canonical_parameters(*parsed)["contact_strength"], 0.5);
+  EXPECT_EQ(canonical_parameters(*table().parse({{"contact_strength", "1"}})),
+            canonical_parameters(*table().parse({})));
+  EXPECT_FALSE(table().parse({{"contact_gap", "-1"}}));
+}
+
 TEST(Parameters, ANumberOfFragmentsDecidesTheCellsWhereNobodyElseDoes) {
   const auto alone = table().parse({{"fragments", "80"}, {"pattern", "impact"}});
   ASSERT_TRUE(alone);

@@ -19,17 +19,21 @@ struct Fractured : FracturedSolid {
 };
 
 /// Throws std::runtime_error with the detail of any error.
-inline Fractured fracture_mesh(const Mesh& mesh, const FractureParameters& parameters, int threads = 1) {
+inline Fractured fracture_solid(Solid solid, const FractureParameters& parameters, int threads = 1) {
   Execution execution;
   execution.threads = threads;
   StageTimings timings;
-  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
-  if (!solid) throw std::runtime_error(solid.error().detail);
-  Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
+  Expected<Diagram> diagram = make_diagram(solid, parameters, execution, timings);
   if (!diagram) throw std::runtime_error(diagram.error().detail);
-  Expected<FracturedSolid> made = fracture(*solid, *diagram, parameters, execution, timings);
+  Expected<FracturedSolid> made = fracture(solid, *diagram, parameters, execution, timings);
   if (!made) throw std::runtime_error(made.error().detail);
-  return {std::move(*made), std::move(*solid), std::move(*diagram)};
+  return {std::move(*made), std::move(solid), std::move(*diagram)};
+}
+/// Without a contact graph, so without bonds across parts.
+inline Fractured fracture_mesh(const Mesh& mesh, const FractureParameters& parameters, int threads = 1) {
+  Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {.threads = threads});
+  if (!solid) throw std::runtime_error(solid.error().detail);
+  return fracture_solid(std::move(*solid), parameters, threads);
 }
 
 /// The parts of one fragment of the answer. Throws as fracture_mesh().

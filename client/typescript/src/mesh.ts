@@ -18,7 +18,7 @@ export interface StoredMesh {
   files: number;
   /** Seconds from the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes. */
+  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes, and contacts of several parts. */
   report: Record<string, any>;
 }
 

@@ -132,6 +132,20 @@ TEST(ChargedMemory, ExtrasOfMaterialsCountInTheCacheAtWhatTheyHold) {
             100'000 * (sizeof(nlohmann::json) + sizeof(nlohmann::json::array_t)) + 2'000'000);
 }
 
+TEST(ChargedMemory, ContactsOfPartsCountInTheCache) {
+  PreparedMesh mesh;
+  auto library = std::make_shared<MaterialLibrary>();
+  auto source = std::make_shared<Mesh>();
+  source->library = library;
+  mesh.solid.source = source;
+  const std::size_t before = memory_size(mesh);
+  auto contacts = std::make_shared<ContactGraph>();
+  contacts->contacts.resize(1'000);
+  contacts->pieces.resize(1'000);
+  mesh.solid.contacts = contacts;
+  EXPECT_GE(memory_size(mesh), before + 1'000 * (sizeof(Contact) + sizeof(ContactPiece)));
+}
+
 // -- bodies that unfold
 
 struct OneThread : testing::Test {

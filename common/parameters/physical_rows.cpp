@@ -1,0 +1,68 @@
+// Physics of the fragments, and how strongly they hold together.
+#include <utility>
+
+#include "common/parameters/fields.hpp"
+#include "common/parameters/rows.hpp"
+
+namespace fracture {
+
+using parameter_fields::with_member;
+
+std::vector<ParameterSpec> physical_parameter_rows() {
+  std::vector<ParameterSpec> rows;
+  ParameterSpec density = with_member(
+      {.name = "density",
+       .type = Type::kNumber,
+       .unit = "kg/m³",
+       .low = 1e-3,
+       .high = 1e6,
+       .doc = "Density of the fragments."},
+      [](auto& r) -> auto& { return r.physical.density; });
+  density.get = [get = density.get](const RequestParameters& r, const ParameterSpec& s) {
+    return r.mass ? nlohmann::json() : get(r, s);
+  };
+  rows.push_back(std::move(density));
+  rows.push_back(with_member(
+      {.name = "mass",
+       .type = Type::kNumber,
+       .unit = "kg",
+       .low = 1e-9,
+       .high = 1e15,
+       .doc = "Total mass of all fragments. Use it instead of `density`."},
+      [](auto& r) -> auto& { return r.mass; }));
+  rows.push_back(with_member(
+      {.name = "friction",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 10,
+       .doc = "Static and dynamic friction of the fragments."},
+      [](auto& r) -> auto& { return r.physical.friction; }));
+  rows.push_back(with_member(
+      {.name = "restitution",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc = "How much the fragments bounce."},
+      [](auto& r) -> auto& { return r.physical.restitution; }));
+  rows.push_back(with_member(
+      {.name = "bond_strength",
+       .type = Type::kNumber,
+       .unit = "Pa",
+       .low = 0,
+       .high = 1e12,
+       .doc = "Stress that the area shared by two fragments withstands before they separate."},
+      [](auto& r) -> auto& { return r.physical.bond_strength; }));
+  rows.push_back(with_member(
+      {.name = "contact_strength",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1000,
+       .doc =
+           "Strength of bonds between fragments of different parts, as a multiple of `bond_strength`. The area of such a bond is the "
+           "surface in contact. 0: no bonds across parts."},
+      [](auto& r) -> auto& { return r.fracture.contact_strength; }));
+  rows.back().matters = [](const RequestParameters& r) { return r.fracture.contact_strength != 1; };
+  return rows;
+}
+
+}  // namespace fracture

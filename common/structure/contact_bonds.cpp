@@ -1,0 +1,84 @@
+#include "common/structure/contact_bonds.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "common/base/pacer.hpp"
+#include "common/base/work_blocks.hpp"
+#include "common/structure/contact_sharer.hpp"
+
+namespace fracture {
+namespace {
+
+bool is_before(const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); }
+
+}  // namespace
+
+bool parts_hold_together(const Solid& solid) {
+  if (!solid.contacts) return false;
+  const std::vector<Contact>& contacts = solid.contacts->contacts;
+  return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.area > 0; });
+}
+
+std::vector<Bond> find_contact_bonds(const ContactBonds& with, std::span<const Fragment* const> fragments,
+                                     std::span<const char> wanted, const Execution& execution) {
+  if (!(with.strength > 0) || !parts_hold_together(with.solid)) return {};
+  const Allowance::Temporary temporary(execution.allowance);  // everything except the bonds
+  const ContactGraph& graph = *with.solid.contacts;
+  const FragmentsOfCells table(with.solid, fragments, execution);
+  bool has_many = false;
+  for (std::uint32_t p = 0; p < with.solid.parts.size(); ++p)
+    has_many |= table.of(p).size() > CellDivision::kMany;
+  execution.poll();
+  const CellDivision division(table, with.cells.points, has_many);
+
+  std::vector<char> wanted_parts;
+  if (!wanted.empty()) {
+    wanted_parts.resize(with.solid.parts.size(), 0);
+    for (std::size_t k = 0; k < fragments.size(); ++k)
+      if (wanted[k]) wanted_parts[fragments[k]->part] = 1;
+  }
+
+  constexpr std::uint64_t kWorkOfPiece = 500, kWorkOfContact = 100, kMostWork = 4'000'000;  // ns
+  const WorkBlocks blocks(execution, graph.contacts.size(), kMostWork, [&](std::size_t k) {
+    return kWorkOfContact + kWorkOfPiece * (graph.first_piece[k + 1] - graph.first_piece[k]);
+  });
+  std::vector<std::vector<Bond>> found(blocks.count());
+  parallel_for_blocks(execution, blocks, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    ContactSharer sharer(with, table, division, fragments, wanted, wanted_parts, execution);
+    for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), found[block]);
+    execution.made(Product::kContacts, found[block].size());
+  });
+  std::size_t count = 0;
+  for (const auto& of_block : found) count += of_block.size();
+  std::vector<Bond> bonds;
+  bonds.reserve(count);
+  for (const auto& of_block : found) {
+    execution.poll();
+    bonds.insert(bonds.end(), of_block.begin(), of_block.end());
+  }
+  sort_with_polls(execution, bonds.begin(), bonds.end(), is_before);
+  return bonds;
+}
+
+void add_contact_bonds(FragmentSet& set, const Solid& solid, const CellSites& cells, double strength,
+                       const Execution& execution) {
+  if (!(strength > 0) || !parts_hold_together(solid)) return;
+  Pacer pacer(execution);
+  std::vector<const Fragment*> fragments;
+  fragments.reserve(set.fragments.size());
+  for (const Fragment& f : set.fragments) {
+    pacer.step();
+    fragments.push_back(&f);
+  }
+  const std::vector<Bond> more =
+      find_contact_bonds({solid, cells, set.lattice_step, strength}, fragments, {}, execution);
+  execution.made(Product::kContacts, more.size());
+  std::vector<Bond> all(set.bonds.size() + more.size());
+  execution.poll();
+  std::merge(set.bonds.begin(), set.bonds.end(), more.begin(), more.end(), all.begin(), is_before);
+  set.bonds = std::move(all);
+}
+
+}  // namespace fracture

@@ -1,0 +1,45 @@
+// Finds which of several fragments of one part and cell contains a place.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/base/pacer.hpp"
+#include "common/fragment/fragments.hpp"
+
+namespace fracture {
+
+/// Makes the surfaces of fragments on first use. Borrows all.
+class Islands {
+ public:
+  /// `rounding`: m, how far rounding for output has moved surfaces.
+  Islands(std::span<const Fragment* const> fragments, double rounding, const Execution& execution);
+  ~Islands();
+
+  /// Returns one of `islands`, the fragments in a cell, which must be the same at each call with this cell. `is_on`: the place
+  /// is on the surface of one of them, otherwise inside one. Throws Interrupted.
+  std::uint32_t pick(std::uint32_t cell, std::span<const std::uint32_t> islands, const Vec3d& place,
+                     bool is_on);
+
+ private:
+  struct Surfaces;
+  /// The islands of a cell.
+  struct OfCell {
+    std::vector<Box> boxes;
+    std::unique_ptr<Surfaces> surfaces;  ///< made if the boxes do not decide
+  };
+  OfCell& islands_of(std::uint32_t cell, std::span<const std::uint32_t> islands);
+  std::size_t nearest(const Surfaces& surfaces, const Vec3d& place);
+
+  const std::span<const Fragment* const> fragments_;
+  const double rounding_;
+  const Execution& execution_;
+  Pacer pacer_;
+  std::map<std::uint32_t, OfCell> of_cell_;
+};
+
+}  // namespace fracture
