@@ -165,7 +165,8 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
     result = meshopt_decodeVertexBuffer(out.data(), count, stride, source.data(), source.size());
   } else if (mode == "TRIANGLES" || mode == "INDICES") {
     if ((stride != 2 && stride != 4) || (mode == "TRIANGLES" && count % 3 != 0))
-      refuse(ErrorCode::kMalformedMesh, "Compressed indices have 2 or 4 bytes, and triangles three of them.",
+      refuse(ErrorCode::kMalformedMesh,
+             "Compressed indices must have 2 or 4 bytes each, and triangles must have three indices.",
              pointer);
     result = mode == "TRIANGLES"
                  ? meshopt_decodeIndexBuffer(out.data(), count, stride, source.data(), source.size())

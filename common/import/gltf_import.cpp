@@ -99,7 +99,7 @@ class MeshReader {
     for (std::size_t k = 0; has(numbered("COLOR_", k)); ++k) {
       const std::string name = numbered("COLOR_", k);
       const int width = accessor_width(model_, primitive.attributes.at(name));
-      if (width != 3 && width != 4) refuse(ErrorCode::kMalformedMesh, "Colours have 3 or 4 components.");
+      if (width != 3 && width != 4) refuse(ErrorCode::kMalformedMesh, "Colours must have 3 or 4 components.");
       const std::vector<double> values = read(name, width);
       std::vector<double> rgba(4 * count, 1.0);
       for (std::size_t v = 0; v < count; ++v)

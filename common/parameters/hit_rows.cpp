@@ -24,9 +24,9 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer for the same mesh (its Content-Location). Its parameters are reused, and the hits given "
-          "here follow its own. If the server no longer has that answer (404), send the parameters that the answer contains; "
-          "they give the same bytes."};
+          "Address of an earlier answer for the same mesh (its Content-Location). The server reuses that answer's parameters and "
+          "applies the new hits after its own. If the server no longer has that answer (404), send the answer's parameters "
+          "instead; they give the same bytes."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: followed by 64 lower-case hex digits";
@@ -98,16 +98,17 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHitSites,
        .doc =
-           "Number of sites that each hit adds to the pattern's sites: a list with one number per hit, or a "
-           "single number for every hit. At most 10,000 in total."},
+           "Number of sites that each hit adds to the pattern's sites: a list with one number per hit, or a single number for "
+           "every hit. All hits together can add at most 10,000."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "State of the cells whose sites are outside the radius of every hit. `whole`: they stay together as one piece. "
-           "`fractured`: they stay as the pattern makes them. With `of`, `fractured` always applies if the earlier answer has no hits."},
+           "Treatment of the cells whose sites are outside the radius of every hit. `whole`: they stay together as one piece. "
+           "`fractured`: they form the same pieces as in an answer without hits. With `of`, `fractured` always applies if the "
+           "earlier answer has no hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;
@@ -118,9 +119,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
        .doc =
-           "How the answer reports the new hits. `none`: not at all. `stated`: the report lists the fragments added, changed and "
-           "removed, and the server keeps the answer for further hits. This is the default with `of` and hits. `only`: like "
-           "`stated`, but the answer contains only the new and changed fragments. Not with `levels`."},
+           "How the answer reports what the new hits changed. `none`: not at all. `stated`: the report lists the fragments added, "
+           "changed and removed, and the server keeps the answer for further hits. It is the default if `of` and hits are given. "
+           "`only`: like `stated`, but the answer contains only the new and changed fragments. Not with `levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
@@ -128,7 +129,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHits,
        .doc =
-           "With `delta`: how many hits at the end of the list are new. With `of`, the server determines it."},
+           "How many hits at the end of `local_point` are new, if `delta` is given without `of`. With `of`, the server knows the "
+           "number."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {

@@ -35,7 +35,7 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc = "Static and dynamic friction of the fragments."},
+       .doc = "Coefficient of static and dynamic friction of the fragments."},
       [](auto& r) -> auto& { return r.physical.friction; }));
   rows.push_back(with_member(
       {.name = "restitution",
@@ -50,7 +50,7 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .unit = "Pa",
        .low = 0,
        .high = 1e12,
-       .doc = "Stress that the area shared by two fragments withstands before they separate."},
+       .doc = "Stress that a bond, the area shared by two fragments, withstands before they separate."},
       [](auto& r) -> auto& { return r.physical.bond_strength; }));
   rows.push_back(with_member(
       {.name = "contact_strength",
@@ -58,8 +58,8 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Strength of bonds between fragments of different parts, as a multiple of `bond_strength`. The area of such a bond is the "
-           "surface in contact. 0: no bonds across parts."},
+           "Strength of bonds between fragments of different parts, as a multiple of `bond_strength`. The area of such a bond is "
+           "the area in contact. 0: no bonds across parts."},
       [](auto& r) -> auto& { return r.fracture.contact_strength; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.contact_strength != 1; };
   return rows;

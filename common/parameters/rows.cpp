@@ -31,8 +31,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness. A curved sheet becomes a solid body, with a warning, if "
-           "closing its holes encloses more volume than the slab would have. 0: sheets are dropped."},
+           "Open sheets (panes, leaves) become slabs of this thickness. If closing the holes of a curved sheet encloses more "
+           "volume than the slab would have, the sheet becomes a solid body, and a warning says so. 0: sheets are dropped."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -41,9 +41,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Wall thickness. Closed parts without a cavity become hollow, with walls of at least this thickness, if they are more "
-           "than twice as thick. Use it for a vessel that is modelled as a solid. 0: the thickness comes from `shell_fraction`; "
-           "an explicit 0 also turns off the material's own walls."},
+           "Wall thickness. Closed parts without a cavity become hollow if they are more than twice as thick as this value; their "
+           "walls are at least this thick. Use it for a vessel that is modelled as a solid. 0: the thickness comes from "
+           "`shell_fraction`. Sending 0 also turns off the material's own walls."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
@@ -56,8 +56,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.5,
        .doc =
-           "Wall thickness as a fraction of the longest side of each part's box. 0 without `shell`: nothing becomes hollow. "
-           "Defaults: glass 0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
+           "Wall thickness as a fraction of the longest side of each part's bounding box. If this and `shell` are 0, nothing "
+           "becomes hollow. Defaults: glass 0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow.fraction = std::get<double>(value);
@@ -75,9 +75,10 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that can contain a ball of this diameter (a fraction of their box's longest side) become hollow. Plates, rods "
-           "and parts that already have walls stay as they are. 0: all parts that are thick enough; other values must be at least "
-           "0.1. Default: 0.2 for glass, ceramic, terracotta and metal, but 0 with `shell` or `shell_fraction`."},
+           "Only parts that can contain a ball of this diameter become hollow. The diameter is a fraction of the longest side of "
+           "the part's bounding box. Plates, rods and parts that already have walls stay as they are. 0: all parts that are thick "
+           "enough. Other values must be at least 0.1. Default: 0.2 for glass, ceramic, terracotta and metal; 0 if you give "
+           "`shell` or `shell_fraction`."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -92,7 +93,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.01,
        .doc =
-           "Vertices closer than this fraction of the box's diagonal are merged if that closes open edges. 0: only equal vertices."},
+           "Vertices are merged if this closes open edges and their distance is below this fraction of the bounding box's "
+           "diagonal. 0: only vertices at the same position."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
       {.name = "contact_gap",
@@ -102,8 +104,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 1000,
        .doc =
            "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their fragments "
-           "are bonded. Parts that overlap are always in contact. Default: 0.001 of the longest side of the mesh's box. Values above "
-           "0.1 of this side count as 0.1."},
+           "are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the mesh's bounding "
+           "box. Values above 0.1 times this side are reduced to it."},
       [](auto& r) -> auto& { return r.solid.contact_gap; }));
   add(with_member(
       {.name = "unit",
@@ -137,7 +139,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .choices = {"circumcenter", "barycenter"},
        .doc =
            "How cells are made. `circumcenter`: Voronoi cells, an exact partition. `barycenter`: hulls of the tetrahedra's "
-           "barycentres, which look softer but are not a partition; with it, size limits never merge fragments."},
+           "barycentres. They look softer, but fragments overlap and leave gaps, and size limits never merge fragments."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -145,7 +147,8 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m³",
        .low = 0,
        .high = 1e18,
-       .doc = "Larger fragments are left out, as in the paper. Only with `dual=barycenter`. 0: no limit."},
+       .doc =
+           "Fragments larger than this volume are left out, as in the paper. Only with `dual=barycenter`. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.drop_above; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
@@ -160,7 +163,8 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
       {.name = "ue_collision",
        .type = Type::kChoice,
        .choices = {"none", "ucx"},
-       .doc = "`ucx`: the collision hulls are also nodes UCX_..., which Unreal uses as collision geometry."},
+       .doc =
+           "`ucx`: the collision hulls are also written as nodes UCX_..., which Unreal uses as collision geometry."},
       [](auto& r) -> auto& { return r.ue_collision; }));
   rows.push_back(with_member(
       {.name = "pivot",
@@ -192,16 +196,16 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "plain", "texture"},
        .doc =
-           "Colour of the cut faces. `auto`: each part's cuts get the colour of most of its surface, in the proportion set by "
-           "`interior_mix`. `plain`: the same colour in all parts, with nothing from the surface. `texture`: like `auto`, but "
-           "textures of `interior_material` are shown even if they do not repeat on the mesh."},
+           "Colour of the cut faces. `auto`: each part's cuts are mixed with the colour that covers most of the part's surface; "
+           "`interior_mix` sets the proportion. `plain`: all cuts have the same colour, which does not depend on the surface. "
+           "`texture`: like `auto`, but textures of `interior_material` are shown even if they do not repeat on the mesh."},
       [](auto& r) -> auto& { return r.interior.choice; }));
   ParameterSpec reused = with_member(
       {.name = "interior_material",
        .type = Type::kText,
        .doc =
-           "Name or index of a material of the mesh whose appearance the cut faces get. Textures that repeat on the mesh also "
-           "repeat on the cuts; an atlas or a palette contributes its mean colour."},
+           "Name or index of a material in the mesh. The cut faces get its appearance. Textures that repeat on the mesh also "
+           "repeat on the cuts; of an atlas or a palette, only the mean colour is used."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
@@ -242,7 +246,9 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc = "Brightness of the surface's colour on the cut faces; 1 keeps it, higher values brighten it."},
+       .doc =
+           "Brightness of the surface's colour when it is mixed into the cut faces. 1 keeps the brightness; higher values increase "
+           "it."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",
@@ -250,8 +256,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Opacity of the cut faces. Below 1, objects behind them are visible. Default: 0.4 for glass, 0.5 for crystal, 0.7 for "
-           "ice; for other materials, 0.5 in parts with a translucent surface and 1 in other parts."},
+           "Opacity of the cut faces. Below 1, objects behind the cuts are visible. Default: 0.4 for glass, 0.5 for crystal, 0.7 "
+           "for ice; for other materials, 0.5 in parts with a translucent surface and 1 in other parts."},
       [](auto& r) -> auto& { return r.interior.opacity; }));
   ParameterSpec crushed = with_member(
       {.name = "interior_crushed",

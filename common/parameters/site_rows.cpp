@@ -67,7 +67,8 @@ ParameterSpec pattern_row() {
       .name = "pattern",
       .type = Type::kChoice,
       .doc =
-          "How the Voronoi sites are arranged, which determines where the mesh is cut. GET /patterns describes each pattern.",
+          "How the Voronoi sites are arranged. A piece forms around each site, so the sites determine where the mesh is cut. GET "
+          "/patterns describes each pattern.",
       .decides = Decides::kSites};
   for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -102,9 +103,10 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 1,
            .max = max_sites,
            .doc =
-               "Number of cells that the pattern makes. It is the number of Voronoi sites with `uniform`, `impact` and `clustered`, "
-               "and approximate with the other patterns. `cells_per_fragment` multiplies it. A cell that extends into several parts "
-               "of the mesh becomes a fragment in each; to set the number of fragments, use `fragments`."},
+               "Number of cells that the pattern makes. With `uniform`, `impact` and `clustered`, this is the number of Voronoi "
+               "sites; with the other patterns, it is approximate. `cells_per_fragment` multiplies this number. A cell that "
+               "extends into several parts of the mesh becomes one fragment in each part. To set the number of fragments, use "
+               "`fragments`."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
   rows.push_back(for_patterns(
       {},
@@ -125,7 +127,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .max = 50,
            .doc =
                "Number of relaxation passes. Each pass moves every site to the centre of its piece, so pieces become more equal in "
-               "size. A pass costs as much as the cutting itself, usually less than a tenth of the total."},
+               "size. A pass costs as much as the cutting step, which is usually less than a tenth of the whole cost."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   rows.push_back(for_patterns(
       {"uniform", "impact", "clustered"},
@@ -134,8 +136,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kText,
            .doc =
                "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index) that mark where the mesh breaks into smaller "
-               "pieces. The density of sites is highest in white areas, or near the material's surface; in black areas, or near other "
-               "surfaces, it is a 32nd of that. This affects uniformly spread sites and cluster centres, not sites near an impact."},
+               "pieces. Sites are densest in white areas, or near the material's surface. In black areas, or near other surfaces, "
+               "their density is 1/32 of the highest density. This affects uniformly spread sites and cluster centres, but not "
+               "sites near an impact."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -145,21 +148,22 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = 0.01,
            .high = 100,
            .doc =
-               "Length of the pieces along the grain, relative to their width across it. Use values above 1 for fibres (wood sets 8) "
-               "and below 1 for layers. The pattern's lengths are then measured across the grain."},
+               "Length of the pieces along the grain, relative to their width across it. Use values above 1 for fibres (wood sets "
+               "8) and below 1 for layers. Lengths such as `radius` then apply across the grain."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
   stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
   };
   rows.push_back(std::move(stretch));
-  rows.push_back(
-      for_patterns({}, with_member(
-                           {.name = "grain",
-                            .type = Type::kDirection,
-                            .low = -kFar,
-                            .high = kFar,
-                            .doc = "Direction of the grain throughout the mesh. Default: set by `grain_of`."},
-                           [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
+  rows.push_back(for_patterns(
+      {},
+      with_member(
+          {.name = "grain",
+           .type = Type::kDirection,
+           .low = -kFar,
+           .high = kFar,
+           .doc = "Direction of the grain (see `stretch`) in the whole mesh. Default: set by `grain_of`."},
+          [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
   ParameterSpec grain_of = for_patterns(
       {},
       with_member(
@@ -167,9 +171,10 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kChoice,
            .choices = {"solid", "part", "node", "material"},
            .doc =
-               "Bodies that get a grain of their own, along their longest axis, unless `grain` is given. All choices except `solid` "
-               "require the pattern `uniform`, `impact` or `clustered`. `solid`: the whole mesh. `part`: each connected part. `node`: "
-               "all parts of a node together. `material`: all parts with the same material on most of their surface, together."},
+               "Which bodies get their own grain, along their longest axis, unless `grain` is given. With patterns other than "
+               "`uniform`, `impact` and `clustered`, every choice acts like `solid`. `solid`: the whole mesh. `part`: each "
+               "connected part. `node`: all parts of a node together. `material`: all parts with the same material on most of "
+               "their surface, together."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;
@@ -189,7 +194,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = -1000,
            .high = 1000,
            .doc =
-               "Matrix (row by row) that is applied to every piece. Use it instead of `stretch` and `grain`."},
+               "Matrix (row by row) that stretches and shears every piece. Use it instead of `stretch` and `grain`."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.matrix; }));
   matrix.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& m = std::get<Matrix3>(value);
@@ -218,7 +223,7 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .doc =
                "Mean number of cells that are joined into a fragment. Use it for ragged, non-convex chunks; `size_spread` controls "
                "their sizes. Around an impact, chunks are longer in the outward direction. 1: each cell is a fragment. Stone, "
-               "concrete and metal set 6, which costs twice as much as 1 with flat cuts."},
+               "concrete and metal set 6. With flat cuts, 6 costs twice as much as 1."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
     const MaterialPreset* preset = find_material_preset(r.material);
@@ -232,9 +237,10 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .low = 0,
            .high = kMostSpread,
            .doc =
-               "How uneven the volumes of ragged chunks are. The share of chunks larger than v is exp(-(v/s)^(1/size_spread)), where "
-               "s is a scale (Weibull 1951). 0: equal volumes. 1: the exponential distribution of Grady and Kipp (1985), as published "
-               "for blasted granitic gneiss (Astrom et al. 2004). 2: the distribution of Mott and Linfoot (1943)."},
+               "How uneven the volumes of ragged chunks are. The share of chunks larger than a volume v is "
+               "exp(-(v/s)^(1/size_spread)), where s is a constant volume (Weibull 1951). 0: equal volumes. 1: the exponential "
+               "distribution of Grady and Kipp (1985), as published for blasted granitic gneiss (Astrom et al. 2004). 2: the "
+               "distribution of Mott and Linfoot (1943)."},
           [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
   rows.push_back(for_patterns(
       patterns,
@@ -261,7 +267,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .max = max_sites,
        .low = -kFar,
        .high = kFar,
-       .doc = "The Voronoi sites, in the answer's coordinate frame (y up). This pattern requires them."}));
+       .doc =
+           "Positions of the Voronoi sites, in the answer's coordinate frame (y up). The pattern `points` requires this parameter."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -274,9 +281,9 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .doc =
            "Points where the mesh is hit, in the answer's coordinate frame (y up). Use them to break the whole mesh, with the "
            "smallest pieces at the hit; use `local_point` to break only the area around a hit. `radial`: the first point is the "
-           "centre. `brick`: bricks at a hit are crushed, and the next ones break in half; without a hit, no bricks break. "
-           "Default: the centre of the box, or of its +z side if spokes go in all directions. If the material's pattern is "
-           "`uniform` or `clustered`, it becomes `impact`."}));
+           "centre. `brick`: bricks at a hit are crushed, and the bricks around them break in half; without a hit, no bricks "
+           "break. Default: the centre of the bounding box, or the centre of its +z side if spokes go in all directions. If the "
+           "material's pattern is `uniform` or `clustered`, the pattern becomes `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -284,15 +291,15 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Reach of an impact, or approximate reach of a cluster; its sites are within this distance. Default: a third of the "
-           "box's longest side for an impact, 0.12 of its mean side length for a cluster."}));
+           "Radius of the area around an impact that contains its sites, or approximate radius of a cluster. Default: a third of "
+           "the bounding box's longest side for an impact, and 0.12 times the box's mean side length for a cluster."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
        .low = 0,
        .high = 2.9,
        .doc =
-           "How fast the density of sites falls with distance: it is proportional to distance^-exponent. 0: even within the "
+           "How fast the density of sites falls with distance: it is proportional to distance^-exponent. 0: uniform within the "
            "radius. Default: 2 for `impact`, 1.5 for `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
       {.name = "share",
@@ -314,11 +321,10 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .choices = {"axis", "point", "shape"},
        .doc =
            "Centre of the rings and spokes. `axis`: a line, for a pane. `point`: a point with spokes in all directions, for a "
-           "vessel or a lump. `shape`: an axis if `axis` is given or the mesh is a plate in any position (at most a fifth as "
-           "thick as it is wide), otherwise a point. If there are several parts, each breaks according to its own shape, unless "
-           "`axis`, `spokes`, `rings` or a stretch is given. Parts four times as long as they are wide then break across their "
-           "length. With more than eight parts, this applies only to the seven largest. With `dual=barycenter` or a kept region, "
-           "all parts break as one."}));
+           "vessel or a lump. `shape`: like `axis` if `axis` is given or the mesh is a plate (at most a fifth as thick as it is "
+           "wide), otherwise like `point`. If the mesh has several parts, each breaks according to its own shape; rods (at least "
+           "four times as long as wide) break across their length. With more than eight parts, this applies only to the seven "
+           "largest. If `axis`, `spokes`, `rings`, a stretch, a kept region or `dual=barycenter` is given, all parts break as one."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
@@ -326,7 +332,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .high = kFar,
        .doc =
            "Axis of the rings and spokes. Default: perpendicular to the mesh if it is a plate, otherwise along the shortest side "
-           "of the box. With `crushed`, unless the mesh is a plate: from the hit to the centre of the box."}));
+           "of its bounding box. If `crushed` is given and the mesh is not a plate, the default runs from the hit to the centre of "
+           "the box."}));
   rows.push_back(with_pattern_member<&RadialPattern::spokes>(
       {.name = "spokes",
        .type = Type::kInteger,
@@ -345,19 +352,19 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .type = Type::kNumber,
        .low = 1,
        .high = 10,
-       .doc = "Width of each ring, as a multiple of the width of the ring inside it."}));
+       .doc = "Width of each ring, as a multiple of the width of the next ring inside it."}));
   rows.push_back(with_pattern_member<&RadialPattern::merge>(
       {.name = "merge",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the ring cracks that are omitted, which makes long shards."}));
+       .doc = "Share of the cracks along rings that are left out. Higher values make longer shards."}));
   rows.push_back(with_pattern_member<&RadialPattern::crushed>(
       {.name = "crushed",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the pieces that are crumbs at the hit."}));
+       .doc = "Share of the pieces that become small crumbs around the hit."}));
   rows.push_back(with_pattern_member<&RadialPattern::jitter, &GridPattern::jitter, &BrickPattern::jitter,
                                      &SlicePattern::jitter>(
       {.name = "jitter",
@@ -365,8 +372,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = 0,
        .high = 1,
        .doc =
-           "Irregularity. With `grid`, `brick` and `slice`, whole planes move by up to this share of half their spacing. Default: "
-           "0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
+           "Irregularity of the pattern. With `grid`, `brick` and `slice`, whole cutting planes move by up to this share of half "
+           "their spacing. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,
@@ -374,23 +381,25 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Size of a cell. `grid`: side lengths of a box along x, y and z. `brick`: length, height and depth of a brick with its "
-           "joint; the length runs along the longer horizontal side of the wall. Each brick is then a piece, and the whole mesh "
-           "is treated as a wall. Default: sized for about `sites` pieces. Bricks then have their real size (0.24 x 0.071 x 0.115 "
-           "m), several per piece, and are scaled if a piece would contain less than one or more than six."});
+           "Size of a cell. `grid`: side lengths of a box along x, y and z. `brick`: length, height and depth of a brick including "
+           "its joint. The length runs along the longer horizontal side of the wall. If you give this size, each brick is one "
+           "piece, and the whole mesh is treated as a wall. Default: chosen for about `sites` pieces. With `brick`, each piece "
+           "then contains several bricks of real size (0.24 x 0.071 x 0.115 m). They are scaled if a piece would contain less than "
+           "one brick or more than six."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
        .type = Type::kChoice,
        .choices = {"stack", "half", "third"},
-       .doc = "Offset of each course of bricks from the course below, as a fraction of a brick."}));
+       .doc =
+           "Offset of each row of bricks from the row below: none (`stack`), or a half or a third of a brick."}));
   ParameterSpec mortar{
       .name = "mortar",
       .type = Type::kColor,
       .doc =
-          "Colour of the joints, sRGB as #rrggbb (lime and cement: #b9b4a8). Cuts along joints get their own matt material, "
-          "whose name ends with _Mortar; cuts through a brick or a rubble stone show its inside. Joints have no width. With "
-          "`dual=barycenter` there are no joints. Default: all cuts look the same.",
+          "Colour of the joints, sRGB as #rrggbb (for example #b9b4a8, lime and cement). Cuts along joints get their own matt "
+          "material, whose name ends with _Mortar; cuts through a brick or a rubble stone show its inside. Joints have no width. "
+          "With `dual=barycenter` there are no joints. Default: all cuts look the same.",
       .decides = Decides::kSites,
       .patterns = {pattern_name<BrickPattern>()}};
   mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -412,7 +421,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc =
-           "One to three linearly independent directions, each the normal of a family of parallel planes."});
+           "One to three linearly independent directions. Each is the normal of one family of parallel cutting planes."});
   normals.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& given = std::get<std::vector<Vec3d>>(value);
     Matrix3 rows_of;
@@ -437,7 +446,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .unit = "degrees",
        .low = 0,
        .high = 45,
-       .doc = "Maximum angle by which planes tilt at random, if there is only one family."}));
+       .doc =
+           "Maximum angle by which each plane is tilted at random. It applies only if there is a single family."}));
 }
 
 }  // namespace

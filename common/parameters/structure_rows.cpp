@@ -34,8 +34,8 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .doc =
            "Number of fragments in the answer. If the result differs by more than a tenth, a warning says why. Separate parts "
            "share the fragments in proportion to their volume; small parts stay whole. Pieces broken off by hits (`local_point`) "
-           "are not included. If `sites` is omitted or equals this number, the pattern makes as many cells as are needed. 0: "
-           "`sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
+           "do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are needed. 0: `sites` "
+           "determines the number of fragments. Not with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
@@ -51,17 +51,17 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "min_volume", 1e18, "m³",
-      "Smaller fragments are merged with the neighbour that shares the largest area. The largest of `min_volume`, "
-      "`min_fraction` and `min_of_mean` applies. 0: no limit.",
+      "Each fragment below this volume is merged with the neighbour that shares the largest area with it. The largest of "
+      "`min_volume`, `min_fraction` and `min_of_mean` applies. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
       "min_fraction", 1, "", "`min_volume` as a fraction of the solid's volume. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "`min_volume` as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a "
-      "hundredth of this share, applied to the mean volume that fragments would have without hits. Before cuts are roughened, "
-      "the share is doubled, to at most 0.05. 0: no limit. Default with a `material`: 0.002.",
+      "`min_volume` as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a hundredth of "
+      "this share of the mean volume that fragments would have without hits. Before cuts are made rough, the share is doubled, but "
+      "not beyond 0.05. 0: no limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {
@@ -69,7 +69,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "max_volume", 1e18, "m³",
-      "Cells that contain a larger piece get more sites. 0: no limit. Not with `radial`, `grid`, `brick` or `slice`.",
+      "Cells that contain a piece larger than this volume get more sites, which divide it. 0: no limit. Not with `radial`, `grid`, "
+      "`brick` or `slice`.",
       [](auto& r) -> auto& { return r.fracture.max_volume; });
   rows.back().decides = Decides::kSites;
   rows.push_back(with_member(
@@ -87,7 +88,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .max = 1'000'000'000,
        .doc =
            "The smallest fragments are merged until all fragments together have at most this many triangles. A limit below the "
-           "uncut mesh's triangle count merges nothing. 0: no limit."},
+           "triangle count of the uncut mesh has no effect. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
@@ -99,8 +100,8 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
       .min = 1,
       .max = max_sites,
       .doc =
-          "Number of pieces in each of at most eight levels of a hierarchy, coarsest first. Use it instead of `sites`. The last "
-          "number is the number of sites; the other levels are clusters of fragments."};
+          "Number of pieces in each level of a hierarchy, coarsest level first (at most eight). Use it instead of `sites`. The "
+          "last number is the number of sites; the pieces of the other levels are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -159,9 +160,9 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .high = kFar,
        .doc = "Radius of the sphere in which nothing is cut. Requires `keep_center`."},
       [](auto& r) -> auto& { return r.keep_radius; }));
-  ParameterSpec box =
-      box_row("keep_box",
-              "Lowest and highest corners of a box in which nothing is cut. Use it instead of the sphere.");
+  ParameterSpec box = box_row(
+      "keep_box",
+      "Lowest and highest corners of a box in which nothing is cut. Use it instead of `keep_center` and `keep_radius`.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -182,8 +183,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
       .low = -kFar,
       .high = kFar,
       .doc =
-          "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored. "
-          "0,0,0;0,1,0 is the ground at height 0."};
+          "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored, so they do "
+          "not fall. 0,0,0;0,1,0 is the ground at height 0."};
   plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
     return "have a normal that is not zero";
@@ -233,7 +234,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "IDs of fragments that are gone. `report.support` shows what falls without them. Requires anchors."},
+           "IDs of fragments that no longer exist. `report.support` shows what falls without these fragments. Requires anchors."},
       [](auto& r) -> auto& { return r.broken; }));
   only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
@@ -246,7 +247,8 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "ID of a fragment to break again, from the answer that the other parameters give. The new answer contains its parts."},
+           "ID of a fragment to break again. It refers to the answer that the same request gives without `fragment`. The new "
+           "answer contains only the parts of this fragment."},
       [](auto& r) -> auto& { return r.fragment; }));
   rows.push_back(with_member(
       {.name = "fragment_sites",

@@ -213,9 +213,10 @@ Expected<CellMap> map_of_cells(const Solid& solid, const SiteParameters& p, cons
   const bool oblique = slices && slices->normals.size() > 1;
   CellMap map = map_of(solid, p, execution);
   if (oblique && map)
-    return fail(ErrorCode::kBadParameter,
-                "Slices of several families cannot be stretched: give the normals they should have.",
-                "stretch");
+    return fail(
+        ErrorCode::kBadParameter,
+        "Slices of several families cannot be stretched: leave out 'stretch', and give the final directions as 'normals'.",
+        "stretch");
   if (oblique) map = map_of(*slices);
   if (map == CellMap(Matrix3{})) map = {};
   return map;

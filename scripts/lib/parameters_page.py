@@ -197,15 +197,15 @@ def costs(patterns):
     def of(*requests):
         return "; ".join(f"{COSTS[request]:g}" for request in requests)
     yield from wrapped(
-        "Processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with `delta` costs "
-        "less than a whole answer, because only the cells near the hit are cut again.")
+        "The costs are processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with "
+        "`delta` costs less than a whole answer, because only the cells near the hit are cut again.")
     yield ""
     yield "| request | cost |"
     yield "|---|---|"
     yield "| `pattern` | " + by_cost({name: COSTS[f"pattern={name}"] for name in (entry["name"] for entry in patterns["patterns"])}) + " |"
     yield f"| `brick` on a wall, six bricks per piece | {COST_ON_A_WALL} |"
     yield "| `material` (no walls) | " + by_cost({entry["name"]: entry["cost"] for entry in patterns["materials"]}) + " |"
-    yield f"| walls (`shell`, `shell_fraction`), once per mesh when it is prepared | {of('shell_fraction=0.05')} |"
+    yield f"| walls (`shell`, `shell_fraction`), only when a mesh is prepared | {of('shell_fraction=0.05')} |"
     yield f"| 500 sites; 5,000 sites | {of('sites=500', 'sites=5000')} |"
     yield f"| `rough_amplitude=0.05` (finer octaves cost more) | {of('rough_amplitude=0.05')} |"
     yield f"| `cells_per_fragment=6` with flat cuts | {of('cells_per_fragment=6')} |"
@@ -292,10 +292,8 @@ def parameters_page(limits, patterns):
     yield from wrapped("Start with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST[:-1]) + f" and [`{FIRST[-1]}`](#{FIRST[-1]}). "
                        "A material sets the pattern, the cuts and the physics; all other parameters can keep their defaults.")
     yield ""
-    yield from wrapped("- Hits: `impacts` breaks the whole mesh, `local_point` only the area around the hit "
-                       "([both, with commands](guides/more-pieces-where-it-is-hit.md)).", "  ")
-    yield from wrapped("- The bytes of an answer change only with the algorithm version. No parameter selects an older version "
-                       "([keep an older version](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).", "  ")
+    yield from wrapped("To break a mesh at a hit, use `impacts` or `local_point` ([examples](guides/more-pieces-where-it-is-hit.md)). No parameter "
+                       "selects an older algorithm version ([keep an older version](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).")
     yield ""
     yield "## Cost"
     yield ""

@@ -73,7 +73,7 @@ Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, cons
              : exchange.detail;
     const Milliseconds left = hope(begun, busy, trouble);
     if (left.count() <= 0)
-      return tl::unexpected(give_up(trouble + " The server gave no other answer for " +
+      return tl::unexpected(give_up(trouble + " The server gave no other answer within " +
                                     seconds_text(patience_.total) + " (--patience)."));
     const Milliseconds wait = std::max(
         backoff.pause(), protocol::parse_retry_after(exchange.retry_after).value_or(backoff.pause()));

@@ -191,10 +191,12 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
     if (!plan.single && source.output == kStandardStream)
       return wrong("Standard output ('-') is for the fragments of one mesh: give a folder with --output.");
   } else if (!source.output.empty()) {
-    return wrong("A manifest names its own outputs: leave out --output.");
+    return wrong("A manifest lists its own outputs: leave out --output.");
   }
-  if (!source.depfile.empty() && !plan.single) return wrong("--depfile is for one mesh to one file.");
-  if (!source.stages.empty() && !plan.single) return wrong("--dump-stages is for one mesh to one file.");
+  if (!source.depfile.empty() && !plan.single)
+    return wrong("--depfile requires exactly one mesh and one output file.");
+  if (!source.stages.empty() && !plan.single)
+    return wrong("--dump-stages requires exactly one mesh and one output file.");
   if (source.report.empty() && !plan.single) source.report = report_beside(source);
   plan.report = source.report;
 

@@ -147,16 +147,17 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
   const bool is_drawn_itself =
       output != kStandardStream && kind && (*kind == OutputKind::kGlb || *kind == OutputKind::kGltf);
   if (!is_drawn_itself && bytes.empty())
-    return fail(ErrorCode::kUnsupportedFeature,
-                "The picture of an OBJ, PLY or STL is drawn only when the file is made: use --force.");
+    return fail(
+        ErrorCode::kUnsupportedFeature,
+        "Pictures of OBJ, PLY and STL files are drawn only while the file is written. To write it again, use --force.");
   if (folder_.empty())
     return fail(ErrorCode::kNoProgram, "Pictures need a folder for temporary files, and there is none.");
   std::size_t number = 0;
   {
     const std::lock_guard lock(mutex_);
     if (failures_in_a_row_ >= kMostFailuresInARow)
-      return fail(ErrorCode::kNoProgram, "The renderer had failed " + std::to_string(kMostFailuresInARow) +
-                                             " times in a row; this picture was not tried.");
+      return fail(ErrorCode::kNoProgram, "The renderer failed " + std::to_string(kMostFailuresInARow) +
+                                             " times in a row, so this picture was not tried.");
     number = next_++;
   }
   // The renderer gets names of ours: those of files may be anything.
@@ -192,7 +193,7 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
   }
   if (!has_size(png, settings_.size) || png.size() < 24 + sizeof kPngEnd ||
       std::memcmp(png.data() + png.size() - sizeof kPngEnd, kPngEnd, sizeof kPngEnd) != 0)
-    return fail(ErrorCode::kBadImage, "The renderer made no PNG of " + side + " x " + side + " pixels.");
+    return fail(ErrorCode::kBadImage, "The renderer wrote no PNG for " + side + " x " + side + " pixels.");
   if (!make_folders_of(picture) || !write_file(picture, std::as_bytes(std::span(png))))
     return fail(ErrorCode::kFileAccess, "Cannot write " + picture + ": " + std::strerror(errno) + ".");
   return {};

@@ -128,10 +128,12 @@ class Conversation {
   };
   static Step again(std::string trouble) { return {.trouble = std::move(trouble)}; }
   static Step otherwise(const std::string& key) {
-    return {.next = Next::kWhole,
-            .trouble = "The server gave the answer the address " + key +
-                       ", but this program expects another address. Perhaps the server has the mesh in "
-                       "another format, or is another version."};
+    return {
+        .next = Next::kWhole,
+        .trouble =
+            "The server's answer has the address " + key +
+            ", but this program expects another address. Perhaps the server stored the mesh in another format, or runs "
+            "another version."};
   }
 
   std::vector<std::pair<std::string, std::string>> fields() const {

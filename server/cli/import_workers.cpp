@@ -43,13 +43,13 @@ void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer) 
   for (const auto& [outcome, count] : outcomes)
     writer.counter(
         "fracture_imports_total",
-        "Imports by outcome: imported, refused (an error in the file), crashed, limited (by the sandbox), interrupted, "
-        "remembered (refused without a reader, because the file is known), no-room (no reader could start).",
+        "Imports by outcome: imported, refused (an error in the file), crashed, limited (by the sandbox), interrupted, remembered "
+        "(refused without reading, because the same file failed before), no-room (no reader could start).",
         static_cast<double>(count), {{"outcome", outcome}});
   writer.counter("fracture_import_workers_started_total", "Import processes forked, one per file.",
                  static_cast<double>(counters.started));
   writer.counter("fracture_import_zygotes_started_total",
-                 "Processes started from which import processes are forked.",
+                 "Zygote processes started. Each of them forks import processes.",
                  static_cast<double>(counters.zygotes));
   writer.gauge("fracture_import_workers", "Live import processes.", counters.workers);
   writer.gauge("fracture_import_workers_busy", "Import processes that are reading a file.", counters.busy);

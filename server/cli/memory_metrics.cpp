@@ -41,9 +41,10 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
                static_cast<double>(base_memory(options)));
   for (const MemoryShare& share : memory_shares(options)) {
     const ops::MetricWriter::Labels labels = {{"part", share.part}};
-    writer.gauge("fracture_memory_budget_bytes", "Bytes that each part may hold.",
+    writer.gauge("fracture_memory_budget_bytes", "Limit on the bytes that each part of the memory may hold.",
                  static_cast<double>(share.bytes), labels);
-    writer.gauge("fracture_memory_reserved_bytes", "Bytes that each part holds, by its own count.",
+    writer.gauge("fracture_memory_reserved_bytes",
+                 "Bytes that each part of the memory holds, as the server counts them.",
                  static_cast<double>(reserved.at(share.part)), labels);
   }
   std::uint64_t workers = 0;

@@ -144,9 +144,10 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                  "I/N: every N-th mesh, starting with mesh I (0 to N - 1); auto/N: take I from "
                  "FRACTURE_SHARD, JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
       ->type_name("I/N");
-  app.add_option("--report", o.source.report,
-                 "File with one JSON line per mesh; the next run keeps the outputs that still match it. "
-                 "Default: bake.ndjson in the output folder, or MANIFEST.report")
+  app.add_option(
+         "--report", o.source.report,
+         "Write this file with one JSON line per mesh; the next run keeps the outputs that still match it. Default: "
+         "bake.ndjson in the output folder, or MANIFEST.report")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_flag("--force", o.force, "Make all outputs again, even those that are up to date");
@@ -195,7 +196,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->group(kLookGroup);
 
-  constexpr const char* kWatchGroup = "Examining the algorithm; the output bytes stay the same";
+  constexpr const char* kWatchGroup = "Flags for examining the algorithm; they do not change the output";
   app.add_option(
          "--insertion", o.insertion,
          "How sites are inserted into the Delaunay tetrahedralization: by cavities, or by flips as in "
@@ -215,7 +216,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->check(not_empty);
 
   constexpr const char* kServerGroup =
-      "Baking on a server, or on a farm behind a proxy; files and report are the same";
+      "Flags for baking on a server, or on several behind a proxy; the files and the report are the same";
   app.add_option("--server", o.server, "http://host:port or https://host:port")
       ->type_name("URL")
       ->group(kServerGroup)

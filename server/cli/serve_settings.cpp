@@ -116,28 +116,31 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        list("page-sample", "FILE", o.page_samples,
             "A mesh that the page offers to every visitor, in addition to its own shapes"),
        flag("insecure-bind", o.insecure_bind, "Accept clients from other machines without tokens"),
-       list("cors-origin", "ORIGIN", o.server.cors_origins,
-            "Accept requests from web pages of this origin (https://example.org), or '*': of any origin"),
-       list("allow-host", "NAME", o.server.allowed_hosts,
-            "Without tokens: accept requests to this host name, or '*': to any name. Requests to an address "
-            "or to localhost are always accepted")});
+       list(
+           "cors-origin", "ORIGIN", o.server.cors_origins,
+           "Accept requests from web pages of this origin, such as https://example.org ('*': of any origin)"),
+       list(
+           "allow-host", "NAME", o.server.allowed_hosts,
+           "Without tokens: accept requests to this host name ('*': to any name). Requests to an address or to localhost are "
+           "always accepted")});
   group(
       "Work",
       {number("io-threads", "N", o.server.io_threads, 1, 2, "Threads that read requests and write answers"),
        number("threads", "N", o.threads, 0, 1024, "Computing threads; 0: one per core"),
        number(
            "memory", "BYTES", o.memory, 0, kTiB,
-           "Resident memory of the server and its import processes; 0: the limit of their control group, or the "
+           "Limit on the resident memory of the server and its import processes; 0: the limit of their control group, or the "
            "machine's memory. Memory budgets that are not given are lowered until all fit"),
-       number("max-queue", "N", o.max_queue, 0, 1'000'000,
-              "Requests of one client that may wait for a computing thread; all clients together may have up "
-              "to four times as many"),
+       number(
+           "max-queue", "N", o.max_queue, 0, 1'000'000,
+           "Maximum number of requests of one client that wait for a computing thread; all clients together may have up to four "
+           "times as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files at the same time"),
        number(
            "import-memory", "BYTES", o.import_memory, 0, kTiB,
-           "Bytes by which an import process may grow while it reads a file; 0: no limit. If not given, at most half "
-           "of --max-working"),
+           "Memory by which an import process may grow while it reads a file; 0: no limit. If not given, at most half of "
+           "--max-working"),
        choice(
            "require-sandbox", o.require_sandbox, {"auto", "yes", "no"},
            "Refuse to start if import processes cannot be sandboxed; auto: only if other machines can reach "
@@ -151,52 +154,63 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          choice("log-format", o.log_format, {"auto", "json", "text"},
                 "Format of log lines; auto: text on a terminal, otherwise JSON"),
          text("keep-failures", "FOLDER", o.keep_failures,
-              "Save to this folder what is needed to reproduce a bug, or an answer that failed its check")});
-  group("Limits",
-        {number("max-body", "BYTES", l.max_body, 1, kTiB, "Bytes of a request body before decompression"),
-         number("max-bodies", "BYTES", l.max_bodies, 1, kTiB,
-                "Bytes of all request bodies over 64 KiB that are held at the same time"),
-         number("max-small-bodies", "BYTES", l.max_small_bodies, 1, kTiB,
-                "Bytes of all request bodies up to 64 KiB that are held at the same time"),
-         number("max-bodies-per-address", "BYTES", l.max_bodies_per_address, 0, kTiB,
-                "Bytes of bodies from one client address; 0: a quarter of all. A single body may exceed it"),
-         number("max-answers", "BYTES", l.max_answers, 1, kTiB,
-                "Bytes of all answers that are being written at the same time"),
-         number("max-answers-per-address", "BYTES", l.max_answers_per_address, 0, kTiB,
-                "Bytes of answers to one client address; 0: a quarter of all. A single answer may exceed it"),
-         number("answer-ledger", "BYTES", l.answer_ledger, 0, kTiB,
-                "Bytes of the record of which answers each name in the token file may see, 512 per entry"),
-         number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2, "Bytes of a request header"),
-         number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Bytes of a request target"),
-         number("max-sites", "N", s.max_sites, 1, kMostSitesAnywhere, "Sites of one request"),
-         number("max-triangles", "N", s.import_limits.max_triangles, 1, UINT32_MAX, "Triangles of one mesh"),
-         number("max-decoded", "BYTES", s.import_limits.max_decoded_bytes, 1, kTiB,
-                "Bytes of a body or a mesh after decompression"),
-         number("max-connections", "N", l.max_connections, 1, 1'000'000, "Open connections"),
-         number("max-connections-per-address", "N", l.max_connections_per_address, 1, 1'000'000,
-                "Open connections from one client address"),
-         seconds("deadline", l.deadline, "Time limit of a computation, including its time in the queue"),
-         seconds("realtime-deadline", l.realtime_deadline,
-                 "Time limit of a realtime computation, including its time in the queue"),
-         number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
-                "Estimated bytes of working memory of all computations"),
-         seconds("header-timeout", l.header_timeout, "Time limit of a whole header"),
-         seconds("body-grace", l.body_grace, "Time before --body-rate applies to a body"),
-         number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Minimum speed of a request body"),
-         seconds("body-timeout", l.body_timeout, "Time limit of a whole body"),
-         number("answer-rate", "BYTES/S", l.answer_rate, 1, kTiB,
-                "Minimum speed at which a client must read its answer, after --write-stall"),
-         seconds("write-stall", l.write_stall, "Longest time without a client reading any of its answer"),
-         seconds("idle", l.idle, "Longest time between requests on a connection")});
+              "Save to this folder the data that reproduces a bug, or an answer that failed its check")});
+  group(
+      "Limits",
+      {number("max-body", "BYTES", l.max_body, 1, kTiB,
+              "Maximum size of a request body, before decompression"),
+       number("max-bodies", "BYTES", l.max_bodies, 1, kTiB,
+              "Maximum total size of the request bodies over 64 KiB that are held at the same time"),
+       number("max-small-bodies", "BYTES", l.max_small_bodies, 1, kTiB,
+              "Maximum total size of the request bodies up to 64 KiB that are held at the same time"),
+       number(
+           "max-bodies-per-address", "BYTES", l.max_bodies_per_address, 0, kTiB,
+           "Maximum total size of the bodies from one client address; 0: a quarter of the limit for all clients. A single "
+           "body may exceed it"),
+       number("max-answers", "BYTES", l.max_answers, 1, kTiB,
+              "Maximum total size of the answers that are being written at the same time"),
+       number(
+           "max-answers-per-address", "BYTES", l.max_answers_per_address, 0, kTiB,
+           "Maximum total size of the answers to one client address; 0: a quarter of --max-answers. A single answer may "
+           "exceed it"),
+       number(
+           "answer-ledger", "BYTES", l.answer_ledger, 0, kTiB,
+           "Maximum size of the record of which answers each name in the token file may see (512 bytes per entry)"),
+       number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2,
+              "Maximum size of a request header"),
+       number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Maximum size of a request target"),
+       number("max-sites", "N", s.max_sites, 1, kMostSitesAnywhere, "Maximum number of sites in a request"),
+       number("max-triangles", "N", s.import_limits.max_triangles, 1, UINT32_MAX,
+              "Maximum number of triangles in a mesh"),
+       number("max-decoded", "BYTES", s.import_limits.max_decoded_bytes, 1, kTiB,
+              "Maximum size of a body or a mesh after decompression"),
+       number("max-connections", "N", l.max_connections, 1, 1'000'000, "Maximum number of open connections"),
+       number("max-connections-per-address", "N", l.max_connections_per_address, 1, 1'000'000,
+              "Maximum number of open connections from one client address"),
+       seconds("deadline", l.deadline, "Time limit of a computation, including its time in the queue"),
+       seconds("realtime-deadline", l.realtime_deadline,
+               "Time limit of a realtime computation, including its time in the queue"),
+       number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
+              "Maximum working memory of all computations together, as the server estimates it"),
+       seconds("header-timeout", l.header_timeout, "Time limit for receiving a whole header"),
+       seconds("body-grace", l.body_grace, "Time before --body-rate applies to a body"),
+       number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Minimum speed of a request body"),
+       seconds("body-timeout", l.body_timeout, "Time limit for receiving a whole body"),
+       number("answer-rate", "BYTES/S", l.answer_rate, 1, kTiB,
+              "Minimum speed at which a client must read its answer, after --write-stall"),
+       seconds("write-stall", l.write_stall, "Longest time in which a client may read nothing of its answer"),
+       seconds("idle", l.idle, "Longest time between requests on a connection")});
   group(
       "Caches",
-      {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB, "Bytes of prepared meshes"),
+      {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB,
+              "Maximum size of the cache of prepared meshes"),
        number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
-              "Bytes of tetrahedralizations, and of answers kept for hits on them"),
-       number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB, "Bytes of finished answers"),
+              "Maximum size of the cache of tetrahedralizations, and of answers kept for hits on them"),
+       number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB,
+              "Maximum size of the cache of finished answers in memory"),
        text("cache-dir", "FOLDER", s.tiers.folder, "Also keep finished answers in this folder"),
        number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB,
-              "Bytes of answers in the folder of --cache-dir"),
+              "Maximum size of the answers in the folder of --cache-dir"),
        text("redis", "HOST:PORT", s.tiers.redis.address,
             "Share finished answers through the Redis at this address or socket path"),
        text("redis-user", "NAME", s.tiers.redis.user, "Redis user (Redis 6 ACL); default: the default user"),
@@ -216,18 +230,21 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "and both are accepted"),
        flag("sign-disk-cache", s.tiers.sign_disk,
             "Also sign answers and jobs in the folder of --cache-dir")});
-  group("Stores",
-        {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Bytes of all stored meshes"),
-         seconds("mesh-ttl", o.store.ttl, "Time after which an unused stored mesh is deleted"),
-         number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000, "Known jobs, including finished ones"),
-         number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB, "Bytes of job results"),
-         seconds("job-ttl", o.jobs.ttl, "Time after which a finished job is deleted"),
-         seconds("job-deadline", o.jobs.deadline,
-                 "Time limit of a job, from its request (or a restart of the server) to its end"),
-         number(
-             "job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
-             "Bytes of the meshes and requests of jobs in the folder of --cache-dir, with which jobs survive "
-             "a restart; 0: jobs do not survive it")});
+  group(
+      "Stores",
+      {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Maximum total size of the stored meshes"),
+       seconds("mesh-ttl", o.store.ttl, "Time after which an unused stored mesh is deleted"),
+       number("max-jobs", "N", o.jobs.max_jobs, 0, 1'000'000,
+              "Maximum number of known jobs, including finished ones"),
+       number("job-results", "BYTES", o.jobs.max_result_bytes, 0, kTiB,
+              "Maximum total size of the job results"),
+       seconds("job-ttl", o.jobs.ttl, "Time after which a finished job is deleted"),
+       seconds("job-deadline", o.jobs.deadline,
+               "Time limit of a job, from its request (or a restart of the server) to its end"),
+       number(
+           "job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
+           "Maximum size of the meshes and requests of jobs that are stored in the folder of --cache-dir, so that jobs survive a "
+           "restart; 0: jobs do not survive a restart")});
   group(
       "Stopping",
       {seconds("drain-delay", o.drain_delay,

@@ -47,13 +47,14 @@ bool goes_on_alone(Operation operation, const RequestHead& head) {
 
 Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
   if (reservation.over_share())
-    return Problem(ErrorCode::kOverShare,
-                   "Other requests of this client hold its share of the memory for "
-                   "bodies, so there is no room for this one. Ask again when they are finished.")
+    return Problem(
+               ErrorCode::kOverShare,
+               "This client's other requests use up its share of the memory for bodies, so there is no room for this body. Ask "
+               "again when they are finished.")
         .with("Retry-After", "2");
-  return Problem(ErrorCode::kOverloaded, "The requests in progress hold " +
-                                             std::to_string(bodies_.whole().used()) +
-                                             " bytes, so there is no room for this body now.")
+  return Problem(ErrorCode::kOverloaded,
+                 "The requests in progress hold " + std::to_string(bodies_.whole().used()) +
+                     " bytes of the memory for bodies, so there is no room for this body now.")
       .with("Retry-After", "2");
 }
 
@@ -79,9 +80,9 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
         return allow.empty() ? tl::unexpected<Problem>(Problem(
                                    HttpProblem::kNotFound, "There is no path '" + head.path.substr(0, 100) +
                                                                "'. GET /openapi.json lists them."))
-                             : tl::unexpected<Problem>(
-                                   Problem(HttpProblem::kMethodNotAllowed, "This path answers " + allow + ".")
-                                       .with("Allow", allow));
+                             : tl::unexpected<Problem>(Problem(HttpProblem::kMethodNotAllowed,
+                                                               "This path supports only " + allow + ".")
+                                                           .with("Allow", allow));
     return refuse(HttpProblem::kNotImplemented, "This server does not know the method.");
   }
   admission.head_only = is_head;
@@ -185,9 +186,10 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
     double seconds = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), seconds);
     if (error != std::errc{} || end != given.data() + given.size() || !(seconds > 0) || seconds > 86400)
-      return tl::unexpected<Problem>(to_problem(
-          {ErrorCode::kBadParameter, "Request-Timeout must be a number of seconds from 0 to 86400, not 0.",
-           "Request-Timeout"}));
+      return tl::unexpected<Problem>(
+          to_problem({ErrorCode::kBadParameter,
+                      "Request-Timeout must be a number of seconds, greater than 0 and at most 86400.",
+                      "Request-Timeout"}));
     time = std::min(time, std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1000))));
   }
   terms.deadline = received + time;
@@ -208,7 +210,8 @@ std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Adm
   const std::string content_type = head.field("content-type"), type = media_type_of(content_type);
   if (type == "multipart/form-data") {
     if (multipart_boundary(content_type)) return std::nullopt;
-    return Problem(HttpProblem::kMalformedMultipart, "The Content-Type has no usable boundary.");
+    return Problem(HttpProblem::kMalformedMultipart,
+                   "The Content-Type has no valid boundary for the parts of the form.");
   }
   for (const auto& [name, value] : admission.query)
     if (name == "format") return std::nullopt;

@@ -98,7 +98,8 @@ OrProblem<Response> Api::get_problem(const Request& request) const {
   const auto type = std::find_if(types.begin(), types.end(),
                                  [&](const ProblemType& t) { return t.slug == request.admission.segment; });
   if (type == types.end())
-    return refuse(HttpProblem::kNotFound, "There is no problem of this name. GET /openapi.json lists them.");
+    return refuse(HttpProblem::kNotFound,
+                  "There is no problem with this name. GET /openapi.json lists the problems.");
   const std::string title(type->title), advice(type->advice), status = std::to_string(type->status);
   Response response;
   if (request.admission.representation == kAsHtml) {

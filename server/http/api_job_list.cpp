@@ -40,7 +40,7 @@ OrProblem<Page> page_of(const std::vector<std::pair<std::string, std::string>>& 
         return wrong(name, "'limit' must be a whole number from 1 to " + std::to_string(kLongestPage) + ".");
     } else if (name == "before") {
       const auto time = time_in(value);
-      if (!time) return wrong(name, "'before' must be the value of 'created' of a job in this list.");
+      if (!time) return wrong(name, "'before' must be the 'created' time of a job in this list.");
       page.filter.before = *time;
     } else {
       return tl::unexpected<Problem>(to_problem(

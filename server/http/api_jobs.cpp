@@ -87,9 +87,9 @@ Response job_response(const JobView& job, const std::string& request_id, int sta
 Problem Api::no_job() const {
   if (waits_for_folder())
     return to_problem(overloaded(
-        "This job is not known here, and another server still has the folder in which jobs are kept.",
+        "This server does not know the job. Another server still uses the folder in which jobs are stored.",
         std::chrono::seconds(2)));
-  return Problem(HttpProblem::kNotFound, "This job is not (or no longer) known here.");
+  return Problem(HttpProblem::kNotFound, "This server does not know this job, or no longer knows it.");
 }
 
 Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
@@ -116,7 +116,7 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
       if (!job->answer)
         return refusal(
             overloaded(
-                "The result was deleted to make room for others (--job-results) before it could be sent.",
+                "The result was deleted to make room for other results (--job-results) before it could be sent.",
                 std::chrono::seconds(1)),
             request->id);
       return answer_fracture(request, *job->answer, terms, reply,

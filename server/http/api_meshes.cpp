@@ -55,7 +55,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
     const auto digest = digest_in(request->admission.segment);
     if (!digest)
       return refuse(HttpProblem::kNotFound,
-                    "A mesh is named sha256: and the 64 lower-case hex digits of its SHA-256.");
+                    "The id of a mesh is sha256: followed by the 64 lower-case hex digits of its SHA-256.");
     wanted = *digest;
   }
   return with_mesh_input(
@@ -63,9 +63,10 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
       [this, request, reply, wanted](FractureRequest input, const std::shared_ptr<Body>& body,
                                      const Terms& terms) -> Answered {
         if (!wanted.empty() && input.digest != wanted)
-          return refuse(HttpProblem::kDigestMismatch,
-                        "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +
-                            ". (With further files it covers their names and digests: see openapi.json.)");
+          return refuse(
+              HttpProblem::kDigestMismatch,
+              "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +
+                  ". (If the mesh has further files, the digest also covers their names and digests: see openapi.json.)");
         const std::uint64_t bytes = input_bytes(input.mesh, input.files);
         if (bytes > meshes_.config().quota_bytes)
           return refuse(HttpProblem::kBodyTooLarge, "The mesh has " + std::to_string(bytes) +
@@ -119,7 +120,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
                                                   " (--mesh-store).");
   if (put == MeshStore::Put::kNoRoom)
     return tl::unexpected<Problem>(
-        Problem(ErrorCode::kOverloaded, "Meshes in use by requests hold most of the " +
+        Problem(ErrorCode::kOverloaded, "Meshes that requests are using take up most of the " +
                                             std::to_string(meshes_.config().quota_bytes) +
                                             " bytes for stored meshes. Try again after Retry-After.")
             .with("Retry-After", "2"));
@@ -182,8 +183,8 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
         }
         if (std::any_of(given.begin(), given.end(), [](const RawParameter& p) { return p.name == "format"; }))
           return tl::unexpected<Problem>(
-              to_problem({ErrorCode::kBadParameter, "A stored mesh has a format already: leave 'format' out.",
-                          "format"}));
+              to_problem({ErrorCode::kBadParameter,
+                          "The format of a stored mesh is already known: leave 'format' out.", "format"}));
         // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
         const std::uint64_t earlier = service_.earlier_bytes(given);
         return with_parameters(earlier, kEarlierInline, request, terms, reply,

@@ -22,23 +22,25 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   constexpr std::pair<Priority, const char*> kClasses[] = {
       {Priority::kRealtime, "realtime"}, {Priority::kBatch, "batch"}, {Priority::kBackground, "background"}};
   for (const auto& [priority, name] : kClasses)
-    writer.gauge("fracture_predicted_wait_seconds",
-                 "Time in the queue for a new job of the client with the most past use, by class.",
-                 pool.backlog(priority).count(), {{"class", name}});
+    writer.gauge(
+        "fracture_predicted_wait_seconds",
+        "Predicted time in the queue for a new job of the client with the most past use, by priority class.",
+        pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {
     writer.counter(name, help, static_cast<double>(value));
   };
-  count("fracture_results_computed_total", "Results computed to the end.", work.computed);
+  count("fracture_results_computed_total", "Results whose computation was completed.", work.computed);
   count("fracture_requests_collapsed_total", "Requests that waited for another request's computation.",
         work.collapsed);
   count("fracture_waiters_left_total",
-        "Requests that ended before their result: closed, cancelled or past their deadline.", work.abandoned);
+        "Requests that ended before their result was ready: closed, cancelled or past their deadline.",
+        work.abandoned);
   count("fracture_jobs_expired_total", "Jobs whose deadline had passed when their turn came.", work.expired);
   count("fracture_requests_not_admitted_total", "Requests refused at once for lack of time or memory.",
         work.refused);
-  writer.gauge("fracture_flights", "Results that are being computed or wait for a thread.",
+  writer.gauge("fracture_flights", "Results that are being computed or are waiting for a thread.",
                static_cast<double>(work.flights));
 
   const auto cache = [&writer](const char* name, const CacheFigures& figures, std::size_t budget) {
@@ -80,16 +82,17 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
     count("fracture_job_store_damaged_total", "Damaged job files that were set aside.", disk->quarantined);
   }
   count("fracture_jobs_evicted_total", "Finished jobs deleted to make room for others.", jobs.evicted);
-  count("fracture_job_results_evicted_total",
-        "Results of finished jobs deleted to make room for others (--job-results). The jobs stay.",
-        jobs.results_evicted);
+  count(
+      "fracture_job_results_evicted_total",
+      "Results of finished jobs deleted to make room for others (--job-results). The jobs themselves are kept.",
+      jobs.results_evicted);
 
   const TiersFigures tiers = service_.tiers().figures();
   const auto up = [&](const char* tier, bool is_up) {
     writer.gauge(
         "fracture_cache_tier_up",
-        "1 if a configured tier can be used. 0: the folder cannot be used or belongs to another server, or Redis does "
-        "not answer.",
+        "1 if this cache tier (the folder or Redis) can be used. 0: the folder cannot be used or belongs to another server, or "
+        "Redis does not answer.",
         is_up, {{"cache", "result"}, {"tier", tier}});
   };
   if (tiers.disk || tiers.disk_unusable)
@@ -115,11 +118,12 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
     writer.counter("fracture_cache_failures_total", "Reads and writes that failed.",
                    static_cast<double>(tiers.redis->failures), labels);
     writer.counter("fracture_cache_skipped_total",
-                   "Requests that skipped the tier because it had not answered before.",
+                   "Requests that did not use Redis because it had not answered earlier requests.",
                    static_cast<double>(tiers.redis->skipped), labels);
   }
   count("fracture_results_unwritten_total",
-        "Results that were not written to a tier because too many waited.", tiers.dropped);
+        "Results that were not written to the folder or to Redis because too many were waiting.",
+        tiers.dropped);
 }
 
 }  // namespace fracture::http

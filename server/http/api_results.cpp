@@ -130,7 +130,7 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
     if (!service_.fetch_result(
             key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }, execution))
       return tl::unexpected<Problem>(
-          Problem(ErrorCode::kOverloaded, "There is no memory to read this result now.")
+          Problem(ErrorCode::kOverloaded, "There is not enough memory to read this result now.")
               .with("Retry-After", "2"));
     if (!answer.result) return tl::unexpected<Problem>(no_result());
     return found_result(request, answer.result, cache_status(answer), reply);
@@ -176,7 +176,7 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   } catch (
       const std::exception&) {  // whatever happens, nobody waits for ever, and everybody is answered once
     if (leads)
-      variants_.land(seat.flight, not_made("There is no memory to wait for this answer now."));
+      variants_.land(seat.flight, not_made("There is not enough memory to wait for this answer now."));
     else if (variants_.leave(seat))
       throw;
     return std::nullopt;
@@ -191,7 +191,7 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   compressing.needs_seat = false;
   const auto compress = [this, flight = seat.flight, result, representation,
                          not_made](const Execution& execution) {
-    Expected<Made> made = not_made("There is no memory to compress this answer now.");
+    Expected<Made> made = not_made("There is not enough memory to compress this answer now.");
     try {
       made = make_variant(*result, representation, execution);
       service_.keep_variant(*made);
@@ -210,7 +210,7 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
     overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()),
                                compressing, compress, too_late);
   } catch (const std::exception&) {  // whatever happens, nobody waits for ever
-    overload = Error{ErrorCode::kOverloaded, "There is no memory to compress this answer now."};
+    overload = Error{ErrorCode::kOverloaded, "There is not enough memory to compress this answer now."};
   }
   if (overload) variants_.land(seat.flight, not_made(std::move(overload->detail)));
   return std::nullopt;

@@ -107,7 +107,7 @@ std::optional<Problem> refuse_scope(const tenants::Account& account, const Reque
   const std::string names = names_of(wanted);
   if (names.empty() || account.scopes().has_any(wanted)) return std::nullopt;
   return Problem(HttpProblem::kForbidden,
-                 "The scopes of this token do not allow this; it needs one of: " + names + ".")
+                 "The scopes of this token do not allow this request, which needs one of: " + names + ".")
       .with("WWW-Authenticate",
             "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
 }

@@ -18,13 +18,13 @@ The smallest request:
     curl --fail-with-body -T mesh.glb -X POST -H 'Content-Type: model/gltf-binary' \\
          'http://SERVER/fracture?material=stone&fragments=40&seed=1' -o fragments.glb
 
-Programs read the same from `GET /openapi.json` (every status and header), `GET /limits` and `GET /patterns`.
+Programs can read the same information from `GET /openapi.json` (every status and header), `GET /limits` and `GET /patterns`.
 """
 
 
 def plain(text):
-    """Returns the text without pictures and comments. Links to files of the repository become plain text, because the files are not
-    there."""
+    """Returns the text without pictures and comments. Links to files of the repository become plain text, because the text
+    is served without these files."""
     text = re.sub(r"<!--.*?-->\n*", "", text, flags=re.S)
     text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
     text = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", text)

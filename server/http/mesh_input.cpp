@@ -31,7 +31,7 @@ std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string
 Problem unknown_format(const FormatSet& formats, std::string_view given) {
   std::string names;
   for (const std::string& name : formats.names()) names += (names.empty() ? "" : ", ") + name;
-  std::string detail = "The request does not name the format of the mesh.";
+  std::string detail = "The request does not specify the format of the mesh.";
   if (!given.empty())
     detail = std::string(given).insert(0, 1, '\'') + "' is not a mesh format that this server reads.";
   return to_problem(
@@ -73,7 +73,7 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
         if (std::any_of(files.begin(), files.end(), [&](const ImportFile& f) { return f.name == name; }))
           return refuse(
               HttpProblem::kMalformedMultipart,
-              "Two file parts have the same filename. Give each a filename of its own, as the mesh names it.");
+              "Two file parts have the same filename. Give each file the unique name by which the mesh refers to it.");
         files.push_back({name, std::as_bytes(std::span(part.body.data(), part.body.size()))});
       } else if (part.body.size() > kMaxField) {
         return refuse(HttpProblem::kMalformedMultipart,

@@ -49,7 +49,8 @@ OrProblem<FormPart> parse_part(std::string_view text) {
   FormPart part;
   const bool no_header = text.substr(0, 2) == "\r\n";
   const std::size_t end = no_header ? 0 : text.substr(0, kMaxPartHeader).find("\r\n\r\n");
-  if (end == std::string_view::npos) return malformed_form("A part has no header, or one over 4096 bytes.");
+  if (end == std::string_view::npos)
+    return malformed_form("A part has no header, or its header has more than 4096 bytes.");
   part.body = text.substr(end + (no_header ? 2 : 4));
   bool form_data = false;
   for (std::string_view block = text.substr(0, end); !block.empty();) {

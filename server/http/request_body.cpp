@@ -39,7 +39,7 @@ std::optional<Problem> explain(error_code ec, const Admission& admission) {
                    "The body has oversized chunk extensions or trailer fields.");
   if (ec == bhttp::error::partial_message || ec == bhttp::error::end_of_stream || ec == asio::error::eof)
     return Problem(HttpProblem::kMalformedRequest,
-                   "The connection was half-closed before the body was complete.");
+                   "The client closed its sending side before the body was complete.");
   if (ec.category() == bhttp::make_error_code(bhttp::error::bad_chunk).category())
     return Problem(HttpProblem::kMalformedRequest, "The chunked body is malformed (" + ec.message() + ").");
   return std::nullopt;

@@ -49,7 +49,7 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
     return malformed_request("The request line must be 'METHOD /path HTTP/1.1'.");
   const std::string_view method = line.substr(0, first), target = line.substr(first + 1, last - first - 1),
                          version = line.substr(last + 1);
-  if (!is_token(method)) return malformed_request("The method is not a token.");
+  if (!is_token(method)) return malformed_request("The method is not a valid HTTP token.");
   if (version.size() != 8 || version.substr(0, 5) != "HTTP/" || version[6] != '.' ||
       hex_value(version[5]) < 0 || hex_value(version[5]) > 9 || hex_value(version[7]) < 0 ||
       hex_value(version[7]) > 9)
@@ -84,9 +84,10 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
 OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
   const auto parts = std::count_if(block.begin(), block.end(), [](char c) { return c == ',' || c == ';'; });
   if (static_cast<std::size_t>(parts) > kMaxMembers)
-    return refuse(HttpProblem::kHeaderTooLarge,
-                  "The fields of the request header are lists of " + std::to_string(parts) +
-                      " members and parameters together; the limit is " + std::to_string(kMaxMembers) + ".");
+    return refuse(HttpProblem::kHeaderTooLarge, "The fields of the request header contain " +
+                                                    std::to_string(parts) +
+                                                    " list members and parameters in total; the limit is " +
+                                                    std::to_string(kMaxMembers) + ".");
   while (!block.empty()) {
     const std::size_t end = block.find("\r\n");
     const std::string_view line = block.substr(0, end);
@@ -125,7 +126,8 @@ OrProblem<bool> decide_framing(RequestHead& head) {
     if (lengths > 0) return malformed_request("Content-Length and Transfer-Encoding were both given.");
     if (head.minor_version == 0) return malformed_request("Transfer-Encoding does not exist in HTTP/1.0.");
     if (codings > 1 || !equals_ignoring_case(coding, "chunked"))
-      return refuse(HttpProblem::kNotImplemented, "The only transfer coding is 'chunked', given once.");
+      return refuse(HttpProblem::kNotImplemented,
+                    "The only supported transfer coding is 'chunked', given once.");
     head.chunked = true;
   }
   if (lengths > 1) return malformed_request("Content-Length was given more than once.");

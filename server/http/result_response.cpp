@@ -56,10 +56,10 @@ OrProblem<Representation> represent(const RequestHead& head, const FractureResul
     const auto best = wishes.best();
     if (!best || large)
       return refuse(HttpProblem::kNotAcceptable,
-                    large
-                        ? "An answer of " + std::to_string(size) + " bytes is not compressed; the limit is " +
-                              std::to_string(kMostCompressed) + ", and Accept-Encoding excludes identity."
-                        : "Accept-Encoding excludes all available codings: zstd, gzip, identity.");
+                    large ? "An answer of " + std::to_string(size) +
+                                " bytes is too large to be compressed; the limit is " +
+                                std::to_string(kMostCompressed) + ", and Accept-Encoding excludes identity."
+                          : "Accept-Encoding excludes all available codings: zstd, gzip, identity.");
     chosen.coding = *best;
   }
   chosen.etag = etag_of(result, chosen);

@@ -163,15 +163,14 @@ class HttpServer::Impl {
     metrics_source_ = api.metrics().add_source([this](ops::MetricWriter& writer) {
       writer.gauge("fracture_connections", "Open connections of the public listener.",
                    static_cast<double>(connections_.count()));
-      writer.gauge("fracture_connections_limit", "Connections that may be open.",
+      writer.gauge("fracture_connections_limit", "Limit on open connections.",
                    static_cast<double>(max_connections_));
       writer.gauge("fracture_requests_in_progress",
-                   "From the first byte of a request to the last of its answer.",
+                   "Time from the first byte of a request to the last byte of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
-      writer.counter(
-          "fracture_io_bulk_turns_total",
-          "Turns of io threads that hashed, inflated, parsed or sorted more than they should: a bug.",
-          static_cast<double>(bulk_.exceeded.load()));
+      writer.counter("fracture_io_bulk_turns_total",
+                     "Turns in which an I/O thread did more work than one turn may contain. Each is a bug.",
+                     static_cast<double>(bulk_.exceeded.load()));
       const auto holdings = [this](const std::string& name) {
         return Holdings{api_.meshes().bytes_of(name) + api_.jobs().disk_bytes_of(name),
                         api_.ledger().bytes_of(name)};

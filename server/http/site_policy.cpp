@@ -55,10 +55,11 @@ std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
   const std::optional<std::string_view> name = name_in(host);
   const bool known = name && (is_address(*name) || is_ours(*name));
   if (!host.empty() && !known && !any_host())
-    return Problem(HttpProblem::kForeignHost,
-                   "The host '" + host.substr(0, 100) +
-                       "' is not a name of this server. Without tokens it answers only to addresses, to "
-                       "localhost and to the names of --allow-host.");
+    return Problem(
+        HttpProblem::kForeignHost,
+        "The host '" + host.substr(0, 100) +
+            "' is not a name of this server. A server without tokens answers only requests to IP addresses, to "
+            "localhost and to the names given with --allow-host.");
   if (origin.empty() || cors_.allows(origin)) return std::nullopt;
   const std::size_t scheme = origin.find("://");
   const std::optional<std::string_view> site =

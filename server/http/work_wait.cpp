@@ -5,9 +5,10 @@
 namespace fracture::http {
 
 Problem client_closed() {
-  return Problem(HttpProblem::kClientClosed,
-                 "The client closed its side of the connection while it waited for the answer. A client that "
-                 "half-closes and still reads sends 'Half-Close: yes'.");
+  return Problem(
+      HttpProblem::kClientClosed,
+      "The client closed its side of the connection while it waited for the answer. A client that closes only its "
+      "sending side must send 'Half-Close: yes'.");
 }
 
 WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection, beast::flat_buffer& ahead)

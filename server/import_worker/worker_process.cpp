@@ -58,7 +58,7 @@ std::chrono::microseconds processor_time_of(const rusage& used) {
 Error no_room_to_read(const std::string& why) {
   return {.code = ErrorCode::kOverloaded,
           .detail = "There is no room now for the process that reads the file: " + why +
-                    ". This is not a fault of the file.",
+                    ". The file is not the cause.",
           .retry_after = std::chrono::seconds(5)};
 }
 

@@ -71,8 +71,8 @@ struct Metrics::Impl {
 
   Family<Counter>& requests = counter(
       "fracture_requests_total",
-      "Requests by route of the interface document (none: no such path, or not well-formed) and status "
-      "(0: the client left before its request was complete; 499: before there was an answer).");
+      "Requests by route in openapi.json (none: unknown path or malformed request) and status (0: the client left before its "
+      "request was complete; 499: the client left before the answer was ready).");
   Family<Counter>& bytes = counter("fracture_body_bytes_total", "Bytes of bodies by direction (in, out).");
   Family<Counter>& undelivered =
       counter("fracture_answers_undelivered_total", "Answers that the client did not read in full.");
@@ -80,21 +80,22 @@ struct Metrics::Impl {
       counter("fracture_cache_lookups_total", "Lookups in each cache by outcome (hit, miss).");
   Family<Counter>& connections = counter(
       "fracture_connections_total", "Connections opened by clients, including those that were then refused.");
-  Family<Counter>& refused = counter("fracture_connections_refused_total",
-                                     "Connections that were only told that there were too many.");
+  Family<Counter>& refused =
+      counter("fracture_connections_refused_total",
+              "Connections that were answered only with the error that too many are open.");
   Family<Counter>& abandoned =
       counter("fracture_work_abandoned_total",
               "Requests that were stopped because their client closed or reset its connection (status 499).");
   Family<Histogram>& durations = histogram("fracture_request_duration_seconds",
-                                           "From the complete header to the last byte of the answer.");
-  Histogram& queue_wait =
-      histogram("fracture_queue_wait_seconds", "From the complete request to the start of its computation.")
-          .Add({}, kSeconds);
+                                           "Time from the complete header to the last byte of the answer.");
+  Histogram& queue_wait = histogram("fracture_queue_wait_seconds",
+                                    "Time from the complete request to the start of its computation.")
+                              .Add({}, kSeconds);
 
   Histogram& io_turns =
       histogram(
           "fracture_io_turn_seconds",
-          "Processor time of a turn of an io thread: what it does for one client before it serves others.")
+          "Processor time of one turn of an I/O thread: the work for one client before it serves others.")
           .Add({}, kTurnSeconds);
 
   Counter& bytes_in = bytes.Add({{"direction", "in"}});

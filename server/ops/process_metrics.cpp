@@ -44,7 +44,7 @@ void write_process_metrics(MetricWriter& writer) {
                    seconds(usage.ru_utime) + seconds(usage.ru_stime));
   writer.gauge("process_start_time_seconds", "Start of the process, Unix time.", kStart);
   writer.counter("fracture_log_lines_dropped_total",
-                 "Log lines that were never written: nobody read them in time.",
+                 "Log lines that were dropped because the log was not read fast enough.",
                  static_cast<double>(dropped_log_lines()));
 }
 

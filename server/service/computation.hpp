@@ -41,8 +41,8 @@ inline Error told_to_all(Error error, const Urgency& urgency) {
   if (error.code != ErrorCode::kOverShare || !urgency.is_of_several()) return error;
   error.code = ErrorCode::kOverloaded;
   error.detail =
-      "Another client waits for the same computation, so its memory is charged to that client, whose other "
-      "computations hold too much now.";
+      "Another client is waiting for the same computation, so the memory is charged to that client. Its other computations are "
+      "using too much memory now.";
   return error;
 }
 

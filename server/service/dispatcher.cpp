@@ -349,7 +349,7 @@ void Dispatcher::end_if_given_up(const Shared& c) {
 }
 
 Error Dispatcher::given_up() {
-  return overloaded("This computation was given up because others need the memory that it held. Ask again.",
+  return overloaded("This computation was stopped because others need its memory. Ask again.",
                     std::chrono::seconds(1));
 }
 

@@ -109,14 +109,15 @@ Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) co
   if (verdict == MemoryBudget::Verdict::kOverShare)
     return Error{
         .code = ErrorCode::kOverShare,
-        .detail = "This computation needs " + std::to_string(bytes) +
-                  " bytes, and this client's other computations use its share of the working memory. All "
-                  "computations use " +
-                  std::to_string(working.used()) + " bytes by estimate; a lone client may use " +
-                  std::to_string(working_.share()) + ".",
+        .detail =
+            "This computation needs " + std::to_string(bytes) +
+            " bytes, but this client's other computations use up its share of the working memory. All computations together "
+            "use about " +
+            std::to_string(working.used()) + " bytes. A client that is alone may use " +
+            std::to_string(working_.share()) + ".",
         .retry_after = later};
-  Error error = overloaded("The computations in progress use " + std::to_string(working.used()) +
-                               " bytes by estimate, and this one needs " + std::to_string(bytes) + ".",
+  Error error = overloaded("The computations in progress use about " + std::to_string(working.used()) +
+                               " bytes of working memory, and this one needs " + std::to_string(bytes) + ".",
                            later);
   error.extra = fracture::Figures(nlohmann::json{{"bytes", bytes}});
   return error;

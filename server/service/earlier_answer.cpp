@@ -67,7 +67,8 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
                                  "with delta=none.");
     const ParameterSpec* spec = table.find(raw.name);
     if (spec && (spec->decides != Decides::kAnswer || raw.name == "material"))
-      return wrong(raw.name, "'" + raw.name + "' was decided by the answer that 'of' names: leave it out.");
+      return wrong(raw.name, "'" + raw.name +
+                                 "' is determined by the earlier answer that 'of' refers to: leave it out.");
     taken.erase(raw.name);
     // Two ways to say one thing.
     if (raw.name == "mass") taken.erase("density");
@@ -82,7 +83,7 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     if (earlier.contains("fragment"))
       return wrong(
           "of",
-          "'of' names an answer with the parts of one fragment, but hits need an answer for a whole mesh.");
+          "'of' refers to an answer with the parts of one fragment, but hits need an answer for a whole mesh.");
     taken["local_point"] = continued(earlier, "local_point", own.local_point, [](const Vec3d& p) {
       return nlohmann::json{p.x, p.y, p.z};
     });

@@ -70,7 +70,7 @@ std::optional<Error> wrong_mesh(const FractureRequest& request, const RequestKey
   // Both begin with the digest of their mesh.
   if (of.empty() || of.compare(0, 16, keys.digest, 0, 16) == 0) return std::nullopt;
   return Error{ErrorCode::kBadParameter,
-               "'of' names an answer of another mesh: it begins with " + of.substr(0, 16) +
+               "'of' refers to an answer for another mesh, whose digest begins with " + of.substr(0, 16) +
                    ", but the digest of this mesh begins with " + keys.digest.substr(0, 16) + ".",
                "of"};
 }

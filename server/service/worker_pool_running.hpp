@@ -156,8 +156,8 @@ class WorkerPool::Running final : public Turn {
     if (must_end)
       throw Interrupted(Error{
           .code = ErrorCode::kOverloaded,
-          .detail = "This computation was stopped for more urgent ones: no more of its class may run, or "
-                    "the others need the memory that it held. Ask again.",
+          .detail =
+              "This computation was stopped because more urgent computations need its thread or its memory. Ask again.",
           .retry_after = std::chrono::seconds(1)});
   }
 };

@@ -105,7 +105,7 @@ Expected<Account::Seat> Account::begin_computation(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   advance(now);
   if (const auto rate = shares_.cores; rate && processor_.level() <= 0)
-    return tl::unexpected<Error>(over("its limit is " + plain(*rate) + " processor seconds a second.",
+    return tl::unexpected<Error>(over("its limit is " + plain(*rate) + " processor seconds per second.",
                                       processor_.until(0.1 * *rate, *rate)));
   if (computations_ >= shares_.computations)
     return tl::unexpected<Error>(

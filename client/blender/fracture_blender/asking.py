@@ -70,7 +70,7 @@ class Asking:
         self._cancel.cancel()
 
     def wait(self, seconds=None):
-        """Waits until the work is done, but at most this many seconds. Returns whether it is done."""
+        """Waits until the work is done or this many seconds have passed. Returns whether it is done."""
         self._thread.join(seconds)
         return self.is_done
 

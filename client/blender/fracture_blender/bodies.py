@@ -18,7 +18,7 @@ def prepare(scene):
 
 
 def add_bodies(scene, answer, objects, shape):
-    """Turns each fragment into a rigid body by linking it to the world's collection. The operator does the same more slowly."""
+    """Turns each fragment into a rigid body by linking it to the world's collection. Blender's operator does the same, but more slowly."""
     world = prepare(scene)
     friction, restitution = (float(answer.parameters.get(name, 0.0)) for name in ("friction", "restitution"))
     for fragment in answer.fragments:
@@ -40,8 +40,8 @@ def threshold(bond, scene, factor=1.0):
     """Returns the impulse at which Blender breaks a constraint.
 
     A bond withstands forces up to its strength (N), the material's strength (Pa) times the bond's area. Bullet checks a constraint's
-    impulse within one step, which takes 1 / (frames per second * substeps per frame) seconds. Its lengths are in Blender units,
-    so 1 N is 1 / scale there.
+    impulse within one step, which takes 1 / (frames per second * substeps per frame) seconds. Bullet's lengths are in
+    Blender units, so 1 N has the value 1 / scale there.
     """
     world = scene.rigidbody_world
     rate = scene.render.fps / scene.render.fps_base / max(world.time_scale, 1e-6) * world.substeps_per_frame

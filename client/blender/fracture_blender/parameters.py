@@ -41,7 +41,7 @@ class Parameter:
 
     @property
     def is_size(self):
-        """True for a vector of side lengths. They cannot be negative, so its axes are swapped without changing signs."""
+        """True for a vector of side lengths. Side lengths cannot be negative, so axes are swapped without changing signs."""
         return self.kind == "vector" and self.entry["items"].get("minimum", -1) >= 0
 
     def to_request(self, value, frame):

@@ -58,8 +58,8 @@ def _hits(context, settings):
 
 
 def _pattern_of_impacts(description, given):
-    """Returns the pattern for a request with impacts. It is the request's own pattern. If there is none, it is the material's or the
-    default pattern if that uses `impacts`, otherwise `impact`."""
+    """Returns the pattern for a request with impacts. A request's own pattern is kept. Without one, the material's (or the default) pattern
+    is kept if it uses `impacts`; otherwise `impact` is used."""
     pattern = description.pattern_of(given)
     if "pattern" in given or "impacts" in description.of_pattern(pattern):
         return pattern

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A fracture from the selection to the collections, without a user interface: begin(), wait or poll, finish()."""
+"""Runs a fracture, from the selected objects to the new collections, without a user interface: begin(), wait or poll, finish()."""
 from . import bodies, fragments, places, preferences, properties, writer
 from .asking import Asking, Request
 from .package import wrong

@@ -31,7 +31,7 @@ class Written:
 
 def write(context, objects, paint="NONE", paint_name=""):
     """Returns a file (Written) with the objects and their modifiers, in the interface's frame. Raises FractureError if they have no
-    faces or no object has the paint."""
+    faces, or if none has the vertex group or colour attribute of 'Painted by'."""
     file = _File(Frame.of(context.scene))
     graph = context.evaluated_depsgraph_get()
     painted = False
@@ -61,7 +61,7 @@ class _File:
         self.uv_names, self.color_names = [], []
 
     def add(self, item, evaluated, mesh, paint, paint_name):
-        """Adds an object. Returns whether it has the paint."""
+        """Adds an object. Returns whether it has the vertex group or colour attribute of 'Painted by'."""
         mesh.calc_loop_triangles()
         corners = len(mesh.loops)
         vertices = array("i", bytes(4 * corners))

@@ -61,7 +61,7 @@ class Answer:
 
     @property
     def report(self) -> Dict[str, Any]:
-        """The mesh repairs, the fragment sizes, and the warnings."""
+        """The report: the mesh repairs, the fragment sizes, the warnings and the notes."""
         return self._figures.get("report", {})
 
     @property

@@ -62,8 +62,8 @@ class Client(Caller):
         files        the files that the mesh references (.bin, .mtl, textures): {name: path or bytes}, or a list of paths. None:
                      if `mesh` is a path, the referenced files in its folder and subfolders; (): no files
         format       "glb", "obj", …; needed only if neither the file extension nor the first bytes show it
-        preparation  parameters that shape the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …). The server
-                     prepares the mesh with them. They are also the defaults for every fracture of this mesh.
+        preparation  parameters that shape the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …). The server prepares the mesh with
+                     these parameters. They are also the defaults for every fracture of this mesh.
         Raises FractureError, and OSError for a file that cannot be read.
         """
         upload = Upload.of(mesh, files, format)

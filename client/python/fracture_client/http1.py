@@ -56,7 +56,7 @@ class Response:
 
 
 class Connection:
-    """A connection that sends one request at a time. Not thread-safe, except that a Call may wake it."""
+    """A connection that sends one request at a time. Not thread-safe, but a Call in another thread may wake it."""
 
     def __init__(self, sock: socket.socket) -> None:
         self.socket = sock
@@ -153,8 +153,8 @@ class Connection:
         return False
 
     def _next_block(self, call: Call) -> bytes:
-        """Returns the next bytes. Waits in short turns, because Python may handle an interrupt that arrives just before a wait only
-        after it."""
+        """Returns the next bytes. Waits in short turns, because an interrupt that arrives just before a wait may be handled only when the
+        wait ends."""
         while True:
             left = call.left()
             self.socket.settimeout(TURN if left is None else min(left, TURN))

@@ -35,7 +35,7 @@ class Mesh:
     @property
     def report(self) -> Dict[str, Any]:
         """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings,
-        notes. It comes from put() or the latest refresh(), and is {} before either."""
+        notes. It comes from put() or the latest refresh(); before these calls it is {}."""
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:

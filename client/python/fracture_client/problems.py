@@ -13,7 +13,7 @@ class Reaction(enum.Enum):
     """This package's reaction to an error, before the caller sees it."""
 
     RAISE = "none, because the same request would give the same error"
-    WAIT = "retry after Retry-After, within the tries and the time of the call"
+    WAIT = "wait as long as Retry-After says and retry, if the call has tries and time left"
     PUT = "send the forgotten mesh to the server once, and retry"
     REMAKE = "request the answer that the server has forgotten by its parameters"
 

@@ -162,7 +162,7 @@ class Contract(unittest.TestCase):
         """Numbers that are said in words."""
         document = interface()
         fracture = document["paths"]["/fracture"]["post"]["requestBody"]["content"]["multipart/form-data"]["schema"]["properties"]
-        self.assertIn(f"up to {upload.MOST_FILES} of them", fracture["file"]["description"])
+        self.assertIn(f"up to {upload.MOST_FILES} further files", fracture["file"]["description"])
         body = document["paths"]["/meshes/{id}/fracture"]["post"]["requestBody"]["content"]["application/json"]["schema"]
         self.assertIn(f"At most {fracture_client.mesh.MOST_PARAMETER_BYTES // 1024} KiB", body["description"])
 

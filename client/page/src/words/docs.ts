@@ -5,5 +5,5 @@ export const words = {
   allParameters: (count: number) => `and ${count} fracture parameters`, body: 'Body:',
   kinds: { tutorial: 'First steps', 'how-to': 'How to', reference: 'Reference', explanation: 'Explanation' },
   pictures: 'the pictures are in the repository',
-  found: (count: number, shown: number) => (count === 0 ? 'Nothing found. Results contain all the words.' : count === 1 ? '1 result' : `${count} results${shown < count ? `, showing the best ${shown}` : ''}`),
+  found: (count: number, shown: number) => (count === 0 ? 'Nothing found. A result must contain all the words.' : count === 1 ? '1 result' : `${count} results${shown < count ? `, showing the best ${shown}` : ''}`),
 };
