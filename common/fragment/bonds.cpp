@@ -10,11 +10,11 @@ namespace fracture {
 std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
                              const std::vector<std::uint32_t>& group_of_piece, const Execution& execution) {
   Pacer pacer(execution);
-  struct Contact {
+  struct CapContact {
     std::uint32_t a, b, region;
     bool reversed;  // the cap leads from b to a
   };
-  std::vector<Contact> contacts;
+  std::vector<CapContact> contacts;
   contacts.reserve(d.caps.regions.size());
   for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
     pacer.step();
@@ -25,7 +25,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
     contacts.push_back({std::min(a, b), std::max(a, b), r, a > b});
   }
   // Mostly they are: regions stand in order of their cells, fragments too.
-  const auto before = [](const Contact& x, const Contact& y) {
+  const auto before = [](const CapContact& x, const CapContact& y) {
     if (x.a != y.a) return x.a < y.a;
     if (x.b != y.b) return x.b < y.b;
     return x.region < y.region;
