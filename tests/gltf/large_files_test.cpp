@@ -10,6 +10,7 @@
 #include "common/mesh/material_library.hpp"
 #include "tests/gltf/glb_file.hpp"
 #include "tests/gltf/two_halves.hpp"
+#include "tests/support/full_tests.hpp"
 #include "tests/support/poll_gaps.hpp"
 
 namespace fracture::test {
@@ -53,7 +54,7 @@ FracturedSolid many_halves(std::size_t count) {
 
 TEST(LargeFiles, HaveWhatWasGivenOverAllTheBlocksTheyAreWrittenIn) {
   FracturedSolid made = two_halves();
-  made.set.fragments[0] = band(150'000);
+  made.set.fragments[0] = band(sized(50'000u, 150'000u));
   const std::vector<std::uint8_t> file = write_glb(made, {});
   const Glb glb(file);
   const auto& primitive = glb.document["meshes"][0]["primitives"][0];
@@ -106,16 +107,16 @@ TEST(LargeFiles, MergeCornersByNumbersOf32Bits) {
 
 TEST(LargeFiles, CanBeInterruptedAnywhere) {
   FracturedSolid few = two_halves();
-  few.set.fragments[0] = band(600'000);
-  FracturedSolid many = many_halves(15'000);
+  few.set.fragments[0] = band(sized(150'000u, 600'000u));
+  FracturedSolid many = many_halves(sized(4'000u, 15'000u));
   for (const FracturedSolid& made : {few, many})
     for (const auto write : {write_glb, write_gltf}) {
       std::vector<std::uint8_t> file;
       const Polled written =
           polled([&, &made = made](const Execution& execution) { file = write(made, {}, execution); });
       EXPECT_LT(written.longest_ms, kMostPollGapMs) << made.set.fragments.size() << " fragments";
-      EXPECT_GT(file.size(), 40'000'000u);
-      EXPECT_GT(written.polls, 100u);
+      EXPECT_GT(file.size(), sized(10'000'000u, 40'000'000u));
+      EXPECT_GT(written.polls, sized(20u, 100u));
     }
 }
 
@@ -170,8 +171,8 @@ TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
   auto mesh = std::make_shared<Mesh>(*made.set.source);
   auto rest = std::make_shared<Mesh>();
   rest->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  constexpr std::uint32_t kNodes = 20'000;
-  for (std::uint32_t node = 0; node < kNodes; ++node) {
+  const std::uint32_t nodes_left = sized(2'000u, 20'000u);
+  for (std::uint32_t node = 0; node < nodes_left; ++node) {
     rest->triangles.push_back({0, 1, 2});
     rest->material.push_back(kNoIndex);
     rest->node.push_back(node);
@@ -181,13 +182,13 @@ TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
   made.set.source = mesh;
   const Glb glb(write_glb(made, {}));
   const auto& nodes = glb.document["nodes"];
-  ASSERT_EQ(nodes.size(), 3 + kNodes);
+  ASSERT_EQ(nodes.size(), 3 + nodes_left);
   EXPECT_EQ(nodes[3]["name"], "crate");
   EXPECT_EQ(nodes[4]["name"], "crate_2");
   EXPECT_EQ(nodes[7]["name"], "crate_5");
   EXPECT_EQ(nodes[10]["name"], "crate_5_2");  // that is what it is called, and the name was given away
   EXPECT_EQ(nodes[11]["name"], "crate_8");
-  EXPECT_EQ(nodes[2 + kNodes]["name"], "crate_" + std::to_string(kNodes - 1));
+  EXPECT_EQ(nodes[2 + nodes_left]["name"], "crate_" + std::to_string(nodes_left - 1));
 }
 
 TEST(LargeFiles, ClustersGetTheLowestNumberThatNoNodeBeginsWith) {
@@ -211,16 +212,16 @@ TEST(LargeFiles, ManyImagesHaveAViewEach) {
   FracturedSolid made = two_halves();
   auto mesh = std::make_shared<Mesh>(*made.set.source);
   auto library = std::make_shared<MaterialLibrary>(*mesh->library);
-  constexpr std::size_t kImages = 30'000;
-  library->images.resize(kImages, library->images.at(0));
-  for (std::size_t k = 0; k < kImages; ++k)
+  const std::size_t count = sized(3'000u, 30'000u);
+  library->images.resize(count, library->images.at(0));
+  for (std::size_t k = 0; k < count; ++k)
     library->images[k].bytes = {static_cast<std::uint8_t>(k), static_cast<std::uint8_t>(k >> 8), 7};
   mesh->library = library;
   made.set.source = mesh;
   const Glb glb(write_glb(made, {}));
   const auto& images = glb.document["images"];
-  ASSERT_EQ(images.size(), kImages);
-  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, kImages - 1}) {
+  ASSERT_EQ(images.size(), count);
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, count - 1}) {
     const auto& view = glb.document["bufferViews"].at(images[k]["bufferView"].get<std::size_t>());
     EXPECT_EQ(view["byteLength"], 3);
     const std::size_t at = view["byteOffset"];

@@ -12,6 +12,7 @@
 #include "common/hits/local_hit.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::test {
 namespace {
@@ -191,16 +192,21 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads) {
   p.hits.clear();
   Expected<KeptAnswer> last = fracture_and_keep(*solid, p, execution, timings);
   if (!last) throw std::runtime_error(last.error().detail);
-  FracturedSolid before = fracture_solid(*solid, p);
-  expect_same(last->fractured, before);
+  FracturedSolid before = last->fractured;
+  if (!short_tests()) expect_same(before, fracture_solid(*solid, p));
   int local = 0;
   for (std::size_t k = 0; k < all.hits.size(); ++k) {
     SCOPED_TRACE("hit " + std::to_string(k + 1));
     p.hits.push_back(all.hits[k]);
     Expected<KeptAnswer> next = fracture_delta(*solid, last->base, p, {1}, execution, timings);
     if (!next) throw std::runtime_error(next.error().detail);
-    const FracturedSolid after = fracture_solid(*solid, p);
     local += next->local;
+    if (short_tests() && k + 1 < all.hits.size()) {
+      before = next->fractured;
+      last = std::move(next);
+      continue;
+    }
+    const FracturedSolid after = fracture_solid(*solid, p);
     const FracturedSolid& answer = next->fractured;
     expect_same(answer, after);
     EXPECT_TRUE(answer.delta.has_value());

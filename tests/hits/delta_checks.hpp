@@ -15,7 +15,7 @@ void expect_same(const FracturedSolid& a, const FracturedSolid& b);
 void expect_difference(const FracturedSolid& before, const FracturedSolid& after, const Delta& delta);
 
 /// Hit after hit, each on what the one before left: all of it as the whole fracture with all sites makes it, with bonds
-/// across parts. Returns how many of the answers were local.
+/// across parts. In short tests every answer is made, and the last one is compared. Returns how many of the answers were local.
 int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1);
 
 /// Hits at several places of the mesh's box, the last two at the same.

@@ -9,6 +9,7 @@
 #include "common/hollow/deep_points.hpp"
 #include "common/hollow/lattice.hpp"
 #include "tests/hollow/expect_closed.hpp"
+#include "tests/support/full_tests.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace fracture::hollow_detail {
@@ -33,13 +34,14 @@ Vec3d corner(const InnerSurface& s, std::size_t t, std::size_t k) {
   return to_double(s.positions[s.triangles[t][k]]);
 }
 
-/// At 66 places of each triangle.
+/// At 66 places of each triangle; in short tests at 21 of them.
 double least_depth(const InnerSurface& s, const SurfaceTree& tree) {
   Pacer pacer(kUninterrupted);
   double least = HUGE_VAL;
+  const int step = test::sized(2, 1);
   for (std::size_t t = 0; t < s.triangles.size(); ++t)
-    for (int i = 0; i <= 10; ++i)
-      for (int j = 0; i + j <= 10; ++j)
+    for (int i = 0; i <= 10; i += step)
+      for (int j = 0; i + j <= 10; j += step)
         least = std::fmin(least, tree.distance(i / 10.0 * corner(s, t, 0) + j / 10.0 * corner(s, t, 1) +
                                                    (10 - i - j) / 10.0 * corner(s, t, 2),
                                                HUGE_VAL, pacer));
@@ -64,6 +66,7 @@ TEST(InnerSurface, OfABallIsABall) {
   // The lattice that 20,000 triangles allow has steps of a sixteenth: corners lie 0.118 deep and less than a
   // sixteenth of an edge deeper; more is lost between them.
   EXPECT_GT(enclosed(s), 0.8 * full);
+  if (test::short_tests()) return;
   EXPECT_GT(enclosed(inner_surface(ball.tree, ball.box, 0.1, {200'000, 200'000, 1u << 21}, {})), 0.93 * full);
 }
 
@@ -167,7 +170,7 @@ TEST(HoldsBall, WhatIsLargerIsSeenAndNothingSmaller) {
   EXPECT_TRUE(holds_ball(ring.tree, ring.box, 0.395 / 1.06, {}));
   EXPECT_FALSE(holds_ball(ring.tree, ring.box, 0.41, {})) << "its hole is outside";
   // Wherever the lattice of points lies.
-  for (int k = 0; k < 8; ++k) {
+  for (int k = 0; k < test::sized(2, 8); ++k) {
     const double low = 0.03 * k;
     const Part slab = part_of(test::box({low, 0, 0}, {low + 0.4, 3, 2 + low}));
     EXPECT_TRUE(holds_ball(slab.tree, slab.box, 0.2 / 1.06, {})) << k;

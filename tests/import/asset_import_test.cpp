@@ -21,8 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string read_whole(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::string text(fs::file_size(path), '\0');
+  std::ifstream(path, std::ios::binary).read(text.data(), static_cast<std::streamsize>(text.size()));
+  return text;
 }
 
 /// The file with everything that lies beside it as further parts, as a client uploads a multi-file asset.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/import/make_files.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::test {
 namespace {
@@ -48,8 +49,10 @@ TEST(Preflight, GlbTruncatedAtEveryLengthIsRefused) {
 
 TEST(Preflight, GlbWithAnyByteChangedNeverCrashes) {
   const std::string glb = Tetrahedron().glb();
-  for (std::size_t at = 0; at < glb.size(); ++at)
+  for (std::size_t at = 0; at < glb.size(); ++at) {
+    std::size_t turn = 0;
     for (const char c : {'\0', '\xff', '9', '['}) {
+      if (!has_turn(at, turn++, 4)) continue;
       std::string changed = glb;
       changed[at] = c;
       const Expected<Mesh> mesh = import_text(changed, MeshFormat::kGlb);
@@ -58,6 +61,7 @@ TEST(Preflight, GlbWithAnyByteChangedNeverCrashes) {
       else
         EXPECT_FALSE(mesh.error().detail.empty());
     }
+  }
 }
 
 TEST(Preflight, GlbChunkThatLiesAboutItsLengthIsRefusedWithTheByte) {

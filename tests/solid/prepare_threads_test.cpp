@@ -12,6 +12,7 @@
 #include "common/solid/shells.hpp"
 #include "common/solid/solid.hpp"
 #include "common/solid/weld.hpp"
+#include "tests/support/full_tests.hpp"
 #include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -74,13 +75,17 @@ void expect_same(const Solid& a, const Solid& b) {
 }
 
 TEST(PrepareThreads, SolidsAreTheSameForEveryNumberOfThreads) {
+  std::size_t input = 0;
   for (test::NamedMesh& named : large_meshes()) {
+    ++input;
     SCOPED_TRACE(named.name);
     const auto mesh = std::make_shared<const Mesh>(std::move(named.mesh));
     const Expected<Solid> alone = make_solid(mesh, {}, {});
     ASSERT_TRUE(alone);
     alone->validate();
+    std::size_t turn = 0;
     for (const int threads : {2, 3, 7}) {
+      if (!test::has_turn(input, turn++, 3)) continue;
       SCOPED_TRACE(threads);
       const Expected<Solid> solid = make_solid(mesh, {}, with_threads(threads));
       ASSERT_TRUE(solid);
@@ -127,6 +132,7 @@ void expect_lowest_of_same(const std::vector<Vec3f>& positions) {
 
 TEST(FirstOfSame, IsThatOfAMap) {
   for (const std::size_t count : {0, 1, 2, 1000, 16'383, 16'384, 70'000, 300'000}) {
+    if (test::short_tests() && count > 100'000) continue;
     SCOPED_TRACE(count);
     Random random(count + 1);
     std::vector<Vec3f> scattered, lattice;
@@ -194,12 +200,16 @@ TEST(PairClosedManifold, NoEdgeIsUsedTwiceByTwoPairs) {
 }
 
 TEST(PairClosedManifold, GluesAsTheSortedTableDoes) {
+  std::size_t input = 0;
   for (const Mesh& mesh : {test::sphere_with(150'000), shuffled(test::menger_sponge(2), 5),
                            shuffled(test::torus(400, 200), 6), test::two_cubes_sharing_a_vertex()}) {
     SolidReport report;
     Surface expected = weld_exact(mesh, report, {}).value();
     const bool clean = pair_clean_edges(expected, EdgeTable(expected, {}), {});
+    ++input;
+    std::size_t turn = 0;
     for (const int threads : {1, 2, 3, 7}) {
+      if (!test::has_turn(input, turn++, 2)) continue;
       Surface surface = expected;
       surface.twin.of_triangle.clear();
       ASSERT_EQ(pair_closed_manifold(surface, with_threads(threads)), clean);

@@ -158,7 +158,7 @@ std::optional<NestingForest> forest_of(const Surface& surface, const Shells& she
 
 TEST(NestingForest, ItsAncestorsAreTheShellsThatWindAround) {
   std::size_t deepest = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(test::repetitions(60)); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     std::vector<Mesh> meshes;

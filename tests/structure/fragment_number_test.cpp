@@ -7,6 +7,7 @@
 #include "tests/property/judge.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
+#include "tests/support/full_tests.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/pattern_requests.hpp"
 #include "tests/support/shapes.hpp"
@@ -37,12 +38,16 @@ FractureParameters asking_for(std::uint32_t fragments, SitePattern pattern = {},
 }
 
 TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
+  std::size_t input = 0;
   for (const Mesh& shape : {ico_sphere(3), torus(32, 16), box({0, 0, 0}, {3, 2, 0.1}, 3)}) {
+    ++input;
     const Mesh mesh = with_traced_triangles(shape);
     std::vector<NamedParameters> requests = pattern_requests(box_of(mesh), 40, 11);
     for (const MaterialPreset& preset : material_presets())
       requests.push_back({preset.name, of_material(preset, 40, 11)});
+    std::size_t turn = 0;
     for (auto& [name, p] : requests) {
+      if (!has_turn(input, turn++, 3)) continue;
       SCOPED_TRACE(name);
       p.size.fragments = 40;
       p.roughness = {};
@@ -58,13 +63,17 @@ TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
 
 // Where `sites` gave other numbers: 102 of a barrel for 50, 283 of a helmet for 40.
 TEST(FragmentNumber, OfRealAssetsOfManyPartsIsWhatWasAskedOrTheirParts) {
+  std::size_t input = 0;
   for (const auto& [file, asked] : {std::pair{"kk_barrel_large.glb", 50u},
                                     {"FlightHelmet/FlightHelmet.gltf", 40u},
                                     {"FlightHelmet/FlightHelmet.gltf", 200u}}) {
     const auto found = find_test_mesh(file);
     if (!found) GTEST_SKIP() << file << " is absent";
     const Solid solid = make_solid(std::make_shared<const Mesh>(load_mesh(*found).value()), {}, {}).value();
+    ++input;
+    std::size_t turn = 0;
     for (const MaterialPreset& preset : material_presets()) {
+      if (!has_turn(input, turn++, 3)) continue;
       SCOPED_TRACE(std::string(file) + ", " + preset.name);
       FractureParameters p = of_material(preset, asked, 7);
       p.size.fragments = asked;
@@ -250,7 +259,7 @@ TEST(FragmentNumber, CrumbsBelowAFractionOfTheMeanAreUnited) {
 TEST(FragmentNumber, HoldsForRealMeshesOfAnyMaterial) {
   const std::vector<MeshFile> files = test_meshes();
   if (files.empty()) GTEST_SKIP() << "no real meshes";
-  std::size_t judged = 0;
+  std::size_t judged = 0, input = 0;
   for (const MeshFile& file : files) {
     SCOPED_TRACE(file.name);
     const Expected<Mesh> mesh = load_mesh(file);
@@ -258,7 +267,10 @@ TEST(FragmentNumber, HoldsForRealMeshesOfAnyMaterial) {
     const auto shared = std::make_shared<const Mesh>(*mesh);
     const Expected<Solid> solid = make_solid(shared, {}, {});
     if (!solid || solid->parts.size() > 20) continue;
+    ++input;
+    std::size_t turn = 0;
     for (const MaterialPreset& preset : material_presets()) {
+      if (!has_turn(input, turn++, 5)) continue;
       SCOPED_TRACE(preset.name);
       FractureParameters p = of_material(preset, 50, 3);
       p.size.fragments = 50;

@@ -17,6 +17,7 @@
 #include "common/structure/support.hpp"
 #include "tests/structure/blocks.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/full_tests.hpp"
 #include "tests/support/poll_gaps.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -175,7 +176,7 @@ TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
   const auto place = [&] {
     return Vec3d{3 * random.uniform() - 1.5, 3 * random.uniform() - 1.5, random.uniform() - 0.5};
   };
-  for (int run = 0; run < 60; ++run) {
+  for (int run = 0; run < sized(15, 60); ++run) {
     // Points outside, so many that they are looked up in a tree, and behind them one that decides.
     Anchors anchors;
     while (anchors.points.size() < 30)

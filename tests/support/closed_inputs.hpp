@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
 #include <set>
 #include <string>
@@ -47,6 +48,11 @@ class OnClosedMesh : public testing::TestWithParam<std::string> {
   static bool embedded() {
     return GetParam().find("brick") == std::string::npos &&
            GetParam().find("spot_quads") == std::string::npos;
+  }
+  /// For has_turn().
+  static std::size_t number() {
+    const std::vector<std::string>& all = closed_test_meshes();
+    return static_cast<std::size_t>(std::find(all.begin(), all.end(), GetParam()) - all.begin());
   }
   Mesh mesh;
 };

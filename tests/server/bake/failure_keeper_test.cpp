@@ -11,6 +11,7 @@
 
 #include "server/bake/plan.hpp"
 #include "tests/server/support/kept_failures.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -238,7 +239,9 @@ TEST(FailureKeeper, WhatACommandLineCannotSayIsAManifest) {
   names.parameters.push_back({"nodes", json::array({"left, or so", "right"}), false});
   Failure points;
   std::string list;
-  for (int k = 0; k < 20'000; ++k) list += (k > 0 ? ";" : "") + std::to_string(k) + ",0.5,0.25";
+  // Longer than a command may be.
+  for (int k = 0; k < test::sized(8'000, 20'000); ++k)
+    list += (k > 0 ? ";" : "") + std::to_string(k) + ",0.5,0.25";
   points.parameters = {{"pattern", "points", true}, {"points", list, true}};
   for (const Failure& failure : {names, points}) {
     const FractureRequest request = request_of(failure);

@@ -10,6 +10,7 @@
 #include "tests/server/support/requests.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::test {
 namespace {
@@ -235,7 +236,7 @@ TEST(AdminListener, WhoAsksAndDoesNotReadGivesWay) {
   std::string many;  // answers for more than the sockets hold
   for (int k = 0; k < 1500; ++k) many += "GET /metrics HTTP/1.1\r\nHost: a\r\n\r\n";
   std::vector<std::unique_ptr<RawClient>> deaf;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < sized(20, 40); ++i) {
     deaf.push_back(std::make_unique<RawClient>(server.server.admin_port()));
     deaf.back()->send(many);
   }
@@ -270,7 +271,7 @@ TEST(Refusals, AreSmallHoweverMuchIsWrong) {
   EXPECT_GT(by_query.json().at("more_errors"), 1900);
 
   std::string params = "{\"site\": 1";
-  for (int i = 0; i < 50'000; ++i) params += ", \"x" + std::to_string(i) + "\": 1";
+  for (int i = 0; i < test::sized(5'000, 50'000); ++i) params += ", \"x" + std::to_string(i) + "\": 1";
   const std::string form =
       "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.obj\r\n\r\nv\r\n"
       "--B\r\nContent-Disposition: form-data; name=params\r\n\r\n" +
