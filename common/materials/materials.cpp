@@ -5,20 +5,20 @@
 namespace fracture {
 namespace {
 
-// Restitution: solid spheres of these materials bounce with 0.5 to 0.9; shards land on edges and corners and
-// lose most of it. The values are a third of those of spheres, the order of materials is kept.
-// Rough cuts by eye (scripts/gallery). Bricks part at their mortar planes, which are flat.
+// Restitution: solid spheres made of these materials have a restitution of 0.5 to 0.9. Shards land on edges and corners and lose
+// most of it, so the values are a third of the values for spheres, in the same order. The roughness of cuts is chosen by eye
+// (scripts/gallery). Bricks separate at their mortar planes, which are flat.
 std::vector<MaterialPreset> make_presets() {
   std::vector<MaterialPreset> presets;
 
-  // Cracks from the hit; what is thick parts in smooth waves (conchoidal fracture), which fade out in panes and walls.
+  // Cracks start at the hit. Thick parts break along smooth waves (conchoidal fracture), which fade out in panes and walls.
   RadialPattern glass;
   glass.around = RadialPattern::Around::kShape;
   glass.jitter = 0.9;
   glass.merge = 0.7;
   presets.push_back(
       {"glass",
-       "Panes break into rings and spokes, rods into lengths, vessels into long shards, lumps along smooth waves.",
+       "Panes break into rings and spokes, rods into lengths, vessels into long shards, and lumps along smooth waves.",
        glass,
        0,
        1,
@@ -42,7 +42,7 @@ std::vector<MaterialPreset> make_presets() {
        "Wood Handbook, FPL-GTR-190 (pine: 500 kg/m3 at 12 % moisture, tension across the grain 2.6 MPa)"});
 
   ClusteredPattern concrete, chunks;
-  chunks.share = 0.5;  // large blocks have cells enough to be ragged
+  chunks.share = 0.5;  // large blocks have enough cells to be ragged
   presets.push_back({"concrete",
                      "Large ragged blocks with crushed zones of rubble between them.",
                      chunks,
@@ -97,8 +97,8 @@ std::vector<MaterialPreset> make_presets() {
                      std::nullopt,
                      0.04});
 
-  // What tears has clean edges, which follow the long cells back and forth. Bare steel reflects 0.55 to 0.6 of visible
-  // light (CRC Handbook, iron).
+  // Torn edges are clean and follow the long cells back and forth. Bare steel reflects 0.55 to 0.6 of visible light (CRC
+  // Handbook, iron).
   presets.push_back(
       {"metal",
        "Sheet metal, torn into large plates and strips with saw-toothed edges; nothing bends.",
@@ -114,7 +114,7 @@ std::vector<MaterialPreset> make_presets() {
        0.015,
        {6, 1.4}});
 
-  // It breaks along its flakes of graphite, which are grey and matt beside the iron.
+  // It breaks along its graphite flakes, which are grey and matt compared with the iron.
   presets.push_back({"cast_iron",
                      "Blocky pieces of similar size, with grainy fracture surfaces.",
                      UniformPattern{},

@@ -1,5 +1,5 @@
-// Materials by name: how each breaks, and what its pieces weigh, rub, bounce, hold and look like. Presets
-// over the patterns (sites/pattern.hpp); a caller may override every value.
+// Materials by name. Each is a preset for the pattern (sites/pattern.hpp), and for the density, friction, bounce, strength and
+// look of the fragments. A caller can override every value.
 #pragma once
 
 #include <cstdint>
@@ -14,31 +14,31 @@ namespace fracture {
 
 struct PhysicalProperties {
   double density = 1000;     ///< kg/m³
-  double friction = 0.6;     ///< static and dynamic, on itself
+  double friction = 0.6;     ///< static and dynamic, between two bodies of the material
   double restitution = 0.1;  ///< 0 … 1
-  /// Pascals: what a bond's area withstands in tension before it breaks.
+  /// Pascals: the tension that a bond withstands before it breaks.
   double bond_strength = 1e6;
   friend bool operator==(const PhysicalProperties&, const PhysicalProperties&) = default;
 };
 
-/// The look of a cut face: a colour of its own, mixed with that of the outside. The outside of what is made of the material
-/// all over has the same colour, metal and opacity, and a roughness of its own.
+/// The look of a cut face: its own colour, blended with the colour of the outside. If `exterior` applies the material to the
+/// outside, the outside gets the same colour, metalness and opacity, and the roughness `outside_roughness`.
 struct CutLook {
   const char* color;  ///< sRGB as "#rrggbb"
   double mix;         ///< share of the outside's mean colour, 0 … 1
-  double shade;       ///< how much of its light that mean keeps; above 1: what was cut is brighter
+  double shade;       ///< factor for the brightness of the outside's mean colour; above 1: brighter
   double roughness, metallic;
   double outside_roughness;
-  std::optional<double> opacity{};  ///< none: as the surface's
+  std::optional<double> opacity{};  ///< none: the opacity of the outside
   double crushed = 0;               ///< as InteriorLook::crushed
 };
 
-/// Every material unites smaller fragments than this fraction of the mean with a neighbour: crumbs that nobody
-/// sees cost as much as others.
+/// Every material merges fragments smaller than this fraction of the mean volume with a neighbour, because crumbs that nobody
+/// sees cost as much as other fragments.
 inline constexpr double kLeastOfMean = 0.002;
 
-/// Things of glass, pottery and sheet metal are hollow, their meshes are not. What holds a ball of this diameter, as a fraction of
-/// its longest side, is such a thing; panes, rods and legs are not.
+/// Objects made of glass, pottery and sheet metal are hollow, but their meshes are solid. A part becomes hollow if it can contain a
+/// ball of this diameter, as a fraction of its longest side. Panes, rods and legs cannot.
 inline constexpr double kLeastBall = 0.2;
 
 struct MaterialPreset {
@@ -46,18 +46,18 @@ struct MaterialPreset {
   const char* doc;  ///< one sentence for people
   SitePattern pattern;
   std::uint32_t lloyd;
-  double stretch;  ///< along the grain, which is that of each part (GrainOf::kPart) where there is no `grain`
+  double stretch;  ///< along the grain; without `grain`, each part has its own (GrainOf::kPart)
   Roughness roughness;
   PhysicalProperties physical;
   CutLook look;
-  const char* source;            ///< of the physical figures
-  std::optional<Vec3d> grain{};  ///< the same for all: how it lay in the ground, say
-  double shell_fraction = 0;     ///< of the longest side of a part that holds a ball of kLeastBall: its walls
+  const char* source;            ///< of the physical values
+  std::optional<Vec3d> grain{};  ///< one direction for all parts, such as the bedding of sandstone
+  double shell_fraction = 0;     ///< wall thickness as a fraction of a part's longest side (see kLeastBall)
   Aggregation aggregation{};
 };
 
 std::span<const MaterialPreset> material_presets();
-/// Null when there is none of this name.
+/// Null if no material has this name.
 const MaterialPreset* find_material_preset(std::string_view name);
 
 }  // namespace fracture

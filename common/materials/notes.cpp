@@ -23,11 +23,11 @@ constexpr Named kNotes[] = {
       2.0}},
     {"concrete",
      {"pillars, slabs, bunkers",
-      "A mixture of many sizes, between the distribution of a single process and that of Mott and Linfoot (1943); chosen by eye.",
+      "A mixture of many sizes, chosen by eye between the distribution of a single process and that of Mott and Linfoot (1943).",
       2.9}},
     {"stone",
      {"statues, rocks, blocks",
-      "Sizes as in blasted granitic gneiss: Astrom et al. (2004); their distribution: Grady and Kipp (1985).",
+      "Sizes as in blasted granitic gneiss: Astrom et al. (2004). Distribution: Grady and Kipp (1985).",
       3.3}},
     {"brick",
      {"walls, houses, chimneys",
@@ -47,7 +47,8 @@ constexpr Named kNotes[] = {
       1.3}},
     {"plaster", {"mouldings, busts, plastered walls", "Like concrete, but weaker; chosen by eye.", 1.6}},
     {"terracotta", {"pots, roof tiles, amphoras", "Like ceramic.", 2.5}},
-    {"sandstone", {"cliffs, temples, statues", "Splits along its bedding planes; chosen by eye.", 2.7}},
+    {"sandstone",
+     {"cliffs, temples, statues", "Sandstone splits along its bedding planes; chosen by eye.", 2.7}},
     {"crystal", {"gems, quartz stalagmites", "Prisms, the shape in which quartz grows; chosen by eye.", 1.3}},
 };
 

@@ -1,4 +1,4 @@
-// What people want to know of a material before they choose it.
+// Facts about materials that help people to choose one.
 #pragma once
 
 #include "common/materials/materials.hpp"
@@ -6,13 +6,13 @@
 namespace fracture {
 
 struct MaterialNotes {
-  const char* use;        ///< things that are made of it
-  const char* mechanics;  ///< whose description of how it breaks the preset follows
-  /// Instructions of fracturing a mesh of thousand triangles with 50 sites, divided by those of flat uniform cuts.
+  const char* use;        ///< things that are made of the material
+  const char* mechanics;  ///< the literature on how the material breaks, which the preset follows
+  /// Processor instructions for a mesh of 4,000 triangles with 50 sites, divided by those of `pattern=uniform` with flat cuts.
   double cost;
 };
 
-/// Every preset has some.
+/// Every preset has notes.
 const MaterialNotes& notes_of(const MaterialPreset& preset);
 
 }  // namespace fracture

@@ -24,9 +24,9 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer for the same mesh (its Content-Location). The server reuses that answer's parameters and "
-          "applies the new hits after its own. If the server no longer has that answer (404), send the answer's parameters "
-          "instead; they give the same bytes."};
+          "Address of an earlier answer for the same mesh, from the answer's Content-Location header. The server reuses the "
+          "answer's parameters and applies the new hits after its earlier hits. If the server no longer has the answer (404), send "
+          "the parameters instead of `of`; the bytes are the same."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: followed by 64 lower-case hex digits";
@@ -79,8 +79,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Points, in the answer's coordinate frame, of hits that each break only the area around the point. Hits are applied in "
-           "order. Use them for a hole or a chipped corner; use `impacts` to break the whole mesh. Requires `local_radius`."},
+           "Points where the mesh is hit, in the answer's coordinate frame. Each hit breaks only the area around its point. Hits "
+           "are applied in order. Use `local_point` for a hole or a chipped corner. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -89,8 +89,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of each hit, or one value for all hits. Requires `local_point`. If cells are stretched, this is the reach "
-           "across the grain; the reach along the grain is this radius times the stretch."},
+           "Radius of each hit: one number per hit, or one for all hits. Requires `local_point`. If cells are stretched, this "
+           "radius applies across the grain; along the grain, it is multiplied by the stretch."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
@@ -98,17 +98,17 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHitSites,
        .doc =
-           "Number of sites that each hit adds to the pattern's sites: a list with one number per hit, or a single number for "
-           "every hit. All hits together can add at most 10,000."},
+           "Number of sites that each hit adds to the pattern's sites: one number per hit, or one for all hits. All hits together "
+           "can add at most 10,000 sites."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "Treatment of the cells whose sites are outside the radius of every hit. `whole`: they stay together as one piece. "
-           "`fractured`: they form the same pieces as in an answer without hits. With `of`, `fractured` always applies if the "
-           "earlier answer has no hits."},
+           "Treatment of cells whose sites are outside the radius of every hit. `whole`: these cells stay together as one piece. "
+           "`fractured`: these cells form the same pieces as in an answer without hits. If `of` refers to an answer without hits, "
+           "`fractured` always applies."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;
@@ -119,18 +119,17 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
        .doc =
-           "How the answer reports what the new hits changed. `none`: not at all. `stated`: the report lists the fragments added, "
-           "changed and removed, and the server keeps the answer for further hits. It is the default if `of` and hits are given. "
-           "`only`: like `stated`, but the answer contains only the new and changed fragments. Not with `levels`."},
+           "How the answer reports the changes that the new hits made. `none`: the changes are not reported. `stated`: the report "
+           "lists the fragments that were added, changed or removed, and the server keeps the answer for further hits. This is the "
+           "default if `of` and hits are given. `only`: like `stated`, but the answer contains only the new and changed fragments. "
+           "Not with `levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
        .type = Type::kInteger,
        .min = 1,
        .max = kMostHits,
-       .doc =
-           "How many hits at the end of `local_point` are new, if `delta` is given without `of`. With `of`, the server knows the "
-           "number."},
+       .doc = "Number of new hits, at the end of `local_point`. Give it only with `delta` and without `of`."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {
@@ -151,9 +150,10 @@ std::optional<Error> complete_hits(RequestParameters& r) {
     if (auto wrong = spread("local_sites", r.local_sites, points)) return wrong;
     const std::uint64_t sites = std::accumulate(r.local_sites.begin(), r.local_sites.end(), std::uint64_t{0});
     if (sites > kMostHitSites)
-      return bad_parameter("local_sites",
-                           "All hits together can add at most " + std::to_string(kMostHitSites) +
-                               " sites, but 'local_sites' adds " + std::to_string(sites) + ". Lower it.");
+      return bad_parameter("local_sites", "All hits together can add at most " +
+                                              std::to_string(kMostHitSites) +
+                                              " sites, but 'local_sites' adds " + std::to_string(sites) +
+                                              " sites. Lower 'local_sites'.");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)
@@ -172,10 +172,10 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   if (r.fragment)
     return bad_parameter(
         "delta",
-        "'delta' compares whole answers, not the parts of a single 'fragment'. Leave one of them out.");
+        "'delta' compares whole answers, so it cannot be used with 'fragment'. Leave one of the two out.");
   if (r.delta == DeltaAnswer::kOnly && !f.levels.empty())
     return bad_parameter(
-        "delta", "delta=only leaves out fragments that the hierarchy of 'levels' needs. Use delta=stated.");
+        "delta", "The hierarchy of 'levels' needs fragments that delta=only leaves out. Use delta=stated.");
   r.selection.kept = true;
   if (points > 0) r.selection.new_hits = NewHits{r.local_new, r.delta == DeltaAnswer::kOnly};
   return std::nullopt;

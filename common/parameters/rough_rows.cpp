@@ -16,9 +16,9 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0,
        .high = 0.25,
        .doc =
-           "How far noise moves cut faces out of their planes, as a fraction of the solid's size. That size is the cube root of "
-           "its largest part's volume. If `stretch` is above 6, faces move four times as far along the grain. The server reduces "
-           "the amplitude if `rough_frequency` is too high for it. 0: flat cuts."},
+           "How far noise moves cut faces out of their planes, as a fraction of the solid's size. The solid's size is the cube root "
+           "of the volume of its largest part. If `stretch` is above 6, faces move four times as far along the grain. If "
+           "`rough_frequency` is too high for this amplitude, the server reduces the amplitude. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);  // whose roughness is overridden by 0
@@ -31,7 +31,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0.1,
        .high = 100,
        .doc =
-           "How many waves of the coarsest noise layer fit into the solid's size (see `rough_amplitude`)."},
+           "How many waves of the coarsest noise layer fit across the solid (see `rough_amplitude` for the solid's size)."},
       [](auto& r) -> auto& { return r.fracture.roughness.frequency; }));
   rows.push_back(with_member(
       {.name = "rough_octaves",

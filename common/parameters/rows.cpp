@@ -31,8 +31,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness. If closing the holes of a curved sheet encloses more "
-           "volume than the slab would have, the sheet becomes a solid body, and a warning says so. 0: sheets are dropped."},
+           "Open sheets (panes, leaves) become slabs of this thickness. If closing the holes of a curved sheet encloses more volume "
+           "than the slab would have, the sheet becomes a solid body, and a warning says so. 0: open sheets are left out."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -42,8 +42,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 1000,
        .doc =
            "Wall thickness. Closed parts without a cavity become hollow if they are more than twice as thick as this value; their "
-           "walls are at least this thick. Use it for a vessel that is modelled as a solid. 0: the thickness comes from "
-           "`shell_fraction`. Sending 0 also turns off the material's own walls."},
+           "walls are then at least this thick. Use `shell` for a vessel that is modelled as a solid. 0: the thickness comes from "
+           "`shell_fraction`. An explicit 0 also turns off the walls that a material sets."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
@@ -56,7 +56,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.5,
        .doc =
-           "Wall thickness as a fraction of the longest side of each part's bounding box. If this and `shell` are 0, nothing "
+           "Wall thickness as a fraction of the longest side of each part's bounding box. If both this and `shell` are 0, nothing "
            "becomes hollow. Defaults: glass 0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -77,8 +77,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .doc =
            "Only parts that can contain a ball of this diameter become hollow. The diameter is a fraction of the longest side of "
            "the part's bounding box. Plates, rods and parts that already have walls stay as they are. 0: all parts that are thick "
-           "enough. Other values must be at least 0.1. Default: 0.2 for glass, ceramic, terracotta and metal; 0 if you give "
-           "`shell` or `shell_fraction`."},
+           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise 0."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -93,8 +92,8 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 0.01,
        .doc =
-           "Vertices are merged if this closes open edges and their distance is below this fraction of the bounding box's "
-           "diagonal. 0: only vertices at the same position."},
+           "Vertices are merged if they are closer together than this fraction of the bounding box's diagonal and merging them "
+           "closes open edges. 0: only vertices at the same position."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
       {.name = "contact_gap",
@@ -104,31 +103,33 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .high = 1000,
        .doc =
            "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their fragments "
-           "are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the mesh's bounding "
-           "box. Values above 0.1 times this side are reduced to it."},
+           "are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the mesh's bounding box. "
+           "The maximum is 0.1 times this side; larger values are reduced to it."},
       [](auto& r) -> auto& { return r.solid.contact_gap; }));
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
        .choices = {"file", "m", "cm", "mm", "inch"},
-       .doc = "Unit of the mesh's coordinates. `file`: set by the file or its format, otherwise metres."},
+       .doc =
+           "Unit of the mesh's coordinates. `file`: the unit that the file or its format specifies, otherwise metres."},
       [](auto& r) -> auto& { return r.frame.unit; }));
   add(with_member(
       {.name = "up",
        .type = Type::kChoice,
        .choices = {"file", "y", "z"},
-       .doc = "Up axis of the mesh; answers are y up. `file`: set by the file or its format, otherwise y."},
+       .doc =
+           "Axis of the mesh that points up. `file`: the axis that the file or its format specifies, otherwise y."},
       [](auto& r) -> auto& { return r.frame.up; }));
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
-       .doc = "Break only these nodes (comma-separated names or indices); all others pass through unbroken."},
+       .doc = "Break only these nodes (comma-separated names or indices); all other nodes stay whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
       {.name = "materials",
        .type = Type::kNames,
        .doc =
-           "Break only triangles with these materials (comma-separated names or indices); all others pass through unbroken."},
+           "Break only triangles with these materials (comma-separated names or indices); all other triangles stay whole."},
       [](auto& r) -> auto& { return r.parts.materials; }));
 }
 
@@ -138,8 +139,9 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"circumcenter", "barycenter"},
        .doc =
-           "How cells are made. `circumcenter`: Voronoi cells, an exact partition. `barycenter`: hulls of the tetrahedra's "
-           "barycentres. They look softer, but fragments overlap and leave gaps, and size limits never merge fragments."},
+           "How cells are made. `circumcenter`: Voronoi cells, which divide the mesh exactly. `barycenter`: convex hulls of the "
+           "tetrahedra's barycentres. These cells look softer, but the fragments overlap and leave gaps, and size limits never "
+           "merge fragments."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -147,8 +149,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m³",
        .low = 0,
        .high = 1e18,
-       .doc =
-           "Fragments larger than this volume are left out, as in the paper. Only with `dual=barycenter`. 0: no limit."},
+       .doc = "Fragments larger than this volume are left out. Only with `dual=barycenter`. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.drop_above; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
@@ -164,7 +165,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"none", "ucx"},
        .doc =
-           "`ucx`: the collision hulls are also written as nodes UCX_..., which Unreal uses as collision geometry."},
+           "`ucx`: the collision hulls are also written as nodes named UCX_..., which Unreal uses as collision geometry."},
       [](auto& r) -> auto& { return r.ue_collision; }));
   rows.push_back(with_member(
       {.name = "pivot",
@@ -182,9 +183,9 @@ void add_exterior_row(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "asset", "material"},
        .doc =
-           "Appearance of the outside. `auto`: surfaces without a material in the mesh get the colour, roughness, metalness and "
-           "opacity of `material`; the others stay as they are. `asset`: all surfaces stay as they are. `material`: all fragments "
-           "get the roughness, metalness and opacity of `material`, but keep their colours and textures."},
+           "Appearance of the outside. `auto`: surfaces that have no material in the mesh get the colour, roughness, metalness and "
+           "opacity of `material`; other surfaces stay as they are. `asset`: all surfaces stay as they are. `material`: all "
+           "fragments get the roughness, metalness and opacity of `material`, but keep their colours and textures."},
       [](auto& r) -> auto& { return r.exterior.choice; });
   exterior.matters = [](const RequestParameters& r) { return r.exterior.any(); };
   rows.push_back(std::move(exterior));
@@ -196,16 +197,17 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "plain", "texture"},
        .doc =
-           "Colour of the cut faces. `auto`: each part's cuts are mixed with the colour that covers most of the part's surface; "
-           "`interior_mix` sets the proportion. `plain`: all cuts have the same colour, which does not depend on the surface. "
-           "`texture`: like `auto`, but textures of `interior_material` are shown even if they do not repeat on the mesh."},
+           "Colour of the cut faces. `auto`: the colour of each part's cuts is blended with the colour that covers most of the "
+           "part's surface; `interior_mix` sets the proportion. `plain`: all cuts have the same colour, which does not depend on "
+           "the surface. `texture`: like `auto`, but textures of `interior_material` are shown even if they do not repeat on the "
+           "mesh."},
       [](auto& r) -> auto& { return r.interior.choice; }));
   ParameterSpec reused = with_member(
       {.name = "interior_material",
        .type = Type::kText,
        .doc =
-           "Name or index of a material in the mesh. The cut faces get its appearance. Textures that repeat on the mesh also "
-           "repeat on the cuts; of an atlas or a palette, only the mean colour is used."},
+           "Name or index of a material in the mesh. The cut faces look like this material. Textures that repeat on the mesh also "
+           "repeat on the cuts; if a texture is an atlas or a palette, only its mean colour is used."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
@@ -224,7 +226,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_color",
        .type = Type::kColor,
        .doc =
-           "Base colour of the cut faces, sRGB as #rrggbb. It replaces the base colour texture of `interior_material`."},
+           "Base colour of the cut faces in sRGB, as #rrggbb. It replaces the base colour texture of `interior_material`."},
       [](auto& r) -> auto& { return r.interior_color; });
   color.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior_color = std::get<std::string>(value);
@@ -238,8 +240,9 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "How much of the surface's colour is mixed into the cut faces; a value above 0 replaces a texture. Default: 0 with "
-           "`interior_color` or `interior_material`; otherwise the value set by `material`, or 1 without a `material`."},
+           "How much of the surface's colour is blended into the colour of the cut faces. A value above 0 replaces their texture. "
+           "Default: 0 with `interior_color` or `interior_material`; otherwise the value set by `material`, or 1 without a "
+           "`material`."},
       [](auto& r) -> auto& { return r.interior.mix; }));
   rows.push_back(with_member(
       {.name = "interior_shade",
@@ -247,8 +250,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 10,
        .doc =
-           "Brightness of the surface's colour when it is mixed into the cut faces. 1 keeps the brightness; higher values increase "
-           "it."},
+           "Factor for the brightness of the surface's colour when it is blended into the colour of the cut faces."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",
@@ -256,8 +258,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Opacity of the cut faces. Below 1, objects behind the cuts are visible. Default: 0.4 for glass, 0.5 for crystal, 0.7 "
-           "for ice; for other materials, 0.5 in parts with a translucent surface and 1 in other parts."},
+           "Opacity of the cut faces. If it is below 1, objects behind the cut faces are visible. Default: set by the materials "
+           "glass, crystal and ice; otherwise 0.5 in parts with a translucent surface and 1 in other parts."},
       [](auto& r) -> auto& { return r.interior.opacity; }));
   ParameterSpec crushed = with_member(
       {.name = "interior_crushed",
@@ -265,8 +267,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Fragments smaller than this share of the mean volume (computed from `fragments` or `sites`) get white, opaque cut "
-           "faces, like crushed ice. 0: none. Default for ice: 0.4."},
+           "Fragments smaller than this fraction of the mean volume get white, opaque cut faces, like crushed ice. The mean volume "
+           "is computed from `fragments` or `sites`. 0: no fragments."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));
@@ -289,7 +291,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .doc =
            "Surface relief of the cut faces: a normal map and a roughness map, which repeat once per metre unless "
-           "`interior_uv_scale` is given. With `delta=only` the maps are left out, because the client already has them."},
+           "`interior_uv_scale` is given. With `delta=only`, the maps are left out, because the client already has them."},
       [](auto& r) -> auto& { return r.interior.detail; });
   for (const std::string_view name : kCutDetailNames) detail.choices.emplace_back(name);
   detail.matters = [](const RequestParameters& r) { return r.interior.detail != CutDetail::kNone; };

@@ -19,8 +19,8 @@ ParameterSpec material_row() {
       .name = "material",
       .type = Type::kChoice,
       .doc =
-          "Preset for `pattern` and most other parameters: how the mesh breaks, its density, friction, bounce and strength, and "
-          "how the cuts look. Parameters that you give override it. GET /patterns lists what each material sets."};
+          "Preset for `pattern` and most other parameters. The material sets how the mesh breaks, how the cuts look, and the "
+          "density, friction, bounce and strength of the fragments. Parameters that you give override the preset."};
   for (const MaterialPreset& preset : material_presets()) spec.choices.emplace_back(preset.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const MaterialPreset& preset = material_presets()[std::get<std::uint64_t>(value)];
@@ -67,8 +67,7 @@ ParameterSpec pattern_row() {
       .name = "pattern",
       .type = Type::kChoice,
       .doc =
-          "How the Voronoi sites are arranged. A piece forms around each site, so the sites determine where the mesh is cut. GET "
-          "/patterns describes each pattern.",
+          "How the Voronoi sites are arranged. A piece forms around each site, so the sites determine where the mesh is cut.",
       .decides = Decides::kSites};
   for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -104,7 +103,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .max = max_sites,
            .doc =
                "Number of cells that the pattern makes. With `uniform`, `impact` and `clustered`, this is the number of Voronoi "
-               "sites; with the other patterns, it is approximate. `cells_per_fragment` multiplies this number. A cell that "
+               "sites; with the other patterns, the number is approximate. It is multiplied by `cells_per_fragment`. A cell that "
                "extends into several parts of the mesh becomes one fragment in each part. To set the number of fragments, use "
                "`fragments`."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
@@ -126,8 +125,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 0,
            .max = 50,
            .doc =
-               "Number of relaxation passes. Each pass moves every site to the centre of its piece, so pieces become more equal in "
-               "size. A pass costs as much as the cutting step, which is usually less than a tenth of the whole cost."},
+               "Number of relaxation passes. Each pass moves every site to the centre of its piece, so the pieces become more equal "
+               "in size."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   rows.push_back(for_patterns(
       {"uniform", "impact", "clustered"},
@@ -135,10 +134,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index) that mark where the mesh breaks into smaller "
-               "pieces. Sites are densest in white areas, or near the material's surface. In black areas, or near other surfaces, "
-               "their density is 1/32 of the highest density. This affects uniformly spread sites and cluster centres, but not "
-               "sites near an impact."},
+               "The vertex colours (COLOR_0 to COLOR_7) or the material (name or index) that mark where the mesh breaks into "
+               "smaller pieces. Sites are densest in white areas, or near the material's surface. In black areas, or near other "
+               "surfaces, the density of sites is 1/32 of its maximum. Sites near an impact are not affected."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -148,8 +146,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = 0.01,
            .high = 100,
            .doc =
-               "Length of the pieces along the grain, relative to their width across it. Use values above 1 for fibres (wood sets "
-               "8) and below 1 for layers. Lengths such as `radius` then apply across the grain."},
+               "Length of the pieces along the grain, relative to their width across the grain. Use values above 1 for fibres and "
+               "below 1 for layers. Lengths such as `radius` are then measured across the grain."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
   stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
@@ -171,10 +169,10 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kChoice,
            .choices = {"solid", "part", "node", "material"},
            .doc =
-               "Which bodies get their own grain, along their longest axis, unless `grain` is given. With patterns other than "
-               "`uniform`, `impact` and `clustered`, every choice acts like `solid`. `solid`: the whole mesh. `part`: each "
-               "connected part. `node`: all parts of a node together. `material`: all parts with the same material on most of "
-               "their surface, together."},
+               "Which bodies get their own grain, along the body's longest axis, if `grain` is not given. With patterns other than "
+               "`uniform`, `impact` and `clustered`, every choice has the same effect as `solid`. `solid`: the whole mesh. `part`: "
+               "each connected part. `node`: all parts of a node as one body. `material`: all parts that have the same material on "
+               "most of their surface, as one body."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;
@@ -221,9 +219,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "Mean number of cells that are joined into a fragment. Use it for ragged, non-convex chunks; `size_spread` controls "
-               "their sizes. Around an impact, chunks are longer in the outward direction. 1: each cell is a fragment. Stone, "
-               "concrete and metal set 6. With flat cuts, 6 costs twice as much as 1."},
+               "Mean number of cells that are joined into one fragment. Values above 1 make ragged, non-convex chunks; "
+               "`size_spread` controls how their sizes vary. Around an impact, chunks are longer in the direction away from it. 1: "
+               "each cell is a fragment."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
     const MaterialPreset* preset = find_material_preset(r.material);
@@ -237,10 +235,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .low = 0,
            .high = kMostSpread,
            .doc =
-               "How uneven the volumes of ragged chunks are. The share of chunks larger than a volume v is "
+               "How uneven the volumes of ragged chunks are. The fraction of chunks that are larger than a volume v is "
                "exp(-(v/s)^(1/size_spread)), where s is a constant volume (Weibull 1951). 0: equal volumes. 1: the exponential "
-               "distribution of Grady and Kipp (1985), as published for blasted granitic gneiss (Astrom et al. 2004). 2: the "
-               "distribution of Mott and Linfoot (1943)."},
+               "distribution of Grady and Kipp (1985). 2: the distribution of Mott and Linfoot (1943)."},
           [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
   rows.push_back(for_patterns(
       patterns,
@@ -250,8 +247,8 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "Maximum number of convex collision hulls per ragged chunk. A hull extends beyond its fragment only at the outer "
-               "surface, so the hulls of neighbours do not overlap."},
+               "Maximum number of convex hulls per ragged chunk. A hull extends beyond its fragment only at the outer surface, so "
+               "the hulls of neighbouring fragments do not overlap."},
           [](auto& r) -> auto& { return r.fracture.most_hulls; })));
   rows.back().decides = Decides::kAnswer;
   for (std::size_t k = first + 1; k < rows.size(); ++k)
@@ -268,7 +265,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Positions of the Voronoi sites, in the answer's coordinate frame (y up). The pattern `points` requires this parameter."}));
+           "Positions of the Voronoi sites, in the answer's coordinate frame (y up). The `points` pattern requires this parameter."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -279,11 +276,11 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Points where the mesh is hit, in the answer's coordinate frame (y up). Use them to break the whole mesh, with the "
-           "smallest pieces at the hit; use `local_point` to break only the area around a hit. `radial`: the first point is the "
-           "centre. `brick`: bricks at a hit are crushed, and the bricks around them break in half; without a hit, no bricks "
-           "break. Default: the centre of the bounding box, or the centre of its +z side if spokes go in all directions. If the "
-           "material's pattern is `uniform` or `clustered`, the pattern becomes `impact`."}));
+           "Points where the mesh is hit, in the answer's coordinate frame. The whole mesh breaks, with the smallest pieces at "
+           "these points; to break only the area around a hit, use `local_point`. `radial`: the first point is the centre of the "
+           "rings and spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
+           "bricks break. Default: the centre of the bounding box, or the centre of the box's +z side if spokes run in all "
+           "directions. If the material's pattern is `uniform` or `clustered`, `impacts` changes it to `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -291,24 +288,25 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of the area around an impact that contains its sites, or approximate radius of a cluster. Default: a third of "
-           "the bounding box's longest side for an impact, and 0.12 times the box's mean side length for a cluster."}));
+           "Radius of the area around an impact in which the impact's sites are placed, or approximate radius of a cluster. "
+           "Default: for an impact, a third of the longest side of the bounding box; for a cluster, 0.12 times the mean side length "
+           "of the box."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
        .low = 0,
        .high = 2.9,
        .doc =
-           "How fast the density of sites falls with distance: it is proportional to distance^-exponent. 0: uniform within the "
-           "radius. Default: 2 for `impact`, 1.5 for `clustered`."}));
+           "How fast the density of sites falls with the distance from an impact or cluster centre: the density is proportional to "
+           "distance^-exponent. 0: uniform within `radius`. Default: 2 for `impact`, 1.5 for `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
       {.name = "share",
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the sites that are near an impact or in a cluster; the rest are spread uniformly. Default: 0.8 for `impact`, "
-           "0.88 for `clustered`."}));
+           "Fraction of the sites that are near an impact or in a cluster; the other sites are spread uniformly. Default: 0.8 for "
+           "`impact`, 0.88 for `clustered`."}));
   rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
       {.name = "clusters",
        .type = Type::kInteger,
@@ -320,27 +318,27 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .type = Type::kChoice,
        .choices = {"axis", "point", "shape"},
        .doc =
-           "Centre of the rings and spokes. `axis`: a line, for a pane. `point`: a point with spokes in all directions, for a "
-           "vessel or a lump. `shape`: like `axis` if `axis` is given or the mesh is a plate (at most a fifth as thick as it is "
-           "wide), otherwise like `point`. If the mesh has several parts, each breaks according to its own shape; rods (at least "
-           "four times as long as wide) break across their length. With more than eight parts, this applies only to the seven "
-           "largest. If `axis`, `spokes`, `rings`, a stretch, a kept region or `dual=barycenter` is given, all parts break as one."}));
+           "Centre of the rings and spokes. `axis`: a line (for a pane). `point`: a point from which spokes run in all directions "
+           "(for a vessel or a lump). `shape`: like `axis` if the parameter `axis` is given or the mesh is a plate (at most a fifth "
+           "as thick as it is wide), otherwise like `point`. If the mesh has several parts, each part breaks according to its own "
+           "shape; rods (at least four times as long as they are wide) break across their length. If there are more than eight "
+           "parts, this applies only to the seven largest. If `axis`, `spokes`, `rings`, a stretch, a kept region or "
+           "`dual=barycenter` is given, all parts break as one."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Axis of the rings and spokes. Default: perpendicular to the mesh if it is a plate, otherwise along the shortest side "
-           "of its bounding box. If `crushed` is given and the mesh is not a plate, the default runs from the hit to the centre of "
-           "the box."}));
+           "Axis of the rings and spokes. Default: perpendicular to a plate; in other meshes, along the shortest side of the "
+           "bounding box or, if `crushed` is given, from the hit to the centre of the box."}));
   rows.push_back(with_pattern_member<&RadialPattern::spokes>(
       {.name = "spokes",
        .type = Type::kInteger,
        .min = 3,
        .max = 720,
        .doc =
-           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 if they go in all directions)."}));
+           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 if they run in all directions)."}));
   rows.push_back(with_pattern_member<&RadialPattern::rings>(
       {.name = "rings",
        .type = Type::kInteger,
@@ -352,19 +350,19 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .type = Type::kNumber,
        .low = 1,
        .high = 10,
-       .doc = "Width of each ring, as a multiple of the width of the next ring inside it."}));
+       .doc = "Width of each ring, as a multiple of the width of the ring just inside it."}));
   rows.push_back(with_pattern_member<&RadialPattern::merge>(
       {.name = "merge",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the cracks along rings that are left out. Higher values make longer shards."}));
+       .doc = "Fraction of the cracks along rings that is left out. Higher values make longer shards."}));
   rows.push_back(with_pattern_member<&RadialPattern::crushed>(
       {.name = "crushed",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Share of the pieces that become small crumbs around the hit."}));
+       .doc = "Fraction of the pieces that become crumbs around the hit."}));
   rows.push_back(with_pattern_member<&RadialPattern::jitter, &GridPattern::jitter, &BrickPattern::jitter,
                                      &SlicePattern::jitter>(
       {.name = "jitter",
@@ -372,8 +370,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = 0,
        .high = 1,
        .doc =
-           "Irregularity of the pattern. With `grid`, `brick` and `slice`, whole cutting planes move by up to this share of half "
-           "their spacing. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
+           "Irregularity of the pattern. With `grid`, `brick` and `slice`, each cutting plane is shifted by up to this fraction of "
+           "half the distance between planes. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,
@@ -381,25 +379,25 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Size of a cell. `grid`: side lengths of a box along x, y and z. `brick`: length, height and depth of a brick including "
-           "its joint. The length runs along the longer horizontal side of the wall. If you give this size, each brick is one "
-           "piece, and the whole mesh is treated as a wall. Default: chosen for about `sites` pieces. With `brick`, each piece "
-           "then contains several bricks of real size (0.24 x 0.071 x 0.115 m). They are scaled if a piece would contain less than "
-           "one brick or more than six."});
+           "Size of a cell. `grid`: the lengths of a box along x, y and z. `brick`: the length, height and depth of a brick "
+           "including its joint. Bricks lie along the longer horizontal side of the wall. If you give their size, each brick is one "
+           "piece, and the whole mesh is treated as a wall. Default: chosen to make about `sites` pieces. With `brick`, each piece "
+           "then contains several bricks of real size (0.24 x 0.071 x 0.115 m). The bricks are scaled if a piece would contain less "
+           "than one or more than six bricks."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
        .type = Type::kChoice,
        .choices = {"stack", "half", "third"},
        .doc =
-           "Offset of each row of bricks from the row below: none (`stack`), or a half or a third of a brick."}));
+           "Offset of each row of bricks from the row below: none (`stack`), half a brick (`half`) or a third of a brick (`third`)."}));
   ParameterSpec mortar{
       .name = "mortar",
       .type = Type::kColor,
       .doc =
-          "Colour of the joints, sRGB as #rrggbb (for example #b9b4a8, lime and cement). Cuts along joints get their own matt "
-          "material, whose name ends with _Mortar; cuts through a brick or a rubble stone show its inside. Joints have no width. "
-          "With `dual=barycenter` there are no joints. Default: all cuts look the same.",
+          "Colour of the joints in sRGB, as #rrggbb (for example #b9b4a8 for lime and cement). Cuts along joints get their own matt "
+          "material, whose name ends with _Mortar; cuts through bricks and rubble stones keep the material of other cuts. Joints "
+          "have no width. With `dual=barycenter`, there are no joints. Default: all cuts look the same.",
       .decides = Decides::kSites,
       .patterns = {pattern_name<BrickPattern>()}};
   mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -430,7 +428,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
     if (given.size() == 1) return std::nullopt;
     if (given.size() == 2) rows_of.rows[2] = cross(given[0], given[1]);
     if (rows_of.conditioning() >= kLeastConditioning) return std::nullopt;
-    return "be linearly independent directions: these lie, at least nearly, in one plane or line";
+    return "be linearly independent directions: these are, at least nearly, in one plane or on one line";
   };
   rows.push_back(std::move(normals));
   rows.push_back(with_pattern_member<&SlicePattern::spacing>(
@@ -439,7 +437,8 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "Distance between the planes of a family. Default: chosen for about `sites` pieces."}));
+       .doc =
+           "Distance between neighbouring planes of a family. Default: chosen to make about `sites` pieces."}));
   rows.push_back(with_pattern_member<&SlicePattern::tilt>(
       {.name = "tilt",
        .type = Type::kNumber,
@@ -447,7 +446,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
        .low = 0,
        .high = 45,
        .doc =
-           "Maximum angle by which each plane is tilted at random. It applies only if there is a single family."}));
+           "Maximum angle by which each plane is tilted at random. This applies only if there is a single family of planes."}));
 }
 
 }  // namespace

@@ -32,10 +32,10 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "Number of fragments in the answer. If the result differs by more than a tenth, a warning says why. Separate parts "
-           "share the fragments in proportion to their volume; small parts stay whole. Pieces broken off by hits (`local_point`) "
-           "do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are needed. 0: `sites` "
-           "determines the number of fragments. Not with `levels` or `dual=barycenter`."},
+           "Number of fragments in the answer. If the actual number differs by more than a tenth, a warning says why. Separate "
+           "parts share the fragments in proportion to their volumes; small parts stay whole. Pieces broken off by hits "
+           "(`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are "
+           "needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
@@ -51,16 +51,16 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "min_volume", 1e18, "m³",
-      "Each fragment below this volume is merged with the neighbour that shares the largest area with it. The largest of "
-      "`min_volume`, `min_fraction` and `min_of_mean` applies. 0: no limit.",
+      "Each fragment smaller than this volume is merged with the neighbour that shares the largest area with it. The largest of the "
+      "volumes that `min_volume`, `min_fraction` and `min_of_mean` give applies. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
-      "min_fraction", 1, "", "`min_volume` as a fraction of the solid's volume. 0: no limit.",
+      "min_fraction", 1, "", "Like `min_volume`, but as a fraction of the solid's volume. 0: no limit.",
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "`min_volume` as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a hundredth of "
-      "this share of the mean volume that fragments would have without hits. Before cuts are made rough, the share is doubled, but "
+      "Like `min_volume`, but as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, only a hundredth of "
+      "this fraction applies, relative to the mean volume without hits. Before cuts are made rough, the fraction is doubled, but "
       "not beyond 0.05. 0: no limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
@@ -69,8 +69,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "max_volume", 1e18, "m³",
-      "Cells that contain a piece larger than this volume get more sites, which divide it. 0: no limit. Not with `radial`, `grid`, "
-      "`brick` or `slice`.",
+      "If a cell contains a piece larger than this volume, the cell gets more sites, which divide the piece. 0: no limit. Not with "
+      "`radial`, `grid`, `brick` or `slice`.",
       [](auto& r) -> auto& { return r.fracture.max_volume; });
   rows.back().decides = Decides::kSites;
   rows.push_back(with_member(
@@ -78,7 +78,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000,
-       .doc = "The smallest fragments are merged until at most this many are left. 0: no limit."},
+       .doc = "The smallest fragments are merged until at most this many fragments are left. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
@@ -100,8 +100,8 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
       .min = 1,
       .max = max_sites,
       .doc =
-          "Number of pieces in each level of a hierarchy, coarsest level first (at most eight). Use it instead of `sites`. The "
-          "last number is the number of sites; the pieces of the other levels are clusters of fragments."};
+          "Number of pieces in each of up to eight levels of a hierarchy, coarsest level first. Use `levels` instead of `sites`: "
+          "the last number is the number of sites. The pieces of the other levels are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -184,7 +184,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
       .high = kFar,
       .doc =
           "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored, so they do "
-          "not fall. 0,0,0;0,1,0 is the ground at height 0."};
+          "not fall. `0,0,0;0,1,0` is the ground at height 0."};
   plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
     return "have a normal that is not zero";
@@ -226,7 +226,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m/s²",
        .low = -1000,
        .high = 1000,
-       .doc = "Gravity for the support analysis, which is part of every answer with anchors."},
+       .doc =
+           "Gravitational acceleration for the support analysis, which is part of every answer with anchors."},
       [](auto& r) -> auto& { return r.gravity; }));
   rows.push_back(with_member(
       {.name = "broken",
@@ -234,7 +235,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "IDs of fragments that no longer exist. `report.support` shows what falls without these fragments. Requires anchors."},
+           "IDs of fragments that no longer exist. `report.support` shows what would fall without these fragments. Requires "
+           "anchors."},
       [](auto& r) -> auto& { return r.broken; }));
   only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
@@ -247,8 +249,8 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "ID of a fragment to break again. It refers to the answer that the same request gives without `fragment`. The new "
-           "answer contains only the parts of this fragment."},
+           "ID of a fragment to break again. The ID is from the answer to the same request without `fragment`. The new answer "
+           "contains only the pieces of this fragment."},
       [](auto& r) -> auto& { return r.fragment; }));
   rows.push_back(with_member(
       {.name = "fragment_sites",

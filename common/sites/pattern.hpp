@@ -124,7 +124,7 @@ struct PatternTraits {
 inline constexpr PatternTraits kPatternTraits[] = {
     {"uniform", "Sites spread uniformly in the solid.", true, true},
     {"points", "The sites given in the request.", false, true},
-    {"impact", "Most sites near the impacts; their density falls with distance.", true, true},
+    {"impact", "Most sites are near the impacts; the density falls with distance.", true, true},
     {"radial", "Rings and spokes, as in a pane or vessel that has been hit.", true, false},
     {"grid", "Boxes in rows.", true, false},
     {"brick",

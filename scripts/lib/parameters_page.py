@@ -27,12 +27,12 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
-    ("The mesh", "How the file is read, and how the mesh is prepared before it breaks.",
+    ("The mesh", "",
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball",
       "contact_gap"]),
     ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
-    ("Ragged chunks", "Fragments that consist of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
+    ("Ragged chunks", "These fragments consist of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
     ("Parameters of individual patterns", "",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
       "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
@@ -40,7 +40,7 @@ SUBJECTS = [
     ("Number and size of fragments", "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
      ["fragments", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
     ("Regions without cuts", "", ["keep_center", "keep_radius", "keep_box"]),
-    ("Local hits", "Hits that break only the area around them ([how a game uses them](interface.md#hit-the-fragments-again)).",
+    ("Local hits", "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
      ["local_point", "local_radius", "local_sites", "local_rest", "of", "delta", "local_new"]),
     ("Break one fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
     ("Anchors and support", "`report.support` shows the load on each bond, the bonds that are too weak, and the fragments that fall.",
@@ -198,7 +198,7 @@ def costs(patterns):
         return "; ".join(f"{COSTS[request]:g}" for request in requests)
     yield from wrapped(
         "The costs are processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with "
-        "`delta` costs less than a whole answer, because only the cells near the hit are cut again.")
+        "`delta` costs less than a whole answer.")
     yield ""
     yield "| request | cost |"
     yield "|---|---|"
@@ -276,7 +276,7 @@ def parameters_page(limits, patterns):
     yield from wrapped(
         "This page is for people who choose parameters. Pass them in the query (`?fragments=80&seed=7`), in a form, in JSON "
         "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are in metres, and y is up. A "
-        "server refuses unknown parameters, parameters that are given twice, and parameters that belong to another pattern. Programs get the "
+        "server refuses unknown parameters, repeated parameters, and parameters that belong to another pattern. Programs get the "
         "same information from `GET /limits` and `GET /patterns`. See also [Requests and answers](interface.md).")
     yield ""
     yield "| type | in a query or flag | in JSON |"
@@ -290,7 +290,7 @@ def parameters_page(limits, patterns):
     yield "## Choose parameters"
     yield ""
     yield from wrapped("Start with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST[:-1]) + f" and [`{FIRST[-1]}`](#{FIRST[-1]}). "
-                       "A material sets the pattern, the cuts and the physics; all other parameters can keep their defaults.")
+                       "All other parameters can keep their defaults.")
     yield ""
     yield from wrapped("To break a mesh at a hit, use `impacts` or `local_point` ([examples](guides/more-pieces-where-it-is-hit.md)). No parameter "
                        "selects an older algorithm version ([keep an older version](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).")
@@ -311,7 +311,7 @@ def parameters_page(limits, patterns):
 def materials_page(patterns):
     yield from head("Patterns and materials")
     yield from wrapped("This page is for people who choose a pattern or a material. In the pictures, each fragment has its own colour, and the "
-                       "fragments are pulled apart. [Parameters](parameters.md) explains each parameter and lists the [costs](parameters.md#cost).")
+                       "fragments are pulled apart. See also [Parameters](parameters.md) and their [costs](parameters.md#cost).")
     yield ""
     yield "## Patterns"
     yield ""
