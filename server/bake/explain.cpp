@@ -61,7 +61,7 @@ std::string explanation_of(const BakeJob& job, const RuleFile& rules, const JobP
   for (const RawParameter& parameter : sorted)
     text += "  " + printable(parameter.name) + "=" + printable(text_of(parameter)) + "  (" +
             source_of(parameter.name, job, rules, parameters) + ")\n";
-  return text + (sorted.empty() ? "  every parameter has its default\n" : "");
+  return text + (sorted.empty() ? "  every parameter has its default value\n" : "");
 }
 
 }  // namespace fracture::bake

@@ -264,7 +264,7 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
       named(head.title) + "</h1>\n";
   if (head.stopped)
     page += "<p class=\"bad\">Stopped: " + grouped(head.jobs - std::min(head.jobs, lines.size())) +
-            " jobs were not done. The same command continues the bake.</p>\n";
+            " jobs were not done. To continue, run the same command again.</p>\n";
   if (!head.no_pictures.empty()) page += "<p>No pictures were drawn: " + as_html(head.no_pictures) + "</p>\n";
   page += "<dl>\n" + figure("Jobs", grouped(head.jobs)) + figure("Made", grouped(made.size()));
   if (head.kept > 0) page += figure("Kept from an earlier run", grouped(head.kept));

@@ -31,8 +31,8 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
         return wrong("'" + key + "' must be a path; it was " + shortened(json_text(value)));
       if (value == kStandardStream)
         return wrong("'" + key +
-                     "' is '-': standard input and output are for one mesh without a manifest; a file "
-                     "of this name is './-'");
+                     "' is '-': standard input and output are for one mesh without a manifest; for a "
+                     "file with this name, write './-'");
       std::string path = (folder / value.get<std::string>()).lexically_normal().string();
       if (path == kStandardStream) path.insert(0, "./");
       (key == "input" ? job.input : job.output) = std::move(path);

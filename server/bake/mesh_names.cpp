@@ -108,7 +108,7 @@ Expected<MeshNames> names_in(const std::string& path, std::span<const std::byte>
     return fail(ErrorCode::kTooLarge, "For rules by node or material, a mesh may have at most " +
                                           std::to_string(kMaxMeshNames) + " names with " +
                                           std::to_string(kMaxMeshNameBytes) +
-                                          " bytes in total; this one has more.");
+                                          " bytes in total; this mesh has more.");
   return read ? std::move(names).take() : MeshNames{};
 }
 

@@ -73,7 +73,7 @@ Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, cons
              : exchange.detail;
     const Milliseconds left = hope(begun, busy, trouble);
     if (left.count() <= 0)
-      return tl::unexpected(give_up(trouble + " The server gave no other answer within " +
+      return tl::unexpected(give_up(trouble + " The server gave no other response within " +
                                     seconds_text(patience_.total) + " (--patience)."));
     const Milliseconds wait = std::max(
         backoff.pause(), protocol::parse_retry_after(exchange.retry_after).value_or(backoff.pause()));
@@ -101,7 +101,7 @@ void PatientCaller::heard() {
     heard_ = Clock::now();
     again = std::exchange(trouble_said_, false);
   }
-  if (again) say_(server_ + " answers again.");
+  if (again) say_(server_ + " responds again.");
 }
 
 Milliseconds PatientCaller::hope(Clock::time_point begun, bool busy, const std::string& trouble) {

@@ -53,7 +53,8 @@ Expected<void> give_pictures(const BakeSource& source, bool single, std::vector<
   const bool png = fs::path(source.preview).extension() == kEnding;
   if (single && !source.preview.empty()) {
     if (!png)
-      return not_possible("For one mesh --preview is a PNG: '" + source.preview + "' must end in .png.");
+      return not_possible("For one mesh, --preview is a PNG file: '" + source.preview +
+                          "' must end in .png.");
     jobs.front().picture = source.preview;
     return {};
   }
@@ -62,7 +63,7 @@ Expected<void> give_pictures(const BakeSource& source, bool single, std::vector<
     folder = source.html;
     folder.replace_extension(".pictures");
   } else if (png || (fs::exists(folder, error) && !fs::is_directory(folder, error))) {
-    return not_possible("For several meshes, or a folder of meshes, --preview is a folder, but '" +
+    return not_possible("For several meshes, or a folder of meshes, --preview must be a folder, but '" +
                         source.preview + "' is a file.");
   }
   const fs::path outputs = single || !source.manifest.empty()

@@ -125,9 +125,9 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
              file = there && !fs::is_directory(source.output, error);
   const bool named_as_one = fs::path(source.output).has_extension() && kind_of_output(source.output);
   if (file || (!there && named_as_one))
-    return wrong(
-        "'" + source.output + "' is " + (file ? "not a folder" : "the name of a file") +
-        ": several meshes, or the meshes of a folder, need an output folder (end the name of a new one with '/').");
+    return wrong("'" + source.output + "' is " + (file ? "not a folder" : "the name of a file") +
+                 ": several meshes, or the meshes in a folder, need an output folder (end the name of a new "
+                 "folder with '/').");
   Search search(source);
   for (const std::string& input : source.inputs) {
     if (input == kStandardStream)

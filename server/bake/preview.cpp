@@ -149,7 +149,8 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
   if (!is_drawn_itself && bytes.empty())
     return fail(
         ErrorCode::kUnsupportedFeature,
-        "Pictures of OBJ, PLY and STL files are drawn only while the file is written. To write it again, use --force.");
+        "bake draws the picture of an OBJ, PLY or STL file only when it writes the file. To write the "
+        "file again, use --force.");
   if (folder_.empty())
     return fail(ErrorCode::kNoProgram, "Pictures need a folder for temporary files, and there is none.");
   std::size_t number = 0;
@@ -157,7 +158,7 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
     const std::lock_guard lock(mutex_);
     if (failures_in_a_row_ >= kMostFailuresInARow)
       return fail(ErrorCode::kNoProgram, "The renderer failed " + std::to_string(kMostFailuresInARow) +
-                                             " times in a row, so this picture was not tried.");
+                                             " times in a row, so bake did not try to draw this picture.");
     number = next_++;
   }
   // The renderer gets names of ours: those of files may be anything.

@@ -131,7 +131,7 @@ class Conversation {
     return {
         .next = Next::kWhole,
         .trouble =
-            "The server's answer has the address " + key +
+            "The server's response contains the address " + key +
             ", but this program expects another address. Perhaps the server stored the mesh in another format, or runs "
             "another version."};
   }
@@ -153,7 +153,7 @@ class Conversation {
     if (started->status != 202) return refused(*started);
     nlohmann::json job = json_or_null(started->body, kOfAServer);
     const std::string id = job.is_object() ? job.value("id", "") : "";
-    if (id.empty()) return again("The server answered 202 without a job.");
+    if (id.empty()) return again("The server responded with 202, but without a job.");
     if (const std::string state = job.value("state", ""); state == "queued" || state == "running") {
       const Expected<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
                                                      .fields = {{"Accept", "text/event-stream"}},
@@ -165,7 +165,7 @@ class Conversation {
               {.method = "DELETE", .target = "/jobs/" + id, .answer_timeout = std::chrono::seconds(1)});
         return tl::unexpected(events.error());
       }
-      if (events->status != 200) return again("The server has forgotten job " + id + ".");
+      if (events->status != 200) return again("The server no longer has job " + id + ".");
       job = last_event(events->body);
     }
     return end_of(job);
@@ -179,7 +179,7 @@ class Conversation {
           caller_.ask({.target = result_, .fields = fields(), .answer_timeout = kLong}, stop_);
       if (!result) return tl::unexpected(result.error());
       if (result->status == 200) return file_of(*result);
-      if (result->status == 404) return again("The server has forgotten the result of a job.");
+      if (result->status == 404) return again("The server no longer has the result of a job.");
       return refused(*result);
     }
     if (state != "failed" || !job.contains("error"))
@@ -224,7 +224,7 @@ class Conversation {
 
   Expected<Step> put_mesh(Clock::time_point asked) {
     if (!puts_.begin(mesh_, asked, stop_))
-      return again("The server did not keep this mesh, which another job had uploaded.");
+      return again("The server did not keep this mesh, which this bake had uploaded for another job.");
     const Expected<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());

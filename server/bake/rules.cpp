@@ -224,7 +224,7 @@ Expected<std::optional<RuleMatch>> RuleTally::find(const std::string& path, cons
         seen_[rest].matched = seen_[rest].decided = true;
       if (first) break;
       return fail(ErrorCode::kTooLarge, "Its " + std::to_string(names.nodes.size() + names.materials.size()) +
-                                            " names take more than " + std::to_string(kMaxMatchSteps) +
+                                            " names need more than " + std::to_string(kMaxMatchSteps) +
                                             " comparisons with the patterns of '" + file_.path +
                                             "' up to rule " + std::to_string(k + 1) + ".");
     }
@@ -254,7 +254,7 @@ std::vector<std::string> RuleTally::warnings() const {
     if (!seen_[k].decided)
       lines.push_back(name_of_rule(k, file_) + " (" + patterns_in_words(file_.rules[k]) + ") " +
                       (seen_[k].matched
-                           ? "is never applied: an earlier rule matches every mesh that it matches."
+                           ? "is never applied: an earlier rule matches every mesh that this rule matches."
                            : "matches no mesh."));
   return lines;
 }

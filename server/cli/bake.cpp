@@ -111,7 +111,7 @@ void tell_of(const FailureKeeper& failures) {
     say("kept " + std::to_string(kept) + (kept > 1 ? " failures" : " failure") + " in " + failures.folder() +
         "; \"command\" in a request.json reproduces its failure");
   if (f.dropped > 0)
-    say("no room for " + std::to_string(f.dropped) + " more failures in " + failures.folder());
+    say("no space for " + std::to_string(f.dropped) + " more failures in " + failures.folder());
 }
 
 /// Null where the server cannot be asked, which has been said.
@@ -331,7 +331,10 @@ int bake(const BakeOptions& options) {
     if (!summary.empty() && !plan->html.empty()) summary += "; page in " + plan->html;
     if (!summary.empty()) std::fprintf(words, "%s\n", printable_lines(summary).c_str());
     if (watched.flips) std::fprintf(words, "%s\n", watched.flips->sentence().c_str());
-    if (f.cancelled > 0 && !run.report.empty()) std::fprintf(words, "The same command continues the bake.\n");
+    if (f.cancelled > 0 && !run.report.empty())
+      std::fprintf(words,
+                   "To continue, run the same command "
+                   "again.\n");
   }
   const int code = exit_code(f, options.allow_refused);
   return code == kExitDone && watched.dump && watched.dump->failed() ? kExitSystem : code;

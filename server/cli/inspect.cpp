@@ -35,8 +35,8 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
               counted(r.shells, "shell", "shells").c_str(),
               counted(r.cavities, "cavity", "cavities").c_str());
   if (const auto contacts = contact_report(mesh.solid))
-    std::printf("  contacts   %s of parts in contact, %" PRIu64
-                " of them overlapping: %.6g m², %.6g m³ in common; %s no other part\n",
+    std::printf("  contacts   %s of parts are in contact, %" PRIu64
+                " of these pairs overlap: area %.6g m², common volume %.6g m³; %s no other part\n",
                 counted(contacts->pairs, "pair", "pairs").c_str(), contacts->overlapping, contacts->area,
                 contacts->volume, counted(contacts->alone, "part touches", "parts touch").c_str());
   std::printf(
@@ -44,7 +44,7 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
       counted(r.source_vertices, "vertex", "vertices").c_str(), counted(nodes, "node", "nodes").c_str(),
       counted(materials, "material", "materials").c_str(), counted(images, "image", "images").c_str());
   if (source.passed_through)
-    std::printf("  passed through whole: %s\n",
+    std::printf("  not fractured: %s\n",
                 counted(source.passed_through->triangles.size(), "triangle", "triangles").c_str());
   if (mended)
     std::printf("  repaired   %s, %s, %s; %.6g m² were added\n",

@@ -35,16 +35,16 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
       {"answer_ledger", api.ledger().held_bytes()}};
   writer.gauge(
       "fracture_memory_limit_bytes",
-      "Limit of this server's resident memory: --memory, or the limit of its control group or machine.",
+      "Limit on this server's resident memory: --memory, or the limit of its control group or machine.",
       static_cast<double>(options.memory));
   writer.gauge("fracture_memory_base_bytes", "Part of the limit that is reserved for an idle server.",
                static_cast<double>(base_memory(options)));
   for (const MemoryShare& share : memory_shares(options)) {
     const ops::MetricWriter::Labels labels = {{"part", share.part}};
-    writer.gauge("fracture_memory_budget_bytes", "Limit on the bytes that each part of the memory may hold.",
+    writer.gauge("fracture_memory_budget_bytes", "Maximum number of bytes in each part of the memory.",
                  static_cast<double>(share.bytes), labels);
     writer.gauge("fracture_memory_reserved_bytes",
-                 "Bytes that each part of the memory holds, as the server counts them.",
+                 "Bytes in each part of the memory, as counted by the server.",
                  static_cast<double>(reserved.at(share.part)), labels);
   }
   std::uint64_t workers = 0;

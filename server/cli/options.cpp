@@ -27,7 +27,8 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
   app.add_option("--config", command.config_file, "Read settings from this file (TOML: name = value)")
       ->type_name("FILE");
   app.add_flag("--print-config", command.print_config,
-               "Print the given settings as a config file, with all others as comments, and exit");
+               "Print the given settings as a config file in which all other settings are commented out, "
+               "and exit");
   std::map<std::string, CLI::Option_group*> groups;
   for (const Setting& setting : settings) {
     CLI::Option_group*& group = groups[setting.group];
@@ -124,13 +125,13 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->check(not_empty);
   app.add_option(
          "--rules", o.source.rules,
-         "JSON file with parameters for meshes by path, node or material: {\"rules\": [{\"match\": {\"path\": "
-         "\"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}. The first rule that matches applies. "
-         "It overrides the command line; a manifest line overrides the rule")
+         "JSON file that sets parameters for meshes by path, node or material: {\"rules\": [{\"match\": "
+         "{\"path\": \"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}. The first rule "
+         "that matches applies. The rule overrides the command line; a manifest line overrides the rule")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_flag("--explain", o.explain,
-               "Only print, for each mesh, the rule that matches, the reason, and the parameters");
+               "Only print which rule matches each mesh, why it matches, and the parameters that result");
   app.add_option("-j,--jobs", o.jobs, "Meshes computed at the same time; 0: one per core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
@@ -141,13 +142,13 @@ void add_bake(CLI::App& app, BakeOptions& o) {
             "Memory for all meshes computed at the same time, divided evenly among -j meshes; default: three "
             "quarters of the memory of this machine or its control group");
   app.add_option("--shard", o.shard,
-                 "I/N: every N-th mesh, starting with mesh I (0 to N - 1); auto/N: take I from "
+                 "I/N: bake every N-th mesh, starting with mesh I (0 to N - 1); auto/N: take I from "
                  "FRACTURE_SHARD, JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
       ->type_name("I/N");
   app.add_option(
          "--report", o.source.report,
-         "Write this file with one JSON line per mesh; the next run keeps the outputs that still match it. Default: "
-         "bake.ndjson in the output folder, or MANIFEST.report")
+         "Write a report with one JSON line per mesh to this file; the next run keeps the outputs that "
+         "still match the report. Default: bake.ndjson in the output folder, or MANIFEST.report")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_flag("--force", o.force, "Make all outputs again, even those that are up to date");
@@ -155,7 +156,8 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--depfile", o.source.depfile,
-                 "For one mesh: write a make or Ninja rule that lists the files it was made from")
+                 "For one mesh: write a make or Ninja rule that lists the files from which the output "
+                 "was made")
       ->type_name("FILE")
       ->check(not_empty);
   app.add_option("--keep-failures", o.source.failures,
@@ -164,19 +166,20 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                  "100 failures and 1 GiB")
       ->type_name("FOLDER")
       ->check(not_empty);
-  app.add_flag("-q,--quiet", o.quiet, "No progress, notes or summary");
+  app.add_flag("-q,--quiet", o.quiet, "Print no progress, notes or summary");
 
   constexpr const char* kLookGroup = "Pictures of the results, drawn by the client's fracture-render";
-  app.add_option(
-         "--preview", o.source.preview,
-         "Draw the fragments a little apart. For one mesh: a PNG file. For several: a folder, in which "
-         "sub/barrel.obj.glb becomes sub/barrel.obj.glb.png. Missing and outdated pictures are drawn again")
+  app.add_option("--preview", o.source.preview,
+                 "Draw the fragments, moved a little apart. For one mesh: a PNG file. For several meshes: a "
+                 "folder, in which sub/barrel.obj.glb becomes sub/barrel.obj.glb.png. Missing and outdated "
+                 "pictures are drawn")
       ->type_name("PATH")
       ->group(kLookGroup);
   app.add_option(
          "--html", o.source.html,
-         "Write an HTML page about all meshes, slowest first, with refusals and their reasons. With a renderer "
-         "it has pictures, in the folder of --preview (default: FILE's name with .pictures)")
+         "Write an HTML page about all meshes, slowest first, with refusals and their reasons. If there "
+         "is a renderer, the page has pictures, stored in the --preview folder (default: FILE with the "
+         "extension .pictures)")
       ->type_name("FILE")
       ->group(kLookGroup);
   app.add_option("--preview-size", o.preview_size,
@@ -247,7 +250,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - > fragments.glb\n\n" +
       std::string(kExitCodesInWords) +
       " bake exits with 3 if more meshes than --allow-refused were refused. After 130, finished files "
-      "stay, and the same command continues the bake.");
+      "are kept; run the same command again to continue.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
@@ -264,8 +267,8 @@ void add_health(CLI::App& app, HealthOptions& o) {
                  "environment and --config");
   app.add_option("--config", o.config_file, "The server's config file")->type_name("FILE");
   app.add_flag("--ready", o.ready,
-               "Ask whether the server accepts requests (/readyz) instead of whether it runs (/livez)");
-  app.add_option("--timeout", o.timeout, "Seconds to wait for the connection, and again for the answer")
+               "Ask whether the server accepts requests (/readyz), not whether it is running (/livez)");
+  app.add_option("--timeout", o.timeout, "Seconds to wait for the connection, and again for the response")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
   app.footer(kExitCodesInWords);
@@ -296,18 +299,21 @@ int run(int argc, char** argv) {
   BakeOptions bake_options;
   bake_options.service.formats = FormatSet::all();  // the file is the caller's own
   CLI::App& bake_command =
-      *app.add_subcommand("bake", "Fracture files, with the same bytes as the server's answers");
+      *app.add_subcommand("bake", "Fracture files; the outputs have the same bytes as a server's answers");
   bake_command.preparse_callback([&](std::size_t) { add_bake(bake_command, bake_options); });
 
   InspectOptions inspect_options;
   inspect_options.service.formats = FormatSet::all();
   CLI::App& inspect_command =
-      *app.add_subcommand("inspect", "Report whether a mesh can be fractured, in words and as the exit code");
+      *app.add_subcommand("inspect",
+                          "Report, in words and through the exit code, whether a mesh can be "
+                          "fractured");
   inspect_command.preparse_callback([&](std::size_t) { add_inspect(inspect_command, inspect_options); });
 
   HealthOptions health_options;
   CLI::App& health_command = *app.add_subcommand(
-      "health", "Ask a server whether it is healthy, and report it in words and as the exit code");
+      "health",
+      "Ask a server whether it is healthy, and report the result in words and through the exit code");
   health_command.preparse_callback([&](std::size_t) { add_health(health_command, health_options); });
 
   try {

@@ -67,7 +67,7 @@ void trim_memory(std::uint64_t memory) {
 
 void tell_of_jobs(const http::Api& api) {
   if (const JobFigures jobs = api.jobs().figures(); jobs.jobs > 0)
-    spdlog::info("found {} jobs of an earlier process, {} of them unfinished", jobs.jobs, jobs.unfinished);
+    spdlog::info("found {} jobs from an earlier process, {} of them unfinished", jobs.jobs, jobs.unfinished);
 }
 
 /// Called a few times a second while another server has the folder. `trouble`: why it could not be taken the last time,
@@ -147,7 +147,7 @@ int serve_until_stopped(const ServeOptions& options) {
       writer.counter("fracture_failures_kept_total", "Failures saved so that they can be reproduced.",
                      static_cast<double>(figures.kept));
       writer.counter("fracture_failures_not_kept_total",
-                     "Failures that were not saved, because of an error or a lack of room.",
+                     "Failures that were not saved because of an error or a lack of space.",
                      static_cast<double>(figures.dropped + figures.unwritten));
     });
   api.metrics().add_source([&imports](ops::MetricWriter& writer) { write_import_metrics(*imports, writer); });

@@ -108,11 +108,11 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        number("admin-port", "PORT", o.server.admin_port, 0, kPort,
               "Port of /livez, /readyz and /metrics; 0: any free port"),
        text("token-file", "FILE", o.token_file,
-            "Names, tokens and shares of the clients that may use this server: a JSON file, or lines 'name "
-            "token'; reloaded on SIGHUP"),
+            "Names, tokens and shares of the clients that may use this server: a JSON file, or a file "
+            "with lines 'name token'; reloaded on SIGHUP"),
        list("trusted-proxy", "CIDR", o.trusted_proxies,
             "Trust proxies in this network to identify their clients by Forwarded or the PROXY protocol"),
-       flag("no-page", o.no_page, "Send no page to browsers; they get JSON, as programs do"),
+       flag("no-page", o.no_page, "Send no page to browsers; they get JSON, as other programs do"),
        list("page-sample", "FILE", o.page_samples,
             "A mesh that the page offers to every visitor, in addition to its own shapes"),
        flag("insecure-bind", o.insecure_bind, "Accept clients from other machines without tokens"),
@@ -131,10 +131,9 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "memory", "BYTES", o.memory, 0, kTiB,
            "Limit on the resident memory of the server and its import processes; 0: the limit of their control group, or the "
            "machine's memory. Memory budgets that are not given are lowered until all fit"),
-       number(
-           "max-queue", "N", o.max_queue, 0, 1'000'000,
-           "Maximum number of requests of one client that wait for a computing thread; all clients together may have up to four "
-           "times as many"),
+       number("max-queue", "N", o.max_queue, 0, 1'000'000,
+              "Maximum number of one client's requests that are waiting for a computing thread; all clients "
+              "together may have up to four times as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files at the same time"),
        number(
@@ -146,7 +145,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "Refuse to start if import processes cannot be sandboxed; auto: only if other machines can reach "
            "this server"),
        list("enable-format", "FORMAT", o.enabled_formats,
-            "Also read this format (blend, fbx and others): their parsers are large and off by default"),
+            "Also read this format (such as blend or fbx); the parsers of such formats are large and off "
+            "by default"),
        flag("all-formats", o.all_formats, "Read all formats")});
   group("Logs",
         {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
@@ -154,7 +154,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
          choice("log-format", o.log_format, {"auto", "json", "text"},
                 "Format of log lines; auto: text on a terminal, otherwise JSON"),
          text("keep-failures", "FOLDER", o.keep_failures,
-              "Save to this folder the data that reproduces a bug, or an answer that failed its check")});
+              "Save to this folder the data that is needed to reproduce a bug or an answer that failed "
+              "its check")});
   group(
       "Limits",
       {number("max-body", "BYTES", l.max_body, 1, kTiB,
@@ -168,7 +169,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "Maximum total size of the bodies from one client address; 0: a quarter of the limit for all clients. A single "
            "body may exceed it"),
        number("max-answers", "BYTES", l.max_answers, 1, kTiB,
-              "Maximum total size of the answers that are being written at the same time"),
+              "Maximum total size of the answers that are being sent at the same time"),
        number(
            "max-answers-per-address", "BYTES", l.max_answers_per_address, 0, kTiB,
            "Maximum total size of the answers to one client address; 0: a quarter of --max-answers. A single answer may "
@@ -191,26 +192,28 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        seconds("realtime-deadline", l.realtime_deadline,
                "Time limit of a realtime computation, including its time in the queue"),
        number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
-              "Maximum working memory of all computations together, as the server estimates it"),
+              "Maximum working memory of all computations together, as estimated by the server"),
        seconds("header-timeout", l.header_timeout, "Time limit for receiving a whole header"),
        seconds("body-grace", l.body_grace, "Time before --body-rate applies to a body"),
        number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Minimum speed of a request body"),
        seconds("body-timeout", l.body_timeout, "Time limit for receiving a whole body"),
        number("answer-rate", "BYTES/S", l.answer_rate, 1, kTiB,
               "Minimum speed at which a client must read its answer, after --write-stall"),
-       seconds("write-stall", l.write_stall, "Longest time in which a client may read nothing of its answer"),
+       seconds("write-stall", l.write_stall,
+               "Longest time for which a client may read nothing of its answer"),
        seconds("idle", l.idle, "Longest time between requests on a connection")});
   group(
       "Caches",
       {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB,
               "Maximum size of the cache of prepared meshes"),
-       number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
-              "Maximum size of the cache of tetrahedralizations, and of answers kept for hits on them"),
+       number(
+           "diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
+           "Maximum size of the cache of tetrahedralizations and of answers that are kept for further hits"),
        number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB,
               "Maximum size of the cache of finished answers in memory"),
        text("cache-dir", "FOLDER", s.tiers.folder, "Also keep finished answers in this folder"),
        number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB,
-              "Maximum size of the answers in the folder of --cache-dir"),
+              "Maximum total size of the answers in the --cache-dir folder"),
        text("redis", "HOST:PORT", s.tiers.redis.address,
             "Share finished answers through the Redis at this address or socket path"),
        text("redis-user", "NAME", s.tiers.redis.user, "Redis user (Redis 6 ACL); default: the default user"),
@@ -229,7 +232,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "Sign answers in Redis and accept only signed ones. One or two keys, one per line: the first signs, "
            "and both are accepted"),
        flag("sign-disk-cache", s.tiers.sign_disk,
-            "Also sign answers and jobs in the folder of --cache-dir")});
+            "Also sign the answers and jobs in the --cache-dir folder")});
   group(
       "Stores",
       {number("mesh-store", "BYTES", o.store.quota_bytes, 0, kTiB, "Maximum total size of the stored meshes"),
@@ -241,10 +244,9 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        seconds("job-ttl", o.jobs.ttl, "Time after which a finished job is deleted"),
        seconds("job-deadline", o.jobs.deadline,
                "Time limit of a job, from its request (or a restart of the server) to its end"),
-       number(
-           "job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
-           "Maximum size of the meshes and requests of jobs that are stored in the folder of --cache-dir, so that jobs survive a "
-           "restart; 0: jobs do not survive a restart")});
+       number("job-store", "BYTES", o.jobs.max_disk_bytes, 0, kTiB,
+              "Maximum total size of the jobs in the --cache-dir folder (their meshes and requests), which "
+              "survive a restart; 0: jobs do not survive a restart")});
   group(
       "Stopping",
       {seconds("drain-delay", o.drain_delay,

@@ -47,14 +47,13 @@ bool goes_on_alone(Operation operation, const RequestHead& head) {
 
 Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
   if (reservation.over_share())
-    return Problem(
-               ErrorCode::kOverShare,
-               "This client's other requests use up its share of the memory for bodies, so there is no room for this body. Ask "
-               "again when they are finished.")
+    return Problem(ErrorCode::kOverShare,
+                   "This client's other requests use up its share of the memory for bodies, so this body "
+                   "does not fit. Send the request again when those requests are finished.")
         .with("Retry-After", "2");
   return Problem(ErrorCode::kOverloaded,
                  "The requests in progress hold " + std::to_string(bodies_.whole().used()) +
-                     " bytes of the memory for bodies, so there is no room for this body now.")
+                     " bytes of the memory for bodies, so this body does not fit now.")
       .with("Retry-After", "2");
 }
 
@@ -79,11 +78,11 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
       if (head.method == known)
         return allow.empty() ? tl::unexpected<Problem>(Problem(
                                    HttpProblem::kNotFound, "There is no path '" + head.path.substr(0, 100) +
-                                                               "'. GET /openapi.json lists them."))
+                                                               "'. GET /openapi.json lists all paths."))
                              : tl::unexpected<Problem>(Problem(HttpProblem::kMethodNotAllowed,
                                                                "This path supports only " + allow + ".")
                                                            .with("Allow", allow));
-    return refuse(HttpProblem::kNotImplemented, "This server does not know the method.");
+    return refuse(HttpProblem::kNotImplemented, "This server does not know this method.");
   }
   admission.head_only = is_head;
   const Carries carries = admission.route->carries;
@@ -114,7 +113,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
     for (const std::string_view offer : admission.route->offers)
       list += (list.empty() ? "" : ", ") + std::string(offer);
     return refuse(HttpProblem::kNotAcceptable,
-                  "This path answers with " + list + "; Accept must allow one of them.");
+                  "This path returns " + list + "; Accept must allow one of these types.");
   }
   admission.representation = *representation;
 

@@ -75,7 +75,7 @@ void Api::sweep_later() {
       meshes_.sweep();
       jobs_.sweep();
     } catch (const std::exception& e) {
-      spdlog::warn("sweeping failed: {}", e.what());
+      spdlog::warn("deleting expired meshes and jobs failed: {}", e.what());
     }
     if (!later) sweep_later();
   });

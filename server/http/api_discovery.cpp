@@ -99,7 +99,7 @@ OrProblem<Response> Api::get_problem(const Request& request) const {
                                  [&](const ProblemType& t) { return t.slug == request.admission.segment; });
   if (type == types.end())
     return refuse(HttpProblem::kNotFound,
-                  "There is no problem with this name. GET /openapi.json lists the problems.");
+                  "No problem type has this name. GET /openapi.json lists the problem types.");
   const std::string title(type->title), advice(type->advice), status = std::to_string(type->status);
   Response response;
   if (request.admission.representation == kAsHtml) {
@@ -125,8 +125,8 @@ OrProblem<Response> Api::get_readyz() const {
             .with("Retry-After", "5"));
   if (waits_for_folder())
     return tl::unexpected<Problem>(to_problem(overloaded(
-        "Another server uses the folder of --cache-dir. This server takes over the folder and its jobs when the other "
-        "server ends. Until then it answers requests without the folder.",
+        "Another server is using the --cache-dir folder. This server takes over the folder and its jobs "
+        "when the other server ends. Until then, this server answers requests without the folder.",
         std::chrono::seconds(2))));
   return Response::text(200, "text/plain", "ready\n");
 }

@@ -87,7 +87,8 @@ Response job_response(const JobView& job, const std::string& request_id, int sta
 Problem Api::no_job() const {
   if (waits_for_folder())
     return to_problem(overloaded(
-        "This server does not know the job. Another server still uses the folder in which jobs are stored.",
+        "This server does not know this job. Another server is still using the folder in which jobs are "
+        "stored.",
         std::chrono::seconds(2)));
   return Problem(HttpProblem::kNotFound, "This server does not know this job, or no longer knows it.");
 }

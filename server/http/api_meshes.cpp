@@ -15,15 +15,16 @@ namespace {
 Problem no_mesh() {
   return Problem(
       HttpProblem::kNotFound,
-      "This mesh is not (or no longer) stored here. PUT it to /meshes/sha256:<digest of the file>, "
-      "then ask again.");
+      "This mesh is not (or no longer) stored here. PUT it to /meshes/sha256:<digest of the file>, then "
+      "send the request again.");
 }
 
 Error of_upload(Error error) {
   if (error.code == ErrorCode::kDeadlineExceeded)
     error.detail =
-        "The mesh is not stored, because it was not prepared before the deadline passed: the server's --deadline or "
-        "--realtime-deadline, or the Request-Timeout of the request. Send a smaller mesh, or ask for more time.";
+        "The mesh was not stored, because it could not be prepared before the deadline (the server's "
+        "--deadline or --realtime-deadline, or the request's Request-Timeout). Send a smaller mesh, or "
+        "allow more time.";
   return error;
 }
 
@@ -69,9 +70,10 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
                   ". (If the mesh has further files, the digest also covers their names and digests: see openapi.json.)");
         const std::uint64_t bytes = input_bytes(input.mesh, input.files);
         if (bytes > meshes_.config().quota_bytes)
-          return refuse(HttpProblem::kBodyTooLarge, "The mesh has " + std::to_string(bytes) +
-                                                        " bytes; all stored meshes together may have " +
-                                                        std::to_string(meshes_.config().quota_bytes) + ".");
+          return refuse(HttpProblem::kBodyTooLarge,
+                        "The mesh has " + std::to_string(bytes) +
+                            " bytes; the limit for all stored meshes together is " +
+                            std::to_string(meshes_.config().quota_bytes) + ".");
         const auto asked = std::make_shared<FractureRequest>(input);
         const auto keep = [this, request, reply, asked, body,
                            terms](const std::shared_ptr<const PreparedMesh>& prepared) -> Answered {
@@ -111,11 +113,11 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   const MeshStore::Put put = meshes_.put(stored, owner);
   if (put == MeshStore::Put::kOverShare)
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
-                                                  " bytes; the limit of all stored meshes of '" + owner.name +
-                                                  "' is " + std::to_string(owner.share) + ".");
+                                                  " bytes; the limit for all stored meshes of '" +
+                                                  owner.name + "' is " + std::to_string(owner.share) + ".");
   if (put == MeshStore::Put::kOverQuota)
     return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
-                                                  " bytes; the limit of all stored meshes is " +
+                                                  " bytes; the limit for all stored meshes is " +
                                                   std::to_string(meshes_.config().quota_bytes) +
                                                   " (--mesh-store).");
   if (put == MeshStore::Put::kNoRoom)
@@ -197,10 +199,11 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
 Problem Api::mesh_is_not_held(HeldBuffers::Refusal refusal) const {
   const bool share = refusal == HeldBuffers::Refusal::kOverShare;
   return Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                 (share ? std::string("The requests of this client use its share of the ")
-                        : std::string("The requests in progress use all of the ")) +
+                 (share ? std::string("This client's requests are using its whole share of the ")
+                        : std::string("The requests in progress are using all of the ")) +
                      std::to_string(meshes_.config().quota_bytes) +
-                     " bytes for stored meshes (--mesh-store). Ask again when some of them are finished.")
+                     " bytes for stored meshes (--mesh-store). Send the request again when some of those "
+                     "requests are finished.")
       .with("Retry-After", "2");
 }
 

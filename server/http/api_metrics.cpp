@@ -6,26 +6,29 @@
 namespace fracture::http {
 
 void Api::write_metrics(ops::MetricWriter& writer) const {
-  writer.gauge("fracture_build_info", "1; labels: the versions of the server and its algorithm.", 1,
+  writer.gauge("fracture_build_info",
+               "Always 1; the labels are the versions of the server and its algorithm.", 1,
                {{"version", FRACTURE_VERSION}, {"algorithm", std::to_string(kAlgorithmVersion)}});
   writer.gauge(
       "fracture_ready",
-      "1 while the server accepts requests, 0 while it drains or waits for a folder that another server uses.",
+      "1 while the server accepts requests, 0 while it drains or waits for a folder that another server "
+      "is using.",
       ready() ? 1 : 0);
   const WorkerPool& pool = dispatcher_.pool();
-  writer.gauge("fracture_queue_depth", "Jobs waiting for a computing thread.",
+  writer.gauge("fracture_queue_depth", "Computations waiting for a computing thread.",
                static_cast<double>(pool.queued()));
-  writer.gauge("fracture_jobs_running", "Jobs that are being computed.", static_cast<double>(pool.running()));
-  writer.counter("fracture_jobs_escaped_total", "Jobs that ended with an exception: a bug.",
+  writer.gauge("fracture_jobs_running", "Computations that are running.",
+               static_cast<double>(pool.running()));
+  writer.counter("fracture_jobs_escaped_total", "Computations that ended with an exception, which is a bug.",
                  static_cast<double>(pool.escaped()));
   writer.gauge("fracture_compute_threads", "Computing threads.", pool.threads());
   constexpr std::pair<Priority, const char*> kClasses[] = {
       {Priority::kRealtime, "realtime"}, {Priority::kBatch, "batch"}, {Priority::kBackground, "background"}};
   for (const auto& [priority, name] : kClasses)
-    writer.gauge(
-        "fracture_predicted_wait_seconds",
-        "Predicted time in the queue for a new job of the client with the most past use, by priority class.",
-        pool.backlog(priority).count(), {{"class", name}});
+    writer.gauge("fracture_predicted_wait_seconds",
+                 "Predicted time in the queue for a new computation of the client with the most past use, by "
+                 "priority class.",
+                 pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {
@@ -37,7 +40,8 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   count("fracture_waiters_left_total",
         "Requests that ended before their result was ready: closed, cancelled or past their deadline.",
         work.abandoned);
-  count("fracture_jobs_expired_total", "Jobs whose deadline had passed when their turn came.", work.expired);
+  count("fracture_jobs_expired_total", "Computations whose deadline had passed when their turn came.",
+        work.expired);
   count("fracture_requests_not_admitted_total", "Requests refused at once for lack of time or memory.",
         work.refused);
   writer.gauge("fracture_flights", "Results that are being computed or are waiting for a thread.",
@@ -63,7 +67,8 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
 
   const StoreFigures store = meshes_.figures();
   writer.gauge("fracture_stored_meshes", "Meshes in the store.", static_cast<double>(store.meshes));
-  count("fracture_meshes_stored_total", "Meshes that were stored.", store.stored);
+  count("fracture_meshes_stored_total", "Meshes that clients have stored, including deleted ones.",
+        store.stored);
   count("fracture_meshes_expired_total", "Stored meshes deleted because nobody used them.", store.expired);
   count("fracture_meshes_evicted_total", "Stored meshes deleted to make room for others.", store.evicted);
 

@@ -17,8 +17,8 @@ constexpr const char* kPolicy =
 constexpr const char* kWithout =
     "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>fracture-server</title>\n"
     "<h1>fracture-server</h1>\n<p>POST a mesh to <code>/fracture</code> and get exact, watertight fragments back as one "
-    "GLB.</p>\n<p>This server was built without its page, because npm was missing. Everything else works; "
-    "<a href=\"/openapi.json\">the interface</a>, <a href=\"/limits\">limits and parameters</a>, "
+    "GLB.</p>\n<p>This server was built without its page, because npm was missing. Everything else works: see "
+    "<a href=\"/openapi.json\">the interface</a>, <a href=\"/limits\">limits and parameters</a>, and "
     "<a href=\"/patterns\">patterns and materials</a>.</p>\n</html>\n";
 
 Response page_response(const page::File& file, const RequestHead& head) {

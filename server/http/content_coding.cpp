@@ -132,8 +132,8 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
   if (outcome == Outcome::kWindow)
     return {Problem(
         HttpProblem::kMalformedCoding,
-        "The zstd body needs a window of more than 8 MiB, the limit of a Content-Encoding (RFC 9659). Compress "
-        "it without --long and --ultra.")};
+        "The zstd body needs a window of more than 8 MiB, which is the limit for a Content-Encoding (RFC "
+        "9659). Compress it without --long and --ultra.")};
   if (outcome == Outcome::kDamaged)
     return {Problem(HttpProblem::kMalformedCoding, std::string("The body is not a complete ") + name +
                                                        " stream: it is damaged or ends early, after " +

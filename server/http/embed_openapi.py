@@ -8,7 +8,7 @@ import yaml
 
 
 def add_common_headers(document):
-    """Adds the headers in components/headers, which every answer of the public listener has, to each response."""
+    """Adds the headers in components/headers to each response, because the public listener sends them with every response."""
     common = {name: {"$ref": f"#/components/headers/{name}"} for name in document["components"]["headers"]}
     for item in document["paths"].values():
         if "servers" in item:  # a path of the admin listener

@@ -113,7 +113,7 @@ OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::str
     }
     while (at < body.size() && (body[at] == ' ' || body[at] == '\t')) ++at;  // transport padding
     if (body.substr(at, 2) != "\r\n")
-      return malformed_form("A boundary line has something after the boundary.");
+      return malformed_form("A boundary line has further characters after the boundary.");
     at += 2;
     const std::size_t end = body.find(delimiter, at);
     if (end == std::string_view::npos)

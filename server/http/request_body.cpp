@@ -66,7 +66,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   if (ec == bhttp::error::body_limit) co_return refused(over_limit(admission));
   if ((ec && ec != bhttp::error::need_more) || !parser.is_header_done() || used != head_size)
     co_return refused(
-        Problem(HttpProblem::kMalformedRequest, "The header was not understood (" + ec.message() + ")."));
+        Problem(HttpProblem::kMalformedRequest, "The header cannot be parsed (" + ec.message() + ")."));
   buffer.consume(head_size);
   request.reservation = api.bodies().begin(address);  // also of what a request without a body brings with it
   if (parser.is_done()) co_return outcome;

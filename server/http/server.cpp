@@ -42,7 +42,8 @@ std::size_t connection_limit(std::size_t wanted) {
   const auto files = static_cast<std::size_t>(limit.rlim_cur);
   const std::size_t usable = files > 2 * kBeside ? files - kBeside : files / 2;
   if (usable < wanted)
-    spdlog::warn("at most {} connections: the limit of open files is {}", usable, limit.rlim_cur);
+    spdlog::warn("at most {} connections are possible, because the limit on open files is {}", usable,
+                 limit.rlim_cur);
   return std::min(wanted, usable);
 }
 
@@ -130,7 +131,7 @@ asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& con
       co_await accept_connections(acceptor, context, shared);
       co_return;
     } catch (const std::exception& e) {
-      spdlog::error("a connection could not be taken: {}", e.what());
+      spdlog::error("a connection could not be handled: {}", e.what());
     }
     pause.expires_after(kAcceptBackOff);
     error_code ignored;

@@ -317,7 +317,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     const bool share = *refusal == HeldBuffers::Refusal::kOverShare;
     response = Response::problem(
         Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                share ? "This client's unread answers use up its whole share. Read them first."
+                share ? "This client's unread answers use up its whole share of the memory for answers. "
+                        "Read them first."
                       : "Unread answers use up all of the memory for answers (--max-answers).")
             .with("Retry-After", "2"),
         id_);

@@ -58,8 +58,8 @@ std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
     return Problem(
         HttpProblem::kForeignHost,
         "The host '" + host.substr(0, 100) +
-            "' is not a name of this server. A server without tokens answers only requests to IP addresses, to "
-            "localhost and to the names given with --allow-host.");
+            "' is not a name of this server. A server without tokens accepts only requests to an IP "
+            "address, to localhost or to a name given with --allow-host.");
   if (origin.empty() || cors_.allows(origin)) return std::nullopt;
   const std::size_t scheme = origin.find("://");
   const std::optional<std::string_view> site =

@@ -17,9 +17,9 @@ void write(ops::MetricWriter& writer, const std::string& name, const tenants::Ac
         static_cast<double>(figures.requests));
   count("fracture_tenant_over_share_total", "Requests refused because the name exceeded its share.",
         static_cast<double>(figures.over_share));
-  count("fracture_tenant_processor_seconds_total", "Processor seconds that each name is charged for.",
+  count("fracture_tenant_processor_seconds_total", "Processor seconds that count towards each name's share.",
         figures.processor_seconds);
-  constexpr const char* kBytes = "Bytes of bodies from and to each name.";
+  constexpr const char* kBytes = "Bytes of request and response bodies of each name.";
   count("fracture_tenant_body_bytes_total", kBytes, static_cast<double>(figures.bytes_in),
         {{"direction", "in"}});
   count("fracture_tenant_body_bytes_total", kBytes, static_cast<double>(figures.bytes_out),
@@ -27,7 +27,7 @@ void write(ops::MetricWriter& writer, const std::string& name, const tenants::Ac
   writer.gauge("fracture_tenant_computations", "Queued and running computations of each name.",
                static_cast<double>(figures.computations), {{"tenant", name}});
   writer.gauge("fracture_tenant_stored_mesh_bytes",
-               "Bytes of each name's stored meshes, including those that other names stored too.",
+               "Bytes of each name's stored meshes, including meshes that other names have stored too.",
                static_cast<double>(holds.stored), {{"tenant", name}});
   writer.gauge("fracture_tenant_answer_bytes", "Bytes of answers that each name can fetch again.",
                static_cast<double>(holds.cached), {{"tenant", name}});

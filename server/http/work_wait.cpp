@@ -7,8 +7,8 @@ namespace fracture::http {
 Problem client_closed() {
   return Problem(
       HttpProblem::kClientClosed,
-      "The client closed its side of the connection while it waited for the answer. A client that closes only its "
-      "sending side must send 'Half-Close: yes'.");
+      "The client closed its side of the connection while it was waiting for the answer. A client that "
+      "closes only its sending side must send 'Half-Close: yes'.");
 }
 
 WorkWait::WorkWait(std::shared_ptr<TimedSocket> connection, beast::flat_buffer& ahead)

@@ -120,14 +120,15 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     }
     if (had_less)
       result = tl::unexpected<Error>(no_room_to_read(
-          "this machine allows it less memory than a single import may use (--import-memory, ulimit -v)"));
+          "this machine allows the process less memory than a single import may use (--import-memory, "
+          "ulimit -v)"));
     const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
     const bool no_room = !result && result.error().code == ErrorCode::kOverloaded;
     if (lacked_memory(result) && attempt.memory_bytes > 0)
       result.error().detail =
           "The importer needed more than " + std::to_string(attempt.memory_bytes) +
-          " bytes of memory for this file. That is the limit of --import-memory, or half of what one computation "
-          "may use of --max-working. Send a smaller mesh, or raise these settings.";
+          " bytes of memory for this file. The limit is --import-memory, or half of the part of "
+          "--max-working that one computation may use. Send a smaller mesh, or raise these settings.";
     if (lacked_memory(result))
       memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
     else if (over_limit || death == WorkerDeath::kCrash)

@@ -57,8 +57,8 @@ std::chrono::microseconds processor_time_of(const rusage& used) {
 
 Error no_room_to_read(const std::string& why) {
   return {.code = ErrorCode::kOverloaded,
-          .detail = "There is no room now for the process that reads the file: " + why +
-                    ". The file is not the cause.",
+          .detail =
+              "For now, the process that reads the file cannot run: " + why + ". The file is not the cause.",
           .retry_after = std::chrono::seconds(5)};
 }
 
@@ -74,8 +74,8 @@ WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& c
   else if (config.require_sandbox && hello_.seccomp == 0)
     problem = "the sandbox of the import workers is required, and this machine allows no seccomp filter (" +
               std::generic_category().message(hello_.seccomp_errno) +
-              "): allow seccomp and prctl in the container's own filter, or read files without protection, "
-              "with --require-sandbox no";
+              "): allow seccomp and prctl in the container's own filter, or use --require-sandbox no to "
+              "read files without this protection";
   if (problem.empty()) return;
   kill_and_reap();
   throw std::runtime_error(problem);
@@ -173,10 +173,11 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
                   {{"limit", "size"}});
     case WorkerDeath::kNoRoom:
       return tl::unexpected<Error>(
-          no_room_to_read("the system refused memory within the limit of one import (--import-memory)"));
+          no_room_to_read("the system refused memory, although the import was within its limit "
+                          "(--import-memory)"));
     case WorkerDeath::kKilled:
       return tl::unexpected<Error>(
-          no_room_to_read("it was stopped from outside with " + last_words_ +
+          no_room_to_read("it was killed from outside with " + last_words_ +
                           ", by an operator or by a system that is short of memory"));
     default:
       return fail(ErrorCode::kImporterCrashed,

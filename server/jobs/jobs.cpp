@@ -130,21 +130,25 @@ std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, 
       break;
     }
     case JobFolder::Room::kFull:
-      return overloaded("The jobs on the disk use all of the " + std::to_string(config_.max_disk_bytes) +
+      return overloaded("The jobs on disk use all of the " + std::to_string(config_.max_disk_bytes) +
                             " bytes of --job-store.",
                         std::chrono::seconds(10));
     case JobFolder::Room::kOverShare:
       return Error{.code = ErrorCode::kOverShare,
                    .detail = "The unfinished jobs of '" + job->view.owner + "' use " +
                              std::to_string(folder_->bytes_of(job->view.owner)) +
-                             " bytes on the disk. With this job they would exceed the share of " +
-                             std::to_string(share) + " bytes. Ask again when one of them is finished.",
+                             " bytes on disk. With this job, they would exceed the share of " +
+                             std::to_string(share) +
+                             " bytes. Send the request again when one of those "
+                             "jobs is finished.",
                    .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kOverPart:
       return Error{
           .code = ErrorCode::kOverShare,
-          .detail = "The jobs of this client use its share of the " + std::to_string(config_.max_disk_bytes) +
-                    " bytes for jobs on the disk (--job-store). Ask again when one of them is finished.",
+          .detail = "This client's jobs use its whole share of the " +
+                    std::to_string(config_.max_disk_bytes) +
+                    " bytes for jobs on disk (--job-store). Send the request again when one of those "
+                    "jobs is finished.",
           .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kTooLarge:
     case JobFolder::Room::kUnfit:
@@ -268,7 +272,7 @@ void Jobs::fail_locked(const Shared& job, Error error) {
   if (error.code == ErrorCode::kDeadlineExceeded)
     error.detail =
         "The job was stopped because its deadline passed: the server's --job-deadline or the request's "
-        "Request-Timeout. Ask for fewer sites or a smaller mesh, or raise the deadline.";
+        "Request-Timeout. Ask for fewer sites, send a smaller mesh, or raise the deadline.";
   const Counted recount(*this, *job);
   job->waiting = false;
   job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;
@@ -285,8 +289,8 @@ void Jobs::stop() {
     terms_of_ = nullptr;
     for (const Shared& job : jobs_) {
       if (job->waiting && !job->kept)
-        fail_locked(job,
-                    {ErrorCode::kCancelled, "The server was stopped before there was room for the job."});
+        fail_locked(
+            job, {ErrorCode::kCancelled, "The server was stopped before it had the resources for this job."});
       if (job->view.finished()) continue;
       job->suspended = job->kept;
       unfinished.push_back(job);

@@ -108,7 +108,8 @@ std::optional<Error> Jobs::make_place_for(const std::string& holder) {
       return overloaded("There are " + all + ", which is the limit (--max-jobs).", std::chrono::seconds(10));
     return Error{.code = ErrorCode::kOverShare,
                  .detail = "There are " + all + ". This client has " + std::to_string(own.unfinished) +
-                           " of them, which is its share. Ask again when one of them is finished.",
+                           " of them, which is its share. Send the request again when one of this "
+                           "client's jobs is finished.",
                  .retry_after = std::chrono::seconds(10)};
   }
   if (jobs_.size() < config_.max_jobs) return std::nullopt;

@@ -90,7 +90,7 @@ void Jobs::restore() {
     } else if (found.begun >= kMostEnds) {
       fail_locked(job, {ErrorCode::kJobLost,
                         "The server ended " + std::to_string(found.begun) +
-                            " times while it computed this job, so the job is not tried again."});
+                            " times while it was computing this job, so the job is not tried again."});
     } else {
       job->waiting = true;
     }
@@ -299,7 +299,7 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   }
   if (const std::uint64_t most = dispatcher_.working().capacity(); record.mesh_bytes > most)
     return lost({ErrorCode::kJobLost, "The mesh of this job has " + std::to_string(record.mesh_bytes) +
-                                          " bytes; the limit of a computation is " + std::to_string(most) +
+                                          " bytes; the limit for a computation is " + std::to_string(most) +
                                           " (--max-working). Send a smaller mesh."});
   terms.least_bytes = std::max(least_bytes, record.mesh_bytes);  // it is read before it is admitted
   if (auto refused = refuses(terms)) return refused;

@@ -95,7 +95,8 @@ struct Metrics::Impl {
   Histogram& io_turns =
       histogram(
           "fracture_io_turn_seconds",
-          "Processor time of one turn of an I/O thread: the work for one client before it serves others.")
+          "Processor time of one turn of an I/O thread: the work for one client before the thread serves "
+          "other clients.")
           .Add({}, kTurnSeconds);
 
   Counter& bytes_in = bytes.Add({{"direction", "in"}});

@@ -41,8 +41,8 @@ inline Error told_to_all(Error error, const Urgency& urgency) {
   if (error.code != ErrorCode::kOverShare || !urgency.is_of_several()) return error;
   error.code = ErrorCode::kOverloaded;
   error.detail =
-      "Another client is waiting for the same computation, so the memory is charged to that client. Its other computations are "
-      "using too much memory now.";
+      "Another client is waiting for the same computation, so its memory counts towards that client's "
+      "share. That client's other computations are using too much memory now.";
   return error;
 }
 

@@ -349,8 +349,10 @@ void Dispatcher::end_if_given_up(const Shared& c) {
 }
 
 Error Dispatcher::given_up() {
-  return overloaded("This computation was stopped because others need its memory. Ask again.",
-                    std::chrono::seconds(1));
+  return overloaded(
+      "This computation was stopped because other computations need its memory. Send the "
+      "request again.",
+      std::chrono::seconds(1));
 }
 
 std::vector<std::optional<std::size_t>> Dispatcher::queue_positions(

@@ -34,14 +34,15 @@ std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const 
   const double wait = pool_.predicted_wait(terms.priority, flow, cost).count();
   const double total = kCaution * wait + pool_.predicted_run(flow.name, cost).count();
   if (pool_.full(terms.priority, flow))
-    return overloaded("The queue is full: " + std::to_string(pool_.queued()) + " jobs wait and " +
-                          std::to_string(pool_.running()) + " run.",
+    return overloaded("The queue is full: " + std::to_string(pool_.queued()) +
+                          " computations are waiting, and " + std::to_string(pool_.running()) +
+                          " are running.",
                       whole_seconds(wait));
   const std::chrono::duration<double> left = terms.deadline - Clock::now();
   // With nothing ahead it is tried: the prediction may be wrong.
   if (terms.deadline != Clock::time_point::max() && wait > 0 && total > left.count())
-    return overloaded("The work would be done in about " + in_seconds(total) +
-                          ", but the deadline of this request is in " +
+    return overloaded("This work would be finished in about " + in_seconds(total) +
+                          ", but the deadline of this request passes in " +
                           in_seconds(std::max(0.0, left.count())) + ".",
                       whole_seconds(total - left.count()));
   return std::nullopt;
@@ -113,7 +114,7 @@ Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) co
             "This computation needs " + std::to_string(bytes) +
             " bytes, but this client's other computations use up its share of the working memory. All computations together "
             "use about " +
-            std::to_string(working.used()) + " bytes. A client that is alone may use " +
+            std::to_string(working.used()) + " bytes. A lone client may use " +
             std::to_string(working_.share()) + ".",
         .retry_after = later};
   Error error = overloaded("The computations in progress use about " + std::to_string(working.used()) +

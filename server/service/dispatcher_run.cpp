@@ -26,12 +26,12 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
     share = {};
     job = nullptr;
     dispatcher.line_.given_back();  // where it waits for memory
-    given_up(
-        code == ErrorCode::kDeadlineExceeded
-            ? Error{code,
-                    "The deadline of the request passed before its turn came: the server's --deadline, or the "
-                    "request's own Request-Timeout. Ask again later, or with a longer Request-Timeout."}
-            : to_error(Interrupted{code}));
+    given_up(code == ErrorCode::kDeadlineExceeded
+                 ? Error{code,
+                         "The deadline of the request passed before its turn came: the server's --deadline, "
+                         "or the request's own Request-Timeout. Send the request again later, or with a "
+                         "longer Request-Timeout."}
+                 : to_error(Interrupted{code}));
   }
   void fail(const Error& error) {
     if (!decided.exchange(true)) given_up(error);

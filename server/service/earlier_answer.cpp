@@ -46,18 +46,18 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
   if (!hits && hit_before && given_delta != given.end())
     return wrong(
         "delta",
-        "'delta' describes the change by new hits: give 'local_point' and 'local_radius' with 'of'.");
+        "'delta' describes the change that new hits make: give 'local_point' and 'local_radius' with 'of'.");
   nlohmann::json taken = earlier;
   std::vector<RawParameter> result;
   for (const RawParameter& raw : given) {
     if (raw.name == "of" || (hits && is_hit(raw.name) && raw.name != "local_rest")) continue;
     if (raw.name == "local_new")
-      return wrong(raw.name, "With 'of' all hits of this request are new: leave 'local_new' out.");
+      return wrong(raw.name, "With 'of', all hits in this request are new: leave 'local_new' out.");
     if (raw.name == "local_rest") {
       const std::string rest = hit_before ? earlier.value("local_rest", "") : "fractured";
       if (raw.value != rest)
         return wrong(raw.name,
-                     "For hits on this answer 'local_rest' is always '" + rest + "': leave it out.");
+                     "For hits on this answer, 'local_rest' is always '" + rest + "': leave it out.");
       continue;
     }
     // The fragments that the hits do not touch are to be those of the answer that the caller has.

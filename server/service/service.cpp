@@ -59,12 +59,12 @@ FractureParameters with_hulls(const RequestParameters& asked) {
 
 Error to_error(const Interrupted& interrupted) {
   if (interrupted.error) return *interrupted.error;
-  return {
-      interrupted.code,
-      interrupted.code == ErrorCode::kDeadlineExceeded
-          ? "The work was stopped because its deadline passed: the server's --deadline or --realtime-deadline, "
-            "or the Request-Timeout of the request. Ask for fewer sites or a smaller mesh, or for more time."
-          : "The work was cancelled before it was done."};
+  return {interrupted.code,
+          interrupted.code == ErrorCode::kDeadlineExceeded
+              ? "The work was stopped because its deadline passed: the server's --deadline or "
+                "--realtime-deadline, or the Request-Timeout of the request. Ask for fewer sites, send a "
+                "smaller mesh, or allow more time."
+              : "The work was cancelled before it was done."};
 }
 
 FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)

@@ -156,8 +156,8 @@ class WorkerPool::Running final : public Turn {
     if (must_end)
       throw Interrupted(Error{
           .code = ErrorCode::kOverloaded,
-          .detail =
-              "This computation was stopped because more urgent computations need its thread or its memory. Ask again.",
+          .detail = "This computation was stopped because more urgent computations need its thread or its "
+                    "memory. Send the request again.",
           .retry_after = std::chrono::seconds(1)});
   }
 };

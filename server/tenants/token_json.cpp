@@ -102,7 +102,7 @@ Scopes scopes_of(const json& tenant, const std::string& place) {
     const auto known = std::find_if(std::begin(kKnown), std::end(kKnown),
                                     [&](const auto& entry) { return given == entry.first; });
     if (known == std::end(kKnown) || scopes.has(known->second))
-      throw Wrong{place + "scopes", "must name read, fracture, bake or admin, each once"};
+      throw Wrong{place + "scopes", "may contain only read, fracture, bake and admin, each once"};
     scopes.add(known->second);
   }
   return scopes;

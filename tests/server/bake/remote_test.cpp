@@ -245,7 +245,7 @@ TEST(RemoteBaker, WhatIsForgottenAgainAndAgainFailsAlone) {
   };
   const Error failed = failure(*baker, lost);
   EXPECT_EQ(outcome_of(failed.code), Outcome::kFailed);
-  EXPECT_THAT(to_line(failed), HasSubstr("The server has forgotten the result"));
+  EXPECT_THAT(to_line(failed), HasSubstr("The server no longer has the result"));
   EXPECT_EQ(farm.count("GET /fractures/"), 29) << "once the mesh was missing";
   expect_local_file(*baker, good);
 }
@@ -394,7 +394,7 @@ TEST(RemoteBaker, SaysThatItWaitsAndThatItWentOn) {
   expect_local_file(*baker, {});
   ASSERT_EQ(said.size(), 2u) << "once each, however often it was tried";
   EXPECT_THAT(said[0], HasSubstr("Trying again for"));
-  EXPECT_THAT(said[1], HasSubstr("answers again"));
+  EXPECT_THAT(said[1], HasSubstr("responds again"));
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST_F(BakeRulesTest, MatchingIsBoundedAndStops) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(refused.error().detail,
-            "Its 20000 names take more than 200000000 comparisons with the patterns of '" + path +
+            "Its 20000 names need more than 200000000 comparisons with the patterns of '" + path +
                 "' up to rule 1.");
   std::stop_source stop;
   stop.request_stop();
@@ -214,7 +214,7 @@ TEST_F(BakeRulesTest, WhatAQuoteHoldsIsShortAndPrintable) {
             "node '*' matches '" + std::string(200, 'a') + "...'");
   const BakeJob job{.input = "a\n\x1b.obj", .output = "b.glb", .parameters = {}};
   EXPECT_EQ(explanation_of(job, {}, parameters_of(job, {}, {})),
-            "a\\x0a\\x1b.obj -> b.glb\n  every parameter has its default\n");
+            "a\\x0a\\x1b.obj -> b.glb\n  every parameter has its default value\n");
   const std::string long_text = refused(with_match("{\"path\": [[\"" + std::string(5000, 'a') + "\"]]}"));
   EXPECT_NE(long_text.find("it was [[\"" + std::string(190, 'a')), std::string::npos) << long_text;
   EXPECT_LT(long_text.size(), 500u);
@@ -257,7 +257,7 @@ TEST_F(BakeRulesTest, TheFirstThatMatchesDecidesAndLinesGoOverRulesOverTheComman
           "  sites=50  (command line)\n");
   const BakeJob bare{.input = "a.obj", .output = "b.glb", .parameters = {}};
   EXPECT_EQ(explanation_of(bare, {}, parameters_of(bare, {}, {})),
-            "a.obj -> b.glb\n  every parameter has its default\n");
+            "a.obj -> b.glb\n  every parameter has its default value\n");
 }
 
 TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
@@ -328,11 +328,12 @@ TEST_F(BakeRulesTest, RulesThatDecideNothingAreSaid) {
   EXPECT_TRUE(tally.find("a.glb", {{"lid"}, {}}));
   EXPECT_TRUE(tally.find("b.obj", {}));
   EXPECT_TRUE(tally.find("c.obj", {{}, {"pine"}}));
-  EXPECT_EQ(tally.warnings(),
-            (std::vector<std::string>{
-                "Rule 3 of '" + path +
-                    "' (path \"b*\") is never applied: an earlier rule matches every mesh that it matches.",
-                "Rule 4 of '" + path + "' (path \"c*\", material \"oak\") matches no mesh."}));
+  EXPECT_EQ(
+      tally.warnings(),
+      (std::vector<std::string>{
+          "Rule 3 of '" + path +
+              "' (path \"b*\") is never applied: an earlier rule matches every mesh that this rule matches.",
+          "Rule 4 of '" + path + "' (path \"c*\", material \"oak\") matches no mesh."}));
   tally.add_unread("d.obj");
   EXPECT_EQ(tally.warnings().size(), 2u) << "d.obj is called otherwise";
   tally.add_unread("c2.obj");

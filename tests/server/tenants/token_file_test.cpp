@@ -95,7 +95,7 @@ TEST(TokenFile, EveryMistakeIsRefusedWithItsPlace) {
        "tokens[0].expires"},
       {with("tokens", {{{"sha256", kDigest}}, {{"sha256", kDigest}}}), "is in the file twice"},
       {with("scopes", json::array()), "tenants[0].scopes"},
-      {with("scopes", {"read", "write"}), "tenants[0].scopes must name read"},
+      {with("scopes", {"read", "write"}), "tenants[0].scopes may contain only read"},
       {with("scopes", {"read", "read"}), "each once"},
       {with("scopes", "read"), "tenants[0].scopes"},
       {with("requests_per_second", 0), "requests_per_second must be a number from 0.001"},
