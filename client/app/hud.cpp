@@ -67,7 +67,7 @@ void draw_help(const PanelState& state) {
       "right button   hold: look around; Tab: always\n"
       "click          throw a ball at the pointer, or\n"
       "F              switch tool: wrecking ball, explosion\n"
-      "X              hold: gravity runs\n"
+      "X              hold: gravity on\n"
       "G              gravity always on\n"
       "T              slow motion; . (dot): single step\n"
       "B              hold: rewind; release: continue there\n"
@@ -96,7 +96,7 @@ void draw_hint(const PanelState& state, const glm::vec2& aim) {
       std::string("click ") + kToolActions[static_cast<std::size_t>(state.tool)] + " - F: switch tool - ";
   const std::string hint = state.gravity_always ? click + "G pauses - H for help"
                            : state.gravity_held
-                               ? std::string("gravity runs")
+                               ? std::string("gravity is on")
                                : "paused - hold X for gravity, G for always - " + click + "H for help";
   ImGui::TextUnformatted(hint.c_str());
   ImGui::End();

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
     if (options->json) std::printf("%s\n", fracture::json_text(*summary, 1).c_str());
     const auto& game = summary->at("game");
     if (const auto failures = game.at("failures").get<std::uint64_t>(); failures > 0) {
-      std::fprintf(stderr, "fracture-client: %llu of %llu requests failed; the last: %s\n",
+      std::fprintf(stderr, "fracture-client: %llu of %llu requests failed; the last error: %s\n",
                    static_cast<unsigned long long>(failures),
                    static_cast<unsigned long long>(game.at("requests").get<std::uint64_t>()),
                    fracture::printable_lines(game.at("trouble").get<std::string>()).c_str());

@@ -114,7 +114,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   app.add_option("--host", o.server.host, "Name or address of the server");
   app.add_option("--port", o.server.port, "Port of the server")->check(CLI::Range(1, 65535));
   app.add_option("--token", o.server.token, "Bearer token, if the server needs one");
-  CLI::Option* seed = app.add_option("--seed", o.seed, "Seed of the fractures")->check(no_seed);
+  CLI::Option* seed = app.add_option("--seed", o.seed, "Seed for all fractures")->check(no_seed);
   app.add_option("--width", o.width, "Width of the picture in pixels")->check(CLI::Range(64, 4096));
   app.add_option("--height", o.height, "Height of the picture in pixels")->check(CLI::Range(64, 4096));
   std::string picture = render::kTierWishNames[static_cast<std::size_t>(o.picture)];
@@ -126,12 +126,12 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
   CLI::Option* without_anticipation =
       app.add_flag("--no-anticipation", no_anticipation,
-                   "Send requests at the contact, not while the ball is still on its way");
+                   "Send requests at the contact, not while the ball is still in the air");
   app.add_flag("--gravity", o.gravity, "In a window: gravity is on from the start, without holding X");
   app.add_flag("--no-effects", no_effects, "No dust, crumbs or marks");
   app.add_flag("--no-sound", no_sound, "In a window: no sound");
   app.add_option("--close-after", o.close_after,
-                 "In a window: close after this many seconds and write window.png to --out")
+                 "In a window: close after this many seconds and write window.png to the --out folder")
       ->check(not_a_number)
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--out", o.out, "Folder for pictures and saved files");
@@ -139,8 +139,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
       ->check(not_empty);
   CLI::Option* resumed = app.add_option(
       "--continue", o.continue_from,
-      "Play a game that was recorded by --log or the window, and continue from its end. Scene and settings come "
-      "from the recording");
+      "Play a game that was recorded with --log or F5, and continue from its end. Scene and settings come from the "
+      "recording");
   resumed->check(not_empty);
   CLI::Option* headless = app.add_flag("--headless", o.headless, "Run without a window, then exit");
   const auto add = [&](CLI::Option* option) { option->needs(headless); };
@@ -169,8 +169,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values}) joins->excludes(said);
   CLI::Option* replayed = app.add_option(
       "--replay", o.replay,
-      "Replay a game recorded by --log and compare it. If it differs, the exit code is 4 and the first "
-      "different step is printed");
+      "Replay a game that was recorded with --log, and compare each step. If a step differs, the exit code is 4 "
+      "and the number of the first such step is printed");
   add(replayed->check(not_empty));
   replayed->excludes(resumed)->excludes(invites)->excludes(joins);
   // These come from the recording.
@@ -192,7 +192,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
              "Film of all frames (60 per second): a file that ends in .mp4, .gif or .webp (requires ffmpeg), or a "
              "folder for PNG frames, which must not contain an earlier film")
           ->check(not_empty));
-  add(app.add_flag("--draw", o.draw, "Draw every frame without keeping it, to measure the cost of drawing"));
+  add(app.add_flag("--draw", o.draw,
+                   "Draw every frame and discard the picture, to measure the cost of drawing"));
   add(app.add_flag("--json", o.json, "Print a summary as JSON"));
   CLI::Option* without_throws = app.add_flag("--no-throws", no_throws, "Do not throw the scene's own balls");
   add(without_throws);

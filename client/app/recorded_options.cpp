@@ -28,7 +28,7 @@ Expected<Options> with_header(Options options, const json& header) {
     header.at("anticipate").get_to(options.anticipate);
   } catch (const json::exception& error) {
     return fail(ErrorCode::kBadJson,
-                "The header of the game lacks its scene or settings: " + json_trouble(error) + ".");
+                "The header of the recorded game lacks the scene or settings: " + json_trouble(error) + ".");
   }
   return options;
 }

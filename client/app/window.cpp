@@ -384,7 +384,7 @@ int run_window(const Options& asked) {
   std::filesystem::create_directories(options.out, ignored);
   const auto window = GlfwWindow::open(options.width, options.height);
   if (!window) {
-    std::fprintf(stderr, "fracture-client: cannot open a window: %s. --headless needs none.\n",
+    std::fprintf(stderr, "fracture-client: cannot open a window: %s. Use --headless to run without one.\n",
                  window.error().detail.c_str());
     return 1;
   }

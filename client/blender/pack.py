@@ -4,7 +4,7 @@
 
     client/blender/pack.py [--describe fracture-server] [fracture_blender.zip]
 
---describe: the program fracture-server, or a server's URL. Its list of parameters is packed into the zip, so that the panel is
+--describe: the program fracture-server, or a server's URL. The server's list of parameters is packed into the zip, so that the panel is
 complete before the add-on contacts a server. The same sources and server give the same bytes.
 """
 import argparse
@@ -19,7 +19,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ADDON = HERE / "fracture_blender"
 PACKAGE = HERE.parent / "python" / "fracture_client"
 LICENCE = HERE.parents[1] / "LICENSE"
-DATE = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip can store; today's date would change the bytes each time
+DATE = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip can store; with today's date, the bytes would change each day
 
 
 def main():

@@ -90,7 +90,7 @@ int main(int argc, char** argv) {
   app.add_flag(
       "--list", command.list,
       "Draw one picture per line of standard input: a JSON object with these options, \"file\" and \"output\". "
-      "Each line is answered with a line (client/cli/draw_list.hpp)");
+      "The program prints one line for each (client/cli/draw_list.hpp)");
   app.add_flag("-q,--quiet", command.quiet, "Print no warnings");
   for (const OptionSpec& spec : fracture::cli::option_specs()) {
     const std::string name = spec.name;

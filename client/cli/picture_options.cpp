@@ -154,7 +154,7 @@ constexpr OptionSpec kSpecs[] = {
      [](P& o, J v) { o.camera.target = vector(v); }},
     {"orthographic", "", "Draw without perspective", [](P& o, J v) { o.camera.orthographic = yes(v); }},
     {"frame", "FRAME",
-     "Arrangement that fits the picture: view, or assembled (fragments may leave the picture)",
+     "Arrangement to which the camera is fitted: view, or assembled (fragments may leave the picture)",
      [](P& o, J v) {
        if (v != "view" && v != "assembled") refuse("one of view, assembled");
        o.frame = v.get<std::string>();

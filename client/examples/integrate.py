@@ -21,5 +21,5 @@ try:
         answer.save(out_file)
 except (FractureError, OSError, ValueError) as error:
     sys.exit(f"integrate.py: {error}")
-for fragment in answer.fragments:  # each is a body of its own, and answer.bonds says what holds them together
+for fragment in answer.fragments:  # each fragment is a separate body; answer.bonds says which fragments hold together
     print(fragment.id, f"{fragment.mass:.3f} kg at", list(fragment.translation))

@@ -40,11 +40,11 @@ Expected<json> read_lockstep_header(const std::string& line) {
   const auto member = [&](const char* name) { return header.value(name, json()); };
   if (member("format") != kLockstepFormat)
     return bad("The other player's game has the format " + printable(json_text(member("format"))) +
-               ", but this one has \"" + kLockstepFormat +
+               ", but this game has \"" + kLockstepFormat +
                "\". Both players need the same version of the program.");
   if (member("rules") != kRules)
     return bad("The other player's game has rules " + printable(json_text(member("rules"))) +
-               ", but this one has rules " + std::to_string(kRules) +
+               ", but this game has rules " + std::to_string(kRules) +
                ". Both players need the same version of the program.");
   for (const char* name : {"answer_steps", "delay"})
     if (!member(name).is_number_unsigned() || member(name) < 1 || member(name) > kMostSteps)

@@ -113,7 +113,7 @@ Expected<Recording> read_recording(const std::string& path) {
                                            ": not a line of a recorded game: " + json_trouble(error));
     }
   }
-  if (number == 0) return fail(ErrorCode::kBadJson, path + " is empty, not a recorded game.");
+  if (number == 0) return fail(ErrorCode::kBadJson, path + " is empty, so it is not a recorded game.");
   return recording;
 }
 

@@ -1,8 +1,8 @@
-// Builds the page into dist/: index.html and docs.html, and what they load under page/. Files have plain names: the server
-// sends them with strong ETags, so that a browser asks again and gets 304.
+// Builds the page into dist/: index.html and docs.html, and what they load under page/. Files have plain names,
+// because the server sends strong ETags: a browser asks again and gets 304.
 //
-//   node build.mjs           once, minified; prints what each load weighs
-//   node build.mjs --watch   again after each change, as it was written
+//   node build.mjs           once, minified; prints the size of each load
+//   node build.mjs --watch   again after each change, not minified
 import { build, context } from 'esbuild';
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
@@ -64,7 +64,7 @@ function licences() {
   return packages.map(name => {
     const folder = at('node_modules', name), file = fs.readdirSync(folder).find(each => /^licen[cs]e/i.test(each));
     const { version, license } = JSON.parse(fs.readFileSync(path.join(folder, 'package.json'), 'utf8'));
-    // Rapier's package says which licence it has, and leaves out its text, which is the same in every package that has it.
+    // Rapier's package names its licence, but lacks the text. All packages with this licence have the same text.
     const text = file ? path.join(folder, file) : license === 'Apache-2.0' ? at('node_modules/typescript/LICENSE.txt') : undefined;
     if (!text) throw new Error(`The licence of ${name} is missing.`);
     return `${name} ${version} (${license})\n\n${fs.readFileSync(text, 'utf8').trim()}\n`;
@@ -74,7 +74,7 @@ function licences() {
 function finish() {
   if (!watch) nameChunks();
   for (const [name, script] of [['index.html', 'app.js'], ['docs.html', 'docs.js']]) {
-    // What the script imports is asked for beside it, not after it.
+    // The browser requests the script's imports together with the script, not after it.
     const imported = new Set([...fs.readFileSync(path.join(dist, 'page', script), 'utf8').matchAll(/["']\.\/((?:shared|chunk-)[^"']*\.js)["']/g)].map(([, file]) => file));
     const links = [...imported].map(file => `<link rel="modulepreload" href="/page/${file}">\n`).join('');
     fs.writeFileSync(path.join(dist, name), fs.readFileSync(at(name), 'utf8').replace('<script type="module"', `${links}<script type="module"`));
@@ -96,7 +96,7 @@ if (watch) {
   for (const file of ['index.html', 'docs.html', ...files]) console.log(`${String(packed(file)).padStart(8)}  ${file}`);
   const shared = files.filter(file => /shared\d*\.js$/.test(file));
   const first = packed('index.html', 'page/app.js', 'page/style.css', 'page/icon.svg', ...shared), physics = packed('page/play.js');
-  // With about 20 kB for the interface, which the server sends: 150 kB.
+  // The interface, which the server sends, adds about 20 kB to these 130 kB.
   const imported = files.filter(file => fs.readFileSync(path.join(dist, 'docs.html'), 'utf8').includes(`/${file}"`));
   const docs = packed('docs.html', 'page/documents.json', ...imported);
   console.log(`first load ${first} of 500000 bytes, physics ${physics} of 1300000, documents ${docs} of 130000`);

@@ -1,5 +1,5 @@
-// The documents of the repository as HTML, for /docs: the build writes them into dist/page/documents.json. The text is our own, and only
-// what Markdown makes of it gets through: raw HTML other than comments ends the build.
+// The documents of the repository as HTML, for /docs: the build writes them into dist/page/documents.json. The output contains
+// only the HTML that Markdown generates, because raw HTML other than comments ends the build.
 import fs from 'node:fs';
 import path from 'node:path';
 import { Marked } from 'marked';
@@ -23,7 +23,7 @@ export function listed(root) {
   return { ...LISTED, 'how-to': [`${GUIDES}/README.md`, ...guides, ...LISTED['how-to']] };
 }
 
-/** [{path, kind, name, html, pictures}]; `pictures`: the document has some, which are left out. */
+/** Returns [{path, kind, name, html, pictures}]. `pictures`: true if the document has pictures, which are left out. */
 export function documents(root) {
   const paths = listed(root), known = new Set(Object.values(paths).flat());
   return Object.entries(paths).flatMap(([kind, files]) => files.map(file => {
@@ -35,7 +35,7 @@ export function documents(root) {
 const escaped = text => text.replace(/[&<>"]/g, letter => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[letter]);
 const plain = html => html.replace(/<[^>]*>/g, '');
 
-/** The anchor that GitHub makes of a heading; `seen` counts those that are the same. */
+/** Returns the anchor that GitHub makes from a heading. `seen` counts equal anchors. */
 export function anchorOf(text, seen) {
   const base = text.trim().toLowerCase().replace(/[^\p{L}\p{M}\p{N}\p{Pc}\- ]/gu, '').replaceAll(' ', '-');
   let name = base;
@@ -80,7 +80,7 @@ export function rendered(file, markdown, known) {
       return isPicture(tokens) ? '' : `<p>${html}</p>\n`;
     },
     table({ header, rows }) {
-      // A column of nothing but pictures goes with them.
+      // A column that contains only pictures is left out, too.
       const bare = cells => cells.some(({ tokens }) => isPicture(tokens)) && cells.every(({ text, tokens }) => text === '' || isPicture(tokens));
       const columns = header.map((_, k) => k).filter(k => !bare(rows.map(row => row[k])));
       if (columns.length < header.length) pictures = true;
@@ -100,7 +100,7 @@ function linked(file, href, html, known) {
   const [place, anchor] = href.split('#'), full = place === '' ? file : path.posix.normalize(path.posix.join(path.posix.dirname(file), place));
   if (full === INTERFACE) return `<a href="#interface">${html}</a>`;
   if (known.has(full)) return `<a href="#${escaped(full)}${anchor ? `:${escaped(anchor)}` : ''}">${html}</a>`;
-  // A source file, which only the repository has: its path says where.
+  // A source file is only in the repository, so its path is shown.
   const text = plain(html);
   if (text.includes(full)) return html;
   return text === path.posix.basename(full) ? `<code>${escaped(full)}</code>` : `${html} (<code>${escaped(full)}</code>)`;

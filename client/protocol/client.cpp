@@ -179,12 +179,13 @@ struct Client::State {
   /// kDamagedAnswer where it is not what was asked for.
   static std::optional<Error> damage(RequestKind kind, const Exchange& exchange) {
     const auto damaged = [](const char* how) { return Error{ErrorCode::kDamagedAnswer, how}; };
-    if (kind != RequestKind::kFracture && !is_json(exchange.body)) return damaged("The answer is not JSON.");
+    if (kind != RequestKind::kFracture && !is_json(exchange.body))
+      return damaged("The response is not JSON.");
     if (kind != RequestKind::kFracture) return std::nullopt;
     if (exchange.repr_digest.empty())
       return damaged("The answer has no Repr-Digest, so it cannot be checked.");
     if (!digest_matches(exchange.repr_digest, exchange.body))
-      return damaged("The bytes of the answer do not match its Repr-Digest: they were changed on the way.");
+      return damaged("The bytes of the answer do not match its Repr-Digest: they were changed in transit.");
     return std::nullopt;
   }
 

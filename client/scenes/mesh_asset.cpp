@@ -62,7 +62,7 @@ Expected<MeshAsset> complete(MeshAsset asset, const std::vector<float>& cuts = {
       if (p.y >= from && p.y <= to) slice.push_back(p);
     asset.hulls.push_back(world::reduced_hull(slice));
     if (asset.hulls.back().size() < 4)
-      return fail(ErrorCode::kEmptyMesh, "The mesh has fewer than four corners.");
+      return fail(ErrorCode::kEmptyMesh, "The mesh has fewer than four vertices.");
   }
   asset.low = glm::dvec3(HUGE_VAL);
   asset.high = -asset.low;

@@ -123,7 +123,8 @@ Expected<Scene> scene_of_files(const std::vector<std::string>& paths, const std:
   scene.name = "files";
   for (const std::string& file : mesh_files(paths)) {
     if (scene.objects.size() >= kMost) {
-      scene.warnings.push_back("More than " + std::to_string(kMost) + " meshes; the others are ignored.");
+      scene.warnings.push_back("There are more than " + std::to_string(kMost) +
+                               " meshes; the others are ignored.");
       break;
     }
     Expected<MeshAsset> asset = load_asset(file, unit);

@@ -141,7 +141,8 @@ TEST(TimeEndToEnd, ARunWhoseRequestsAreAllRefusedIsNoSuccess) {
   PlayerProcess player(server, folder, "player",
                        {"--fixed-step", "--scene", "panes", "--seconds", "1", "--set", "interior=off"});
   EXPECT_EQ(player.client.wait(), 1);
-  EXPECT_NE(player.said().find("requests failed; the last: refused: 'interior' must be"), std::string::npos)
+  EXPECT_NE(player.said().find("requests failed; the last error: refused: 'interior' must be"),
+            std::string::npos)
       << player.said();
 }
 

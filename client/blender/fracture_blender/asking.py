@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from .package import Answer, Cancel, Client, FractureError
 
 PATIENCE = 10.0  # s; time that a cancelled job may take to stop
-# `bake` checks the parameters of a manifest before its first job, so a refusal is not in the report.
+# `bake` checks the parameters in a manifest before the first job, so a refusal is not in the report.
 REFUSED_LINE = re.compile(r"fracture-server bake: Line \d+ of '[^\n]*?': (.*)", re.DOTALL)
 
 
@@ -40,7 +40,7 @@ class Request:
 
 @dataclass(frozen=True)
 class State:
-    """The progress, in words for users."""
+    """The progress: words for users, and a percentage."""
     words: str
     percent: int
 
@@ -66,7 +66,7 @@ class Asking:
         return not self._thread.is_alive()
 
     def cancel(self):
-        """Stops the work and returns at once. `error` then has the type "cancelled", unless all answers have arrived."""
+        """Stops the work and returns at once. `error` then gets the type "cancelled", unless all answers have already arrived."""
         self._cancel.cancel()
 
     def wait(self, seconds=None):
@@ -107,7 +107,7 @@ class Asking:
                     self.answers.append(job.result(cancel=self._cancel))
                 except FractureError as error:
                     if error.type == "cancelled" and self._cancel.cancelled:
-                        with contextlib.suppress(FractureError):  # a job continues without a listener
+                        with contextlib.suppress(FractureError):  # a job would continue without a listener
                             job.cancel(timeout=PATIENCE)
                     raise
 
@@ -151,7 +151,7 @@ class Asking:
 def _words(state):
     if state.state == "queued":
         ahead = state.queue_position
-        return f"waiting, {ahead} ahead of it" if ahead else "waiting"
+        return f"waiting, {ahead} ahead in the queue" if ahead else "waiting"
     return state.stage or state.state
 
 

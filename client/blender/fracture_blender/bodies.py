@@ -6,7 +6,7 @@ from .frame import Frame
 
 
 def prepare(scene):
-    """Returns the scene's rigid body world with its two collections. Creates whatever is missing."""
+    """Returns the scene's rigid body world with its two collections. Creates the world or collections that are missing."""
     if scene.rigidbody_world is None:
         bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
@@ -18,7 +18,7 @@ def prepare(scene):
 
 
 def add_bodies(scene, answer, objects, shape):
-    """Turns each fragment into a rigid body by linking it to the world's collection. Blender's operator does the same, but more slowly."""
+    """Turns each fragment into a rigid body by linking it to the world's collection. Blender's own operator is slower."""
     world = prepare(scene)
     friction, restitution = (float(answer.parameters.get(name, 0.0)) for name in ("friction", "restitution"))
     for fragment in answer.fragments:
@@ -31,17 +31,17 @@ def add_bodies(scene, answer, objects, shape):
         body.mass = fragment.mass
         body.friction = friction
         body.restitution = restitution
-        # Without this, a margin around each hull pushes touching pieces apart, so bricks in an undisturbed box move a metre in one
-        # second. With it, Blender shrinks the hull by the margin if there is room.
+        # Without this setting, a margin around each hull pushes touching pieces apart, so bricks in an undisturbed box move a metre in
+        # one second. With this setting, Blender shrinks the hull by the margin if the hull is large enough.
         body.use_margin = False
 
 
 def threshold(bond, scene, factor=1.0):
     """Returns the impulse at which Blender breaks a constraint.
 
-    A bond withstands forces up to its strength (N), the material's strength (Pa) times the bond's area. Bullet checks a constraint's
+    A bond withstands forces up to its strength (N), which is the material's strength (Pa) times the bond's area. Bullet checks a constraint's
     impulse within one step, which takes 1 / (frames per second * substeps per frame) seconds. Bullet's lengths are in
-    Blender units, so 1 N has the value 1 / scale there.
+    Blender units, so 1 N has the value 1 / scale in Bullet.
     """
     world = scene.rigidbody_world
     rate = scene.render.fps / scene.render.fps_base / max(world.time_scale, 1e-6) * world.substeps_per_frame
@@ -75,7 +75,7 @@ def add_constraints(scene, answer, objects, collection, factor=1.0):
 
 
 def remove_from_simulation(scene, item):
-    """Removes the original from the simulation, because its fragments would collide with it. Undo restores its body."""
+    """Removes the original from the simulation, because its fragments would collide with it. Undo restores the original's body."""
     world = scene.rigidbody_world
     if item.rigid_body is not None and world is not None and world.collection is not None and item.name in world.collection.objects:
         world.collection.objects.unlink(item)

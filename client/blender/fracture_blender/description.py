@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A server's parameters, patterns and materials, as described by GET /patterns.
 
-The add-on has no list of its own. The description comes from the server in use, or from the program fracture-server, which is
-briefly started as a server. The latest description is stored in Blender's user folder for the next start. A packed add-on can
+The add-on has no list of its own. The description comes from the server in use, or from the program fracture-server, which the
+add-on briefly starts as a server. The latest description is stored in Blender's user folder for the next start. A packed add-on can
 contain a description for the first start (pack.py --describe).
 """
 import contextlib
@@ -22,7 +22,7 @@ ASK_SECONDS = 15.0
 
 
 class Description:
-    """The description as dictionaries by name: `patterns`, `materials`, and `parameters` in the order of the server's table."""
+    """The description as dictionaries by name: `patterns`, `materials`, and `parameters` (in the order of the server's table)."""
 
     def __init__(self, document):
         self.document = document
@@ -35,7 +35,7 @@ class Description:
         self.source = str(document.get("source", ""))
 
     def of_pattern(self, pattern):
-        """Returns the names of a pattern's parameters. Some of them may belong to other patterns, too."""
+        """Returns the names of a pattern's parameters. Other patterns may have some of these parameters, too."""
         return [entry["name"] for entry in self.patterns.get(pattern, {}).get("parameters", ())]
 
     def of_any_pattern(self):
@@ -43,13 +43,13 @@ class Description:
         return {name for pattern in self.patterns for name in self.of_pattern(pattern)}
 
     def pattern_of(self, given):
-        """Returns the pattern that a request uses: its own, else its material's, else the default."""
+        """Returns the pattern that a request uses: the request's own, else its material's, else the default."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         default = self.parameters.get("pattern", {}).get("default")
         return given.get("pattern") or preset.get("pattern") or default
 
     def usual(self, name, given):
-        """Returns the value that applies if a parameter is not sent: the material's value, else the default, else None."""
+        """Returns the value that applies if the parameter `name` is not sent: the material's value, else the default, else None."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         return preset.get(name, self.parameters.get(name, {}).get("default"))
 
@@ -72,7 +72,7 @@ def of_program(program):
 
 @contextlib.contextmanager
 def serving(program):
-    """Starts a server on this machine, yields its address, and stops it. Raises FractureError."""
+    """Starts a server on this machine, yields the address, and stops the server at the end. Raises FractureError."""
     command = [program, "serve", "--port", "0", "--admin-port", "0", "--threads", "1", "--drain-delay", "0", "--log-format", "text"]
     try:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)

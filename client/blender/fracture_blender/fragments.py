@@ -9,7 +9,7 @@ from .frame import Frame
 from .materials_in import AnswerMaterials
 from .package import FractureError, glb
 
-MOST_OBJECTS = 20_000  # with more objects Blender does not respond for minutes
+MOST_OBJECTS = 20_000  # with more objects, Blender freezes for minutes
 
 
 class Made:
@@ -24,11 +24,11 @@ def check(answer):
     """Raises FractureError if the answer has too many fragments for Blender. Call it before any object is created."""
     if len(answer.fragments) > MOST_OBJECTS:
         raise FractureError("answer-too-large", f"The answer has {len(answer.fragments):,} fragments, but the add-on creates at most "
-                                                f"{MOST_OBJECTS:,} objects. Ask for fewer fragments.")
+                                                f"{MOST_OBJECTS:,} objects. Request fewer fragments.")
 
 
 def build(context, answer, written, parent, name):
-    """Creates an answer's objects in a collection inside `parent`. They share the scene's materials, but not its meshes."""
+    """Creates an answer's objects in a collection inside `parent`. The objects use the scene's materials, but have their own meshes."""
     frame = Frame.of(context.scene)
     materials = AnswerMaterials(glb.Glb(answer.glb), answer.figures, written)
     root = bpy.data.collections.new(f"{name} fragments")
@@ -52,7 +52,8 @@ def build(context, answer, written, parent, name):
 
 
 def _clusters(answer, root, name):
-    """Creates a collection for each cluster inside its parent's collection. Returns them by cluster id, coarsest level first."""
+    """Creates a collection for each cluster, inside the collection of the parent cluster. Returns the collections by cluster id, coarsest
+    level first."""
     found = {}
     for level in answer.levels:
         parents = level.get("parent", [None] * len(level["id"]))
@@ -66,8 +67,8 @@ def _clusters(answer, root, name):
 
 
 def _mesh(fragment, frame, materials, written):
-    """Returns a fragment's mesh. It merges vertices at the same position, because the file has a separate vertex for each normal
-    and UV."""
+    """Returns a fragment's mesh. Vertices at the same position are merged, because the file has a separate vertex for each normal and
+    UV."""
     positions = _floats(fragment.positions)
     points = [frame.point_back(point) for point in zip(positions[0::3], positions[1::3], positions[2::3])]
     numbers = {}

@@ -41,8 +41,8 @@ class Frame:
         return (x / self.scale, 0.0 - z / self.scale, y / self.scale)
 
     def box(self, corners):
-        """Converts a box, given by two corners. Returns its lowest and highest corner, sorted again because the rotation reverses
-        one axis."""
+        """Converts a box, given by two corners. Returns the lowest and highest corner. They are computed again, because the rotation
+        reverses one axis."""
         a, b = (self.point(corner) for corner in corners)
         return [[min(p, q) for p, q in zip(a, b)], [max(p, q) for p, q in zip(a, b)]]
 
@@ -68,7 +68,7 @@ def turned_back(vector):
 
 
 def turned_matrix(rows):
-    """Converts a linear map M from Blender's space to the interface's: returns C M C^T, where C is the rotation between the two."""
+    """Converts a linear map M from Blender's frame to the interface's: returns C M C^T, where C is the rotation between the frames."""
     columns = list(zip(*[turned(column) for column in zip(*rows)]))  # C M
     return [turned(row) for row in columns]  # (C M) C^T: each row times C^T is the row turned
 
@@ -79,7 +79,7 @@ def turned_matrix_back(rows):
 
 
 def short(value):
-    """Returns a single-precision Blender number as it was typed: 0.3, not 0.30000001192092896."""
+    """Returns a single-precision number from Blender as the user typed it: 0.3, not 0.30000001192092896."""
     if not math.isfinite(value):
         return value
     return float(f"{value:.7g}")

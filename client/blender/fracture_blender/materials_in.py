@@ -20,8 +20,8 @@ class AnswerMaterials:
         self._images = {}
 
     def of(self, index):
-        """Returns the material with this index; None if the index is None. The server keeps the mesh's materials in order and
-        appends its own."""
+        """Returns the material with this index; None if the index is None. The server keeps the mesh's materials in order, and
+        appends the materials of the cut faces."""
         if index is None:
             return None
         if index < len(self._own.blender) and index not in self.interior:
@@ -88,8 +88,8 @@ class AnswerMaterials:
         return node
 
     def _image(self, index, space):
-        """Returns the Blender image for an image in the file. The server returns images unchanged, so an image that the add-on sent
-        becomes the object's own image."""
+        """Returns the Blender image for an image in the file. The server returns images unchanged, so the result for an image that the
+        add-on sent is the object's own image."""
         if index is None:
             return None
         document = self._file.item("images", index)

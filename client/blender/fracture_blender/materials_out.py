@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The materials that are sent, which give the cut faces their colours or textures.
+"""The materials that are sent with the mesh. The server uses them for the colours or textures of the cut faces.
 
-Fragments get the object's own materials with all their nodes. The sent materials only determine the appearance of the cut faces,
+Fragments get the object's own materials with all their nodes. The sent materials only affect the appearance of the cut faces,
 so the base colour (or one image), metallic, roughness and opacity of the Principled BSDF are enough.
 """
 import os
@@ -92,8 +92,8 @@ def image_bytes(image):
 
 
 def _written(image):
-    """Returns the pixels as PNG. They are saved from a temporary image, so the image itself does not change. They include unsaved
-    painting, which Image.copy() would omit."""
+    """Returns the pixels as PNG, including unsaved painting, which Image.copy() would omit. Saves them from a temporary image, so the
+    image itself does not change."""
     pixels = array("f", bytes(4 * len(image.pixels)))
     image.pixels.foreach_get(pixels)
     width, height = image.size

@@ -29,7 +29,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return cls.current is None and context.mode == "OBJECT"
 
     def execute(self, context):
-        """Waits for the result. Scripts use this, and so does Blender without a window."""
+        """Waits for the result. Scripts call this, and so does Blender without a window."""
         try:
             work = run.begin(context)
         except FractureError as error:
@@ -99,7 +99,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         lines = refusal.words(error) + ([shown] if shown else [])
         # With a window, this shows a popup. In a script, the reported error becomes an exception.
         self.report({"ERROR"}, "\n".join(lines))
-        return {"FINISHED"} if shown else {"CANCELLED"}  # FINISHED, so that the user can undo the selection or the empty
+        return {"FINISHED"} if shown else {"CANCELLED"}  # with FINISHED, the user can undo the selection or the empty
 
 
 class FRACTURE_OT_describe(bpy.types.Operator):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Imports the Python package fracture_client: from the packed add-on (pack.py puts it in), or from Python's path.
+"""Imports the Python package fracture_client: from the packed add-on (pack.py includes the package), or from Python's path.
 
 All modules of the add-on import it from here, so that there is only one copy and one FractureError.
 """

@@ -2,7 +2,7 @@
 """Converts a parameter of the interface to a Blender value and back, according to its entry in the server's table.
 
 Blender values use Blender's axes and units: a length is in Blender units, and a vector has z up. The entry's unit and shape, never
-its name, show whether it is a length, a point or a direction.
+its name, show whether the value is a length, a point or a direction.
 """
 import re
 import struct
@@ -19,9 +19,9 @@ OWN = {
     "unit": "the scene's units are applied before sending",
     "up": "z up is converted to y up before sending",
     "pivot": "the origin of each fragment is its centre of mass",
-    "of": "each request is complete and does not refer to an earlier answer",
+    "of": "each request is complete, so it does not refer to an earlier answer",
     "delta": "the add-on needs all fragments",
-    "local_new": "it has a meaning only with delta",
+    "local_new": "this parameter has a meaning only with delta",
 }
 
 
@@ -125,7 +125,7 @@ def _kind(entry):
         if rows and fixed and entry["minItems"] == 2 and entry.get("unit") == "m":
             return "box"
         return "vector" if fixed and not rows and entry["minItems"] == 3 else "list"
-    if kind == "integer":  # a large integer without a default is an id, which may not fit into Blender's integers
+    if kind == "integer":  # a large integer without a default is an id, and may exceed Blender's integers
         return "text" if entry.get("maximum", 0) > MOST_INTEGER and "default" not in entry else "integer"
     if kind == "string":
         if "enum" in entry:

@@ -58,8 +58,8 @@ def _hits(context, settings):
 
 
 def _pattern_of_impacts(description, given):
-    """Returns the pattern for a request with impacts. A request's own pattern is kept. Without one, the material's (or the default) pattern
-    is kept if it uses `impacts`; otherwise `impact` is used."""
+    """Returns the pattern for a request with impacts: the request's own pattern if it has one; otherwise the material's pattern (or the
+    default) if this pattern uses `impacts`; otherwise `impact`."""
     pattern = description.pattern_of(given)
     if "pattern" in given or "impacts" in description.of_pattern(pattern):
         return pattern

@@ -25,10 +25,10 @@ class FracturePreferences(bpy.types.AddonPreferences):
         "url": StringProperty(name="Server", default="http://127.0.0.1:8080",
                               description="Server address: http://host:port or https://host:port"),
         "token": StringProperty(name="Token", subtype="PASSWORD", options={"SKIP_SAVE"},
-                                description="Token for a server that requires one. It is not saved. If this field is empty, the "
-                                "environment variable FRACTURE_TOKEN is used"),
+                                description="Token for a server that requires one. The token is not saved. If this field is empty, "
+                                "the environment variable FRACTURE_TOKEN is used"),
         "program": StringProperty(name="Program", subtype="FILE_PATH", default="fracture-server",
-                                  description="The program fracture-server: a path, or a name that is found on the PATH"),
+                                  description="The program fracture-server: its path, or its name if it is on the PATH"),
         "timeout": FloatProperty(name="Timeout", default=300.0, min=1.0, soft_max=3600.0, precision=0,
                                  description="How many seconds a server may be absent or busy before the fracture fails"),
     }
@@ -69,12 +69,12 @@ def ask_description(context):
     try:
         description.store(found, _folder(create=True))
     except OSError:
-        pass  # it is fetched again at the next start
+        pass  # the description is fetched again at the next start
     return found
 
 
 def kept_description():
-    """Returns the stored description, else the one in the packed add-on, else None."""
+    """Returns the stored description, else the description in the packed add-on, else None."""
     return description.load((_folder(create=False), pathlib.Path(__file__).parent))
 
 

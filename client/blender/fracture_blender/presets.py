@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets for the panel, with Blender's own preset system: files in the user folder."""
+"""Presets for the panel. They use Blender's own preset system, which stores files in the user folder."""
 import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
@@ -28,7 +28,7 @@ class FRACTURE_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self):
-        """Lists the properties to save. Each value precedes its switch, because setting the value turns the switch on."""
+        """Lists the properties to save. Each value precedes its switch `use_…`, because setting the value turns the switch on."""
         parameters = [f"parameters.{part}{name}" for name in Known.parameters for part in ("", "use_")]
         return parameters + [f"settings.{name}" for name in FractureSettings.__annotations__ if name not in SCENE_ONLY]
 

@@ -14,7 +14,7 @@ from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorPro
 from .frame import Frame
 from .parameters import MOST_INTEGER, sendable, single
 
-# The parameters set in a new scene, if the server has them: 40 ragged chunks.
+# The parameters that are set in a new scene, if the server has them. They give 40 ragged chunks.
 FIRST = {"material": "stone", "fragments": 40}
 
 
@@ -35,7 +35,7 @@ def use(description):
     for parameter in Known.parameters.values():
         annotations[parameter.name] = _property(parameter)
         annotations["use_" + parameter.name] = BoolProperty(
-            name="Send", description=f"Send '{parameter.name}'. If off, the material's value or the default applies",
+            name="Send", description=f"Send '{parameter.name}'. If this is off, the material's value or the default applies",
             default=parameter.name in FIRST, update=_filling(parameter))
     Known.group = type("FractureParameters", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
     bpy.utils.register_class(Known.group)
@@ -97,7 +97,7 @@ def _property(parameter):
                            max=min(MOST_INTEGER, int(parameter.most or MOST_INTEGER)), **words)
     if parameter.kind == "number":
         unit = {1: "LENGTH", 3: "VOLUME"}.get(parameter.power, "NONE")
-        # A length has no range here, because the range depends on the scene's scale. The server checks it.
+        # A length has no range here, because the range depends on the scene's scale. The server checks the length.
         ends = {} if parameter.power else {key: single(end) for key, end in (("min", parameter.least), ("max", parameter.most))
                                            if end is not None}
         return FloatProperty(default=default or 0.0, unit=unit, precision=3, **ends, **words)
@@ -111,7 +111,7 @@ def _property(parameter):
 
 
 def _number(name):
-    """Returns the number of an enumeration's item in a .blend file. The name determines it, so new materials on the server do not
+    """Returns the number of an enumeration's item in a .blend file. It depends only on the name, so new materials on the server do not
     change old scenes."""
     return zlib.crc32(name.encode("utf-8")) & MOST_INTEGER
 
@@ -138,8 +138,8 @@ class FractureSettings(bpy.types.PropertyGroup):
     # A dictionary instead of annotations, because checkers would read strings in annotations as types.
     __annotations__ = {
         "together": BoolProperty(
-            name="Together", description="Break all selected objects as one, with a shared number of fragments. If off, each object "
-            "breaks separately", default=False),
+            name="Together", description="Break all selected objects as one, with a shared number of fragments. If this is off, each "
+            "object breaks separately", default=False),
         "hits": EnumProperty(name="Hit at", default="NONE", items=[
             ("NONE", "Nothing", "No hits, unless a parameter sets them"),
             ("CURSOR", "3D cursor", "One hit at the 3D cursor"),
@@ -150,10 +150,10 @@ class FractureSettings(bpy.types.PropertyGroup):
         "hit_radius": FloatProperty(name="Radius", description="Radius of a hit at the 3D cursor", default=0.25, min=1e-6,
                                     unit="LENGTH"),
         "keep": PointerProperty(name="Keep", type=bpy.types.Object, poll=lambda self, item: item.type == "EMPTY",
-                                description="An empty; nothing inside it is cut. A cube keeps the box around it, other types a sphere"),
+                                description="An empty; nothing inside it is cut. A cube keeps the box around it whole, other types keep a sphere"),
         "hold": PointerProperty(name="Hold", type=bpy.types.Object, poll=lambda self, item: item.type == "EMPTY",
-                                description="An empty that keeps fragments from falling: a cube holds those in its box, a single arrow "
-                                "those on its plane, other types the one at its point"),
+                                description="An empty that keeps fragments from falling. A cube holds the fragments in its box, a single "
+                                "arrow holds those on its plane, and any other type holds the fragment at its point"),
         "paint": EnumProperty(name="Painted by", default="NONE", items=[
             ("NONE", "Nothing", "The pattern alone decides the sizes of fragments"),
             ("GROUP", "Vertex group", "Fragments are densest at weight 1, sparsest at weight 0"),
@@ -164,11 +164,11 @@ class FractureSettings(bpy.types.PropertyGroup):
             ("CONVEX_HULL", "Convex hull", "Fast; larger than the fragment if the fragment is ragged"),
             ("MESH", "Mesh", "The exact shape of the fragment; slow")]),
         "constraints": BoolProperty(name="Breakable constraints", default=True,
-                                    description="Add a fixed constraint for each bond. It breaks under too much load"),
+                                    description="Add a fixed constraint for each bond. The constraint breaks under too much load"),
         "strength": FloatProperty(name="Strength", default=1.0, min=0.0, soft_max=10.0, precision=4,
                                   description="Factor applied to each bond's strength, which depends on material and area"),
         "hide": BoolProperty(name="Hide the original", default=True,
-                             description="Hide the original in the viewport and in renders. It is never deleted"),
+                             description="Hide the original in the viewport and in renders. The original is never deleted"),
         "search": StringProperty(name="Search", description="Show parameters whose name or description contains this text",
                                  options={"TEXTEDIT_UPDATE", "SKIP_SAVE"}),
     }

@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from .frame import Frame
 
-NEAR = 1e-4  # fraction of the object's size; the error means a vertex within this distance of its location
+NEAR = 1e-4  # fraction of the object's size; an error refers to a vertex within this distance of the reported location
 LINE = 110  # characters per line in the popup
 
 
@@ -21,9 +21,9 @@ def words(error):
 
 def show_place(context, error, names):
     """Shows the location of an error: selects the open edges in edit mode, or adds an empty if the mesh has no such edge (because a
-    modifier created it). `names`: the objects of the request. Returns a sentence about it; "" if nothing is shown."""
+    modifier created it). `names`: the objects of the request. Returns a sentence about what is shown; "" if nothing is."""
     places = [Vector(Frame.of(context.scene).point_back(point)) for point in _points(error.problem)]
-    if not places and error.type != "mesh-not-closed":  # `bake` gives no location for this error, but there are open edges to show
+    if not places and error.type != "mesh-not-closed":  # for open edges, `bake` gives no location, but the edges can be shown
         return ""
     for name in names:
         item = context.scene.objects.get(name)
@@ -48,8 +48,9 @@ def _points(problem):
 
 
 def _select(context, item, places):
-    """Selects all edges that do not have exactly two faces, in edit mode. Selects nothing unless one of these edges has its ends at
-    `places` (or one end, if there is only one place). Without places, any such edge will do. Returns whether it selected them."""
+    """Selects all edges that do not have exactly two faces, in edit mode. If none of these edges has its ends at
+    `places` (or one end, if there is only one place), nothing is selected. Without places, any such edge will do. Returns whether
+    edges were selected."""
     near = NEAR * max(*item.dimensions, 1e-9)
     world = item.matrix_world
     mesh = bmesh.new()

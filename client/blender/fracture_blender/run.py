@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a fracture, from the selected objects to the new collections, without a user interface: begin(), wait or poll, finish()."""
+"""Runs a fracture without a user interface, from the selected objects to the new collections: begin(), wait or poll, finish()."""
 from . import bodies, fragments, places, preferences, properties, writer
 from .asking import Asking, Request
 from .package import wrong
@@ -40,7 +40,7 @@ def begin(context):
     if not chosen:
         raise wrong("No object with a surface is selected. Select the objects to break.")
     if context.mode != "OBJECT":
-        raise wrong("The object is in edit mode, so its latest changes are not applied yet. Leave edit mode (Tab) first.")
+        raise wrong("The object is in edit mode, so its latest changes are not applied yet. Leave edit mode first (Tab).")
     chosen.sort(key=lambda item: item.name)
     if properties.Known.description is None:
         properties.use(preferences.ask_description(context))

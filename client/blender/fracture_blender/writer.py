@@ -3,7 +3,7 @@
 
 Blender's own exporter is not used for four reasons. It needs numpy, which some Blender packages lack. Its bytes change between
 releases, so a mesh that the server already has would be sent again. It ignores a scene's unit scale. It changes materials, but
-fragments need the object's own. This writer keeps vertices unchanged in single precision and puts the whole transform into the
+fragments need the object's own materials. This writer keeps vertices unchanged in single precision and puts the whole transform into the
 node, so nothing is rounded.
 """
 from array import array
@@ -26,12 +26,12 @@ class Written:
         self.objects = [item.name for item in objects]
         self.materials = materials
         self.uv_names = uv_names  # the layers' names for TEXCOORD_0, 1, …
-        self.color_names = color_names  # the layers' names for COLOR_0, 1, …; None for a layer that only contained the paint
+        self.color_names = color_names  # the layers' names for COLOR_0, 1, …; None for a layer that was written only for the paint
 
 
 def write(context, objects, paint="NONE", paint_name=""):
-    """Returns a file (Written) with the objects and their modifiers, in the interface's frame. Raises FractureError if they have no
-    faces, or if none has the vertex group or colour attribute of 'Painted by'."""
+    """Returns a file (Written) with the objects and their modifiers, in the interface's frame. Raises FractureError if the objects have
+    no faces, or if none has the vertex group or colour attribute that 'Painted by' names."""
     file = _File(Frame.of(context.scene))
     graph = context.evaluated_depsgraph_get()
     painted = False
@@ -61,7 +61,7 @@ class _File:
         self.uv_names, self.color_names = [], []
 
     def add(self, item, evaluated, mesh, paint, paint_name):
-        """Adds an object. Returns whether it has the vertex group or colour attribute of 'Painted by'."""
+        """Adds an object. Returns whether the object has the vertex group or colour attribute that 'Painted by' names."""
         mesh.calc_loop_triangles()
         corners = len(mesh.loops)
         vertices = array("i", bytes(4 * corners))
@@ -164,8 +164,8 @@ def _normals(mesh, corners):
 
 
 def _materials(item, mesh):
-    """Returns the materials of the object's slots. A material that is linked to the object is not in the mesh, and one that a
-    modifier added is only in the mesh."""
+    """Returns the materials of the object's slots. Materials that are linked to the object come from the slots, because the mesh does not
+    have them. All others come from the mesh, because only it has the materials that modifiers add."""
     materials = [None if material is None else material.original for material in mesh.materials]
     for number, slot in enumerate(item.material_slots):
         if slot.link == "OBJECT" or number >= len(materials):
@@ -186,7 +186,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
     elif paint == "COLOR":
         layers.sort(key=lambda layer: layer.name != paint_name)
     painted = bool(columns) or (paint == "COLOR" and any(layer.name == paint_name for layer in layers))
-    if paint != "NONE" and not painted:  # if other objects have the paint, an object without it is black
+    if paint != "NONE" and not painted:  # an object without the paint gets black, because other objects may have the paint
         columns.append(array("f", (0.0, 0.0, 0.0, 1.0)) * len(vertices))
         names.append(None)
     for layer in layers:

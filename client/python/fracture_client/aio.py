@@ -1,5 +1,5 @@
-"""The asyncio client. Its calls run in threads. If a task is cancelled, its connection closes at once, so the server stops
-working on the task's request."""
+"""The asyncio client. Its calls run in threads. If a task is cancelled, the task's connection closes at once, so the server stops
+working on its request."""
 from __future__ import annotations
 
 import asyncio
@@ -19,7 +19,7 @@ from .pool import Settings
 from .upload import Content, Files, Path
 
 T = TypeVar("T")
-THREADS = 64  # maximum number; most threads wait for one of the few connections or for job progress
+THREADS = 64  # maximum number; most of the threads are waiting for one of the few connections or for job progress
 
 
 class _Runner:
@@ -39,7 +39,7 @@ class _Runner:
             raise
 
     async def each(self, items: Iterator[T], token: Cancel) -> AsyncIterator[T]:
-        """Yields the items of an iterator. `token`: the Cancel with which the iterator was created."""
+        """Yields the items of an iterator. `token`: the Cancel that was passed when the iterator was created."""
         end = object()
         try:
             while True:
@@ -68,7 +68,7 @@ class AsyncAnswer(Answer):
 
 
 class AsyncMesh:
-    """Mesh for asyncio: the same calls as coroutines. `sync` is the Mesh."""
+    """The asyncio version of Mesh: its calls are coroutines. `sync` is the underlying Mesh."""
 
     def __init__(self, runner: _Runner, mesh: Mesh) -> None:
         self._runner = runner
@@ -114,7 +114,7 @@ class AsyncMesh:
 
 
 class AsyncJob:
-    """Job for asyncio: the same calls as coroutines. `sync` is the Job."""
+    """The asyncio version of Job: its calls are coroutines. `sync` is the underlying Job."""
 
     def __init__(self, runner: _Runner, job: Job) -> None:
         self._runner = runner
@@ -153,7 +153,7 @@ class AsyncJob:
 
 
 class AsyncClient:
-    """Client for asyncio: the same calls as coroutines. Cancelling a task closes its connection. `sync` is the Client.
+    """The asyncio version of Client: its calls are coroutines. Cancelling a task closes its connection. `sync` is the underlying Client.
 
         async with AsyncClient("http://127.0.0.1:8080") as client:
             mesh = await client.put("barrel.glb")

@@ -28,7 +28,7 @@ class Answer:
     def __init__(self, content: bytes, mesh: Optional["Mesh"] = None, headers: Optional[Mapping[str, str]] = None) -> None:
         """content  the bytes of a GLB
         mesh     the mesh that was fractured; hit() needs it
-        headers  the header fields of the HTTP answer, with lower-case names
+        headers  the header fields of the HTTP response, with lower-case names
         Raises FractureError of type "damaged" if `content` is not a GLB from a fracture server.
         """
         self._file = glb_file.Glb(content)
@@ -56,7 +56,7 @@ class Answer:
 
     @property
     def parameters(self) -> Dict[str, Any]:
-        """The parameters as the server understood them. The same mesh and these parameters give the same answer."""
+        """The parameters as the server understood them. The same mesh with these parameters gives the same answer."""
         return self._figures.get("parameters", {})
 
     @property
@@ -66,18 +66,18 @@ class Answer:
 
     @property
     def warnings(self) -> List[str]:
-        """Sentences of the report to act on: what happened, how it affects the result, and what to do. [] if there are none."""
+        """Sentences in the report that you should act on: what happened, how it affects the result, and what to do. [] if there are none."""
         return list(self.report.get("warnings", []))
 
     @property
     def notes(self) -> List[str]:
-        """Sentences of the report about what was done. They need no action. [] if there are none. Servers with algorithm 22 or older
+        """Sentences in the report about what was done. They need no action. [] if there are none. Servers with algorithm 22 or older
         put notes among the warnings."""
         return list(self.report.get("notes", []))
 
     @property
     def certificate(self) -> Dict[str, Any]:
-        """The numbers that prove the answer: open edges (0), volumes in and out (m³), number of fragments, …"""
+        """The numbers that prove the answer correct: open edges (0), volumes in and out (m³), number of fragments, …"""
         return self._figures["certificate"]  # type: ignore[no-any-return]
 
     @property
@@ -101,19 +101,19 @@ class Answer:
 
     @property
     def delta(self) -> Optional[Delta]:
-        """The changes made by the last hit. None if there was no hit, or if it had delta="none"."""
+        """The changes made by the last hit. None if there was no hit, or if the hit had delta="none"."""
         said = self._figures.get("delta")
         return None if said is None else Delta(*(tuple(said[key]) for key in ("new", "changed", "gone")))
 
     @property
     def location(self) -> str:
-        """The address for Client.answer(): "/fractures/sha256:…". It works while the answer is in the server's cache. After a hit,
-        it is the address of the changes alone. "" for an answer from a file."""
+        """The address for Client.answer(): "/fractures/sha256:…". It is valid while the answer is in the server's cache. After a hit,
+        it is the address of the changes alone. "" for an answer that was read from a file."""
         return self._headers.get("content-location", "")
 
     @property
     def etag(self) -> str:
-        """The ETag of the HTTP answer, for `unless` of Client.answer()."""
+        """The ETag of the HTTP response, for the argument `unless` of Client.answer()."""
         return self._headers.get("etag", "")
 
     @property
@@ -123,7 +123,7 @@ class Answer:
 
     @property
     def timing(self) -> Dict[str, float]:
-        """Milliseconds that the server needed for each step (Server-Timing). Unreadable entries are omitted."""
+        """Milliseconds that the server needed for each step, by name (Server-Timing). Unreadable entries are omitted."""
         times: Dict[str, float] = {}
         for entry in self._headers.get("server-timing", "").split(","):
             name, *parameters = (part.strip() for part in entry.split(";"))
@@ -137,12 +137,12 @@ class Answer:
 
     @property
     def headers(self) -> Dict[str, str]:
-        """All header fields of the HTTP answer, with lower-case names."""
+        """All header fields of the HTTP response, with lower-case names."""
         return dict(self._headers)
 
     @property
     def mesh(self) -> Optional["Mesh"]:
-        """The mesh that was fractured; None for an answer from a file."""
+        """The mesh that was fractured; None for an answer that was read from a file."""
         return self._mesh
 
     def of_mesh(self, mesh: "Mesh") -> "Answer":
@@ -152,7 +152,7 @@ class Answer:
         return same
 
     def save(self, path: Path) -> pathlib.Path:
-        """Writes a file in the format of its extension, and returns the path.
+        """Writes the answer in the format that the file extension names, and returns the path.
 
         .glb or no extension  GLB
         .gltf                 glTF as a single JSON document
@@ -179,11 +179,11 @@ class Answer:
         radius      reach of the hit (m): one number for all hits, or a list with one per hit
         sites       number of cells that the hit adds (server default: 30): one number for all hits, or a list with one per hit
         timeout     seconds for everything, retries included; None: the client's
-        realtime    True: before batch work, with the server's short deadline (2 s by default); None: the client's setting
+        realtime    True: computed before batch work, with the server's short deadline (2 s by default); None: the client's setting
         parameters  `gravity` and `broken`; with delta="none" also parameters that affect neither the mesh nor the cells
 
         The server sends only the changes, and the client merges them into this answer. If the server has forgotten this answer,
-        the client requests the same result by its parameters.
+        the client requests the same result with the answer's parameters.
         Raises FractureError, of type "bad-parameter" for an answer that load() read from a file.
         """
         if self._mesh is None:
@@ -206,9 +206,8 @@ class Answer:
         return Answer(merge(self._file, after._file), self._mesh, after._headers)
 
     def _can_be_merged(self) -> bool:
-        """Returns whether delta="only" works. It does not work with levels or anchors, because a hit can change them in all
-        fragments. It does not work with interior detail either, because the server sends the cut faces' relief only with the whole
-        answer."""
+        """Returns whether delta="only" works. It fails with levels or anchors, because a hit can change these in all fragments. It also
+        fails with interior detail, because the server sends the cut faces' relief only with the whole answer."""
         about_all = ("levels", "anchor_plane", "anchor_box", "anchor_points")
         return not any(name in self.parameters for name in about_all) and \
             self.parameters.get("interior_detail", "none") == "none"

@@ -22,11 +22,11 @@ from .http1 import Request, Response, Trouble
 from .pool import Pool, Settings
 from .problems import Reaction, reaction_to
 
-DONE = (200, 201, 202, 204, 206, 304)  # 304 and 206 occur only if the request asked for them
+DONE = (200, 201, 202, 204, 206, 304)  # the server sends 304 and 206 only if the request asked for them
 LONGEST_RETRY_AFTER = 86_400  # s; longer values are ignored
-WRONG_DIGEST = "The bytes of the answer do not match its Repr-Digest: they were changed on the way."
+WRONG_DIGEST = "The bytes of the answer do not match its Repr-Digest: they were changed in transit."
 
-# Returns what is wrong with a successful answer; "" if it is sound.
+# Returns what is wrong with a successful response; "" if nothing is.
 Check = Callable[[Response], str]
 
 
@@ -34,8 +34,8 @@ def ask(pool: Pool, settings: Settings, request: Request, call: Call, check: Che
         put: Optional[Callable[[float], bool]] = None) -> Response:
     """Sends the request and returns the answer. Raises FractureError.
 
-    `put`: called with the time of the request (time.monotonic()) if the server does not have the mesh. It sends the mesh, once
-    for all calls that need it, and returns whether to retry.
+    `put`: called if the server does not have the mesh, with the time at which the request was sent (time.monotonic()). It sends the
+    mesh, once for all calls that need it, and returns whether to retry.
     """
     pause, damaged, tries = settings.first_pause, 0, 0
     while True:
@@ -90,26 +90,25 @@ def _with_tries(failure: FractureError, tries: int) -> FractureError:
 
 
 def refusal(response: Response, request: Request) -> FractureError:
-    """Returns the error for an answer whose status is not in DONE."""
+    """Returns the error for a response whose status is not in DONE."""
     document = json_object(response.body)
     if document is not None and isinstance(document.get("type"), str) and document["type"].startswith("/problems/"):
         return FractureError.of_problem(document, response.status)
     said = re.sub(r"<[^>]*>", " ", response.body[:2000].decode("utf-8", "replace"))  # proxies send HTML pages
     said = " ".join(said.split())[:200]
     where = response.headers.get("location")
-    detail = (f"{request.what}: the answer is HTTP {response.status} without the problem document of a fracture server. "
+    detail = (f"{request.what}: the response is HTTP {response.status} without the problem document of a fracture server. "
               "Check the address: a proxy or another server may answer there.")
     if where:
         detail += f" It redirects to {where}."
     elif said:
         detail += f" Its text: {said}"
     return FractureError(f"http-{response.status}", detail, status=response.status,
-                         title="The answer is not from a fracture server", problem=document)
+                         title="The response is not from a fracture server", problem=document)
 
 
 def retry_after(response: Response) -> Optional[float]:
-    """Returns the seconds in Retry-After (RFC 9110, section 10.2.3); None for a date, a value that is not a number, or more than a
-    day."""
+    """Returns the seconds in Retry-After (RFC 9110, section 10.2.3); None if it is a date, not a number, or more than a day."""
     text = response.headers.get("retry-after", "").strip()
     if not re.fullmatch(r"[0-9]{1,9}", text) or int(text) > LONGEST_RETRY_AFTER:
         return None
@@ -139,10 +138,10 @@ def check_digest(response: Response) -> str:
 
 
 def check_json(response: Response) -> str:
-    """Checks that an answer is a JSON object. Returns what is wrong, or ""."""
+    """Checks that a response is a JSON object. Returns what is wrong, or ""."""
     if "repr-digest" in response.headers and not digest_matches(response.headers["repr-digest"], response.body):
         return WRONG_DIGEST
-    return "" if json_object(response.body) is not None else "The answer is not a JSON object."
+    return "" if json_object(response.body) is not None else "The response is not a JSON object."
 
 
 def check_figures(response: Response) -> str:
@@ -154,7 +153,7 @@ def check_digest_if_any(response: Response) -> str:
 
 
 def check_nothing(response: Response) -> str:
-    """Accepts every answer. Used for text and empty answers."""
+    """Accepts every response. Used for text and empty responses."""
     return ""
 
 

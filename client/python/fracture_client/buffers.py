@@ -7,11 +7,11 @@ from typing import Any, Dict, Iterator, List, Tuple
 from .glb import BYTES, FORMATS, WIDTHS, Glb, damaged
 
 Json = Dict[str, Any]
-_SHORT = (5120, 5121, 5122, 5123)  # component types of less than four bytes
+_SHORT = (5120, 5121, 5122, 5123)  # component types with less than four bytes
 
 
 class Buffers:
-    """The bufferViews and accessors of a new file: one view per use ("POSITION", indices, …), as the server writes them."""
+    """The bufferViews and accessors of a new file: one view per use ("POSITION", indices, …), as in the server's files."""
 
     def __init__(self) -> None:
         self._views: Dict[str, Tuple[Json, bytearray]] = {}  # in order of first use
@@ -35,7 +35,7 @@ class Buffers:
         return mesh
 
     def add_image(self, glb: Glb, image: Json) -> Json:
-        """Returns a copy of the image with its bytes in these buffers. Raises FractureError of type "damaged"."""
+        """Returns a copy of the image whose bytes are in these buffers. Raises FractureError of type "damaged"."""
         if "bufferView" not in image:
             return image
         name = f"image {len(self._views)}"

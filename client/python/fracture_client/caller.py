@@ -52,8 +52,7 @@ class Caller:
 
     @contextlib.contextmanager
     def _call(self, timeout: Optional[float], cancel: Optional[Cancel], what: str, forever: bool = False) -> Iterator[Call]:
-        """Opens a call and closes it at the end. `forever`: the client's timeout does not apply, so the call has none unless it
-        sets its own."""
+        """Opens a call and closes it at the end. `forever`: the client's timeout does not apply, so only `timeout` limits the call."""
         call = Call(self.timeout if timeout is None and not forever else timeout, what)
         with self._lock:
             if self._closed:
@@ -71,7 +70,7 @@ class Caller:
 
     def _ask(self, method: str, path: str, body: bytes, headers: Mapping[str, str], check: asking.Check,
              timeout: Optional[float], cancel: Optional[Cancel], mesh: Optional[Mesh] = None) -> Response:
-        """Sends a request and returns the answer. `mesh`: the mesh in the path; it is sent again if the server has forgotten it."""
+        """Sends a request and returns the response. `mesh`: the mesh in the path, which is sent again if the server has forgotten it."""
         request = Request(method, path, dict(headers), body)
         with self._call(timeout, cancel, request.what) as call:
             return self._send(call, request, check, None if mesh is None else self._putting(mesh, call))
@@ -112,7 +111,7 @@ class Caller:
         return asking.json_object(response.body) or {}
 
     def _delete(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """Deletes what is at a path. Returns False if the server does not have it."""
+        """Deletes the resource at a path. Returns False if there is none."""
         try:
             self._ask("DELETE", path, b"", {}, asking.check_nothing, timeout, cancel)
         except FractureError as error:

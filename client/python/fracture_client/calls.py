@@ -36,12 +36,12 @@ class Cancel:
         return self._event.is_set()
 
     def wait(self, seconds: float) -> bool:
-        """Waits until cancel() is called, but no longer than this. Returns whether it was called."""
+        """Waits until cancel() is called, but at most this many seconds. Returns whether cancel() was called."""
         return self._event.wait(seconds)
 
     @contextlib.contextmanager
     def calling(self, callback: Callable[[], None]) -> Iterator[None]:
-        """While this context is active, cancel() calls `callback`. If the token is already cancelled, calls it at once."""
+        """While this context is active, cancel() calls `callback`. If the token is already cancelled, the callback is called at once."""
         with self._lock:
             key, self._next = self._next, self._next + 1
             self._callbacks[key] = callback

@@ -29,8 +29,8 @@ class Client(Caller):
             answer.save("broken.glb")
 
     Every call takes `timeout` (in seconds, retries included; None: the client's) and `cancel` (a Cancel that lets another thread
-    end the call). The client repeats a request if the server is busy or the connection breaks. If that does not help, or for any
-    other error, it raises FractureError.
+    end the call). The client repeats a request if the server is busy or the connection breaks. If this does not help, or if any other
+    error occurs, it raises FractureError.
     """
 
     def __init__(self, url: str, token: Optional[str] = None, timeout: Optional[float] = 300.0, *, realtime: bool = False,
@@ -38,8 +38,8 @@ class Client(Caller):
         """
         url       such as "http://127.0.0.1:8080"; with https, the certificate is checked
         token     sent as `Authorization: Bearer …`
-        timeout   seconds for each call, retries included; None: only the tries in `settings` limit a call
-        realtime  for games: fractures are served before batch work, with the server's short deadline (2 s by default)
+        timeout   seconds for each call, retries included; None: only `settings.tries` limits a call
+        realtime  for games: fractures are computed before batch work, with the server's short deadline (2 s by default)
         tls       the certificates to trust; None: those of this system
         settings  timeouts, number of tries, number of connections
         The client does not connect yet. Raises FractureError of type "bad-url", or "bad-parameter" if the token cannot be sent.
@@ -60,9 +60,9 @@ class Client(Caller):
 
         mesh         a path, or the bytes of a file
         files        the files that the mesh references (.bin, .mtl, textures): {name: path or bytes}, or a list of paths. None:
-                     if `mesh` is a path, the referenced files in its folder and subfolders; (): no files
+                     the referenced files in the folder and subfolders of `mesh`, if `mesh` is a path; (): no files
         format       "glb", "obj", …; needed only if neither the file extension nor the first bytes show it
-        preparation  parameters that shape the solid (`unit`, `up`, `repair`, `nodes`, `material` of a wall, …). The server prepares the mesh with
+        preparation  parameters that shape the solid (`unit`, `up`, `repair`, `nodes`, `shell`, `material`, …). The server prepares the mesh with
                      these parameters. They are also the defaults for every fracture of this mesh.
         Raises FractureError, and OSError for a file that cannot be read.
         """
@@ -89,7 +89,7 @@ class Client(Caller):
     def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Dict[str, Any]:
         """Reports on a mesh without fracturing it: verdict, solid, frame, nodes, materials, images, warnings, notes. The mesh is
-        sent, prepared with `preparation`, and stored. The arguments are those of put(). Raises OSError, and FractureError, for
+        sent, prepared with `preparation`, and stored. Takes the same arguments as put(). Raises OSError, and FractureError, for
         example if the mesh cannot be fractured."""
         upload = Upload.of(mesh, files, format)
         kind, body = upload.body()
@@ -102,8 +102,8 @@ class Client(Caller):
     def fracture(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, files: Optional[Files] = None,
                  format: Optional[str] = None, timeout: Optional[float] = None, cancel: Optional[Cancel] = None,
                  realtime: Optional[bool] = None, **more: Any) -> Answer:
-        """Sends mesh and parameters in one request. Use it for a mesh that you fracture only once. If `mesh` is a Mesh, calls
-        its fracture().
+        """Sends the mesh and parameters in one request. Use this call for a mesh that you fracture only once. If `mesh` is a Mesh,
+        calls mesh.fracture().
 
         mesh, files, format   as for put()
         parameters, realtime  as for Mesh.fracture()
@@ -121,8 +121,8 @@ class Client(Caller):
 
     def answer(self, location: str, *, unless: Optional[str] = None, timeout: Optional[float] = None,
                cancel: Optional[Cancel] = None) -> Optional[Answer]:
-        """Fetches an answer again by its address (Answer.location). `unless`: the etag of an answer that you already have. If it
-        is still current, returns None. Raises FractureError of type "not-found" if the server's cache no longer has the answer."""
+        """Fetches an answer again by its address (Answer.location). `unless`: the etag of an answer that you already have. If that
+        answer is still current, returns None. Raises FractureError of type "not-found" if the server's cache no longer has the answer."""
         target = "/fractures/" + urllib.parse.quote(location.rsplit("/", 1)[-1], safe=":")
         headers = {"Accept": "model/gltf-binary", **({"If-None-Match": unless} if unless else {})}
         response = self._ask("GET", target, b"", headers, asking.check_digest, timeout, cancel)
@@ -136,7 +136,7 @@ class Client(Caller):
     def job(self, mesh: AnyMesh, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, **more: Any) -> Job:
         """Starts a fracture as background work and returns at once; see Mesh.job(). If the connection breaks before the server
-        answers, this starts a second job that shares the first one's computation. Raises FractureError and OSError."""
+        responds, this starts a second job, which shares the computation of the first. Raises FractureError and OSError."""
         if not isinstance(mesh, Mesh):
             mesh = self.put(mesh, timeout=timeout, cancel=cancel)
         response = mesh._ask(parameters, more, "model/gltf-binary", asking.check_json, timeout, cancel, False, {"Prefer": "respond-async"})
@@ -191,7 +191,7 @@ class Client(Caller):
 
     def request(self, method: str, path: str, *, body: bytes = b"", headers: Optional[Mapping[str, str]] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Response:
-        """Sends any other request of the interface (such as a Range of a result, or another Accept) with the same retries. `path`
-        includes the query. If a complete answer has a Repr-Digest, it is checked. Raises FractureError."""
+        """Sends any other request of the interface (for example, for a Range of a result, or with another Accept) with the same
+        retries. `path` includes the query. If a complete response has a Repr-Digest, the digest is checked. Raises FractureError."""
         check = asking.check_nothing if method == "HEAD" else asking.check_digest_if_any
         return self._ask(method, path, body, headers or {}, check, timeout, cancel)

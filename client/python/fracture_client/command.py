@@ -24,14 +24,14 @@ examples:
 
 exits with:
   0    done
-  1    a file cannot be read or written, or the server does not answer or is busy
+  1    a file cannot be read or written, the server does not answer, or the server is busy
   2    the command line is wrong
   3    the server refused the mesh or a parameter
   4    the server failed
   130  interrupted"""
 
 DONE, UNREACHABLE, USAGE, REFUSED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
-AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # errors without an answer from the server
+AWAY = ("connection", "timeout", "damaged", "answer-too-large", "cancelled")  # errors without a valid answer from the server
 
 
 def main(arguments: List[str]) -> int:
@@ -77,7 +77,7 @@ def main(arguments: List[str]) -> int:
 
 
 def _say_remarks(quiet: bool, of: str, report: Mapping[str, Any], said: Mapping[str, Any]) -> None:
-    """Prints the warnings and notes in `report`, except those in `said`, a report that was printed before."""
+    """Prints the warnings and notes in `report`, except those that are also in `said`, a report that was printed before."""
     for kind, name in (("warnings", "warning"), ("notes", "note")):
         for sentence in report.get(kind, []):
             if sentence not in said.get(kind, []):
@@ -96,13 +96,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="any parameter of the interface: "
                         "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; the server lists them at GET /patterns")
     parser.add_argument("--file", metavar="FILE", action="append", help="an additional file of the mesh; can be repeated; "
-                        "if given, only these files are sent")
+                        "if this option is used, no other additional files are sent")
     parser.add_argument("--format", metavar="NAME", help="format of the mesh, if its file extension does not show it")
     parser.add_argument("--job", action="store_true", help="break the mesh as background work, which may take half an hour, and "
                         "show progress")
     parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="file with the token in its first line "
                         "(default: the variable FRACTURE_TOKEN, if set)")
-    parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="limit for each step (default: 300)")
+    parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="time limit for each step in seconds (default: 300)")
     parser.add_argument("--quiet", action="store_true", help="print no warnings, notes or progress")
     parser.add_argument("--version", action="version", version=VERSION)
     return parser
@@ -126,7 +126,7 @@ def _token(parser: argparse.ArgumentParser, file: Optional[pathlib.Path]) -> Opt
     except (OSError, UnicodeDecodeError) as error:
         parser.error(f"--token-file {file}: {getattr(error, 'strerror', None) or error}")
     if not lines or not lines[0].strip():
-        parser.error(f"--token-file {file}: the first line is empty; write the token there")
+        parser.error(f"--token-file {file}: the first line is empty; write the token in it")
     return lines[0].strip()
 
 
@@ -140,7 +140,7 @@ def _seconds(text: str) -> float:
 def _followed(job: Job, quiet: bool) -> Answer:
     try:
         for state in job.progress():
-            waiting = "" if state.queue_position is None else f", {state.queue_position} ahead of it"
+            waiting = "" if state.queue_position is None else f", {state.queue_position} ahead in the queue"
             _say(quiet, f"job {state.id}: {state.state} {state.percent} % {state.stage}{waiting}".rstrip())
         return job.result()
     except KeyboardInterrupt:

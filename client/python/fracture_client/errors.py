@@ -10,14 +10,14 @@ MOST_NAMES = 20  # maximum number of known names in a message; FractureError.pro
 
 
 class FractureError(Exception):
-    """The server refused the request, or the request or its answer did not arrive.
+    """The server refused the request, or no valid response arrived.
 
     type       name of the error for programs: "bad-parameter", "overloaded", "connection", … (problems.SERVER, problems.LOCAL);
-               names such as "http-502" if the answer came from a proxy or another server
-    status     status of the HTTP answer; 0 if there is no answer
+               names such as "http-502" if the response came from a proxy or another server
+    status     status of the HTTP response; 0 if there is no response
     title      the meaning of the type
-    detail     what was wrong with this request, including the value and the limit
-    parameter  the parameter that is wrong; "" if the error is not about a parameter
+    detail     what was wrong with this request, including the wrong value and the limit
+    parameter  the name of the wrong parameter; "" if the error is not about a parameter
     problem    the server's whole problem document (RFC 9457); {} if there is none
     """
 
@@ -33,7 +33,7 @@ class FractureError(Exception):
 
     @classmethod
     def of_problem(cls, problem: Dict[str, Any], status: int = 0) -> "FractureError":
-        """Returns the error that a problem document describes, even if it is nested in another document (a job's `error`)."""
+        """Returns the error that a problem document describes. The document may be part of another one (a job's `error`)."""
         kind = text_of(problem, "type").rsplit("/", 1)[-1]
         code = problem.get("status")
         status = status or (code if isinstance(code, int) else 0)
@@ -44,7 +44,7 @@ class FractureError(Exception):
 
     @property
     def details(self) -> List[str]:
-        """One line per error, because several parameters of a request can be wrong."""
+        """The errors, one per line, because several parameters of a request can be wrong."""
         errors = self.problem.get("errors")
         lines = [text_of(e, "detail") for e in errors if isinstance(e, dict)] if isinstance(errors, list) else []
         lines = [line.strip() for line in lines if line]

@@ -39,20 +39,20 @@ class Fragment:
     translation: Vector  # m
     volume: float  # m³
     mass: float  # kg
-    area: float  # m², the whole surface
-    exterior_area: float  # m², the part that belonged to the mesh's surface
+    area: float  # m², of the whole surface
+    exterior_area: float  # m², of the faces that belonged to the mesh's surface
     center_of_mass: Vector  # m, in the frame of the scene
-    inertia_diagonal: Optional[Vector]  # kg m², about the centre of mass; None without physics=khr
+    inertia_diagonal: Optional[Vector]  # kg m², principal moments about the centre of mass; None without physics=khr
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
     part: int  # number of the connected part of the mesh to which it belongs
-    level: int  # in the hierarchy; 0 without a hierarchy
+    level: int  # its level in the hierarchy; 0 without a hierarchy
     parent: Optional[int]  # the id of its cluster; None if there is none
     sites: Tuple[int, ...]  # the cells that it consists of
     collision_system: Optional[int]  # fragments with the same number overlap, so they must not collide with each other
     primitives: Tuple[Primitive, ...]
     hulls: Tuple[Hull, ...]  # empty with physics=none
-    extras: Dict[str, Any] = field(repr=False)  # all of its node's `extras.fracture`
+    extras: Dict[str, Any] = field(repr=False)  # the whole `extras.fracture` of its node
 
     @property
     def positions(self) -> Array:
@@ -98,7 +98,7 @@ def figures_of(glb: Glb) -> Dict[str, Any]:
         own = extras_of(node)
         if "certificate" in own:
             return own
-    raise damaged("no node has extras.fracture.certificate, which every answer of a fracture server has")
+    raise damaged("no node has extras.fracture.certificate, but every answer from a fracture server does")
 
 
 def extras_of(node: Dict[str, Any]) -> Dict[str, Any]:

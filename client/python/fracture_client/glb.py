@@ -69,7 +69,7 @@ class Glb:
         return self.binary[at:at + size]
 
     def elements(self, index: Any) -> Tuple[memoryview, str, int]:
-        """Returns (an accessor's bytes without gaps, component format, number of components per element). Does not read sparse
+        """Returns (an accessor's bytes without gaps, component format, number of components per element). Does not support sparse
         accessors."""
         accessor = self.item("accessors", index)
         try:
@@ -110,8 +110,8 @@ _INTEGERS = {"b": "i1", "B": "u1", "h": "i2", "H": "u2", "I": "u4"}
 
 
 def _numpy() -> Any:
-    """Returns the numpy module, or None if it is not installed. It is imported for the first array only, because the import is
-    slow."""
+    """Returns the numpy module, or None if it is not installed. Imports it when the first array is
+    needed, because the import is slow."""
     if not _NUMPY:
         try:
             _NUMPY.append(importlib.import_module("numpy"))
@@ -124,7 +124,7 @@ _NUMPY: List[Any] = []
 
 
 def pack(document: Dict[str, Any], binary: bytes) -> bytes:
-    """Returns the bytes of a GLB. `document` must have either no buffer or a single one without a uri."""
+    """Returns the bytes of a GLB. `document` must have at most one buffer, and this buffer must have no uri."""
     if binary:
         binary += b"\0" * (-len(binary) % 4)
         document = {**document, "buffers": [{"byteLength": len(binary)}]}

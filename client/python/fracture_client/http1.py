@@ -1,7 +1,7 @@
 """HTTP/1.1 (RFC 9112) over one socket, parsed strictly and within a call's deadline.
 
-http.client is not used for three reasons. It accepts malformed headers and bytes after an answer. Another thread cannot stop
-it. It has no time limit for a whole answer, so a server that sends one byte a minute could block it forever.
+http.client is not used for three reasons. It accepts malformed headers and bytes after a response. Another thread cannot
+stop it. It has no time limit for a whole response, so a server that sends one byte a minute could block it forever.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Dict, Generator, Iterator, Tuple, Union
 
 from .calls import Call, OutOfTime
 
-MOST_HEAD_BYTES = 64 << 10  # maximum size of an answer's header; the server sends less than 1 KiB
+MOST_HEAD_BYTES = 64 << 10  # maximum size of a response's header; the server sends less than 1 KiB
 BLOCK = 1 << 18  # bytes per read; large enough that the cost of system calls does not matter
 TURN = 0.2  # s; an interrupt is noticed within this time
 
@@ -22,13 +22,13 @@ _FIELD = re.compile(rb"([!#$%&'*+.^_`|~0-9A-Za-z-]+):[ \t]*([^\r\n]*?)[ \t]*")
 
 
 class Trouble(Exception):
-    """An exchange that ended without an answer. Internal: users of the package get FractureError."""
+    """An exchange that ended without a valid response. Internal: users of the package get FractureError."""
 
     def __init__(self, type: str, detail: str, *, began: bool = False, again: bool = True) -> None:
         super().__init__(detail)
         self.type = type  # a key of problems.LOCAL
         self.detail = detail
-        self.began = began  # whether part of the answer had arrived
+        self.began = began  # whether part of the response had arrived
         self.again = again  # whether another try may succeed
 
 
@@ -48,7 +48,7 @@ class Request:
 
 @dataclass
 class Response:
-    """An HTTP answer. Header names are in lower case, and the values of repeated fields are joined by commas."""
+    """An HTTP response. Header names are in lower case, and the values of repeated fields are joined by commas."""
 
     status: int
     headers: Dict[str, str]
@@ -56,12 +56,12 @@ class Response:
 
 
 class Connection:
-    """A connection that sends one request at a time. Not thread-safe, but a Call in another thread may wake it."""
+    """A connection that sends one request at a time. Not thread-safe, except that a Call in another thread may call wake()."""
 
     def __init__(self, sock: socket.socket) -> None:
         self.socket = sock
         self._buffer = bytearray()
-        self._began = False  # whether part of the current answer has arrived
+        self._began = False  # whether part of the current response has arrived
         self.used = time.monotonic()
         self.reusable = True
 
@@ -76,7 +76,7 @@ class Connection:
             pass  # the connection is closed already
 
     def exchange(self, request: Request, authority: str, call: Call, most: int) -> Response:
-        """Sends the request and returns the answer. `most`: maximum size of its body in bytes. Raises Trouble, and FractureError of
+        """Sends the request and returns the response. `most`: maximum size of the response body in bytes. Raises Trouble, and FractureError of
         type "cancelled"."""
         with call.waking(self.wake):
             head = self._ask(request, authority, call)
@@ -115,7 +115,7 @@ class Connection:
         for at in range(BLOCK, len(request.body), BLOCK):
             going = going and self._send(memoryview(request.body)[at:at + BLOCK], call)
         status = 100
-        while status < 200:  # a 1xx status precedes the answer
+        while status < 200:  # a 1xx status precedes the response
             text = self._until(b"\r\n\r\n", MOST_HEAD_BYTES, call)
             status, headers = self._parse(text)
         if "close" in headers.get("connection", "").lower() or text.startswith(b"HTTP/1.0"):
@@ -123,8 +123,8 @@ class Connection:
         return Response(status, headers)
 
     def _send(self, data: Union[bytes, memoryview], call: Call) -> bool:
-        """Sends the data. Returns False if the server stopped reading: a server that refuses a large body answers before it has
-        received it all."""
+        """Sends the data. Returns False if the server stopped reading: a server that refuses a large body responds before it
+        has received the whole body."""
         try:
             self.socket.settimeout(call.left())
             self.socket.sendall(data)
@@ -141,7 +141,7 @@ class Connection:
         try:
             block = self._next_block(call)
         except OutOfTime:
-            raise Trouble("timeout", "The whole answer did not arrive in time.", began=self._began) from None
+            raise Trouble("timeout", "The whole response did not arrive in time.", began=self._began) from None
         except (OSError, ValueError) as error:  # ValueError: a TLS socket without its connection
             call.check()
             raise Trouble("connection", f"The connection broke: {error}.", began=self._began) from None
@@ -153,7 +153,7 @@ class Connection:
         return False
 
     def _next_block(self, call: Call) -> bytes:
-        """Returns the next bytes. Waits in short turns, because an interrupt that arrives just before a wait may be handled only when the
+        """Returns the next bytes. Waits in short turns, because an interrupt that arrives just before a wait may not be handled until the
         wait ends."""
         while True:
             left = call.left()
@@ -179,10 +179,10 @@ class Connection:
                 raise self._cut()
 
     def _cut(self) -> Trouble:
-        return Trouble("connection", "The connection was closed before the whole answer had arrived.", began=self._began)
+        return Trouble("connection", "The connection was closed before the whole response had arrived.", began=self._began)
 
     def _no_http(self, what: str) -> Trouble:
-        return Trouble("damaged", f"The answer is not valid HTTP: {what}.", began=True)
+        return Trouble("damaged", f"The response is not valid HTTP: {what}.", began=True)
 
     def _parse(self, text: bytes) -> Tuple[int, Dict[str, str]]:
         lines = text.split(b"\r\n")
@@ -242,10 +242,10 @@ class Connection:
                 raise self._too_large(most)
             yield from self._exactly(count, call)
             if self._until(b"\r\n", 2, call):
-                raise self._no_http(f"a chunk does not have the {count:,} bytes that it announced")
+                raise self._no_http(f"a chunk does not have the announced {count:,} bytes")
 
     def _rest(self, call: Call, most: int) -> Iterator[bytes]:
-        """Yields all bytes up to the end of the stream. Only a digest can show whether the answer is complete."""
+        """Yields all bytes up to the end of the stream. Only a digest can show whether the response is complete."""
         self.reusable = False
         total = 0
         while self._buffer or self._receive(call):
@@ -257,5 +257,5 @@ class Connection:
             yield block
 
     def _too_large(self, most: int) -> Trouble:
-        return Trouble("answer-too-large", f"The answer has more than {most:,} bytes, this client's limit. Ask for fewer "
+        return Trouble("answer-too-large", f"The answer has more than {most:,} bytes, this client's limit. Request fewer "
                                            "fragments, or raise Settings.max_answer_bytes.", began=True, again=False)

@@ -32,12 +32,12 @@ class JobState:
     stage: str  # "", "import", "prepare", "tetrahedralize", "clip", "encode"
     percent: int  # never decreases while the server runs
     created: str  # time in RFC 3339
-    finished: str  # time in RFC 3339; "" until it has finished
-    durable: bool  # True if the job survives a server restart
-    queue_position: Optional[int]  # number of jobs ahead of it while it is queued, else None
-    result: str  # address of the answer when it is done, else ""
-    error: Dict[str, Any]  # the problem document if it has failed, else {}
-    document: Dict[str, Any] = field(repr=False)  # the server's whole document
+    finished: str  # time in RFC 3339; "" until the job has finished
+    durable: bool  # True if the job survives a restart of the server
+    queue_position: Optional[int]  # number of jobs ahead while the job is queued, else None
+    result: str  # address of the answer if the job is done, else ""
+    error: Dict[str, Any]  # the problem document if the job has failed, else {}
+    document: Dict[str, Any] = field(repr=False)  # the whole document from the server
 
     @property
     def is_finished(self) -> bool:
@@ -53,7 +53,7 @@ class JobState:
                        document.get("queue_position"), str(document.get("result", "")), dict(document.get("error", {})),
                        document)
         except (KeyError, TypeError, ValueError) as error:
-            raise FractureError("damaged", f"The answer does not describe a job: {error!r}.") from None
+            raise FractureError("damaged", f"The response does not describe a job: {error!r}.") from None
 
 
 class Job:
@@ -76,7 +76,7 @@ class Job:
 
     def progress(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Iterator[JobState]:
         """Yields the state whenever it changes (server-sent events), until the job has finished. Reopens a broken stream.
-        `timeout`: seconds for the whole iteration; None: no limit except the server's. Raises FractureError."""
+        `timeout`: seconds for the whole iteration; None: only the server's limit applies. Raises FractureError."""
         settings = self._client.settings
         request = self._client._complete(Request("GET", f"/jobs/{self.id}/events", {"Accept": "text/event-stream"}))
         pause, tries = settings.first_pause, 0
@@ -94,7 +94,7 @@ class Job:
                     failure = FractureError("connection", f"{request.what}: the stream of events ended before the job had finished.")
                 except Trouble as trouble:
                     failure = FractureError(trouble.type, f"{request.what}: {trouble.detail}")
-                if heard:  # only tries without any event count
+                if heard:  # a try counts only if no event arrived
                     pause, tries = settings.first_pause, 0
                 tries += 1
                 left = call.remaining()
@@ -112,7 +112,7 @@ class Job:
             left = longest if end is None else min(longest, end - time.monotonic())
             if left <= 0:
                 raise FractureError("timeout", f"Job {self.id} did not finish within {timeout:g} s; it is at "
-                                               f"{self.state.percent} % and keeps running. Call wait() again, or cancel().")
+                                               f"{self.state.percent} % and is still running. Call wait() again, or cancel().")
             asked = time.monotonic()
             headers = {"Prefer": f"wait={int(left)}"} if left >= 1 else {}
             self.state = JobState.of(self._client._json("GET", f"/jobs/{self.id}", None, cancel, headers))
@@ -121,8 +121,8 @@ class Job:
         return self.state
 
     def result(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Answer:
-        """Waits until the job has finished and returns its answer. `timeout`: seconds for the wait, and again for fetching the
-        answer. Raises the job's FractureError if it failed or was cancelled, and FractureError of type "not-found" if the server
+        """Waits until the job has finished and returns its answer. `timeout`: seconds for the wait, and the same time again for
+        fetching the answer. Raises the job's FractureError if it failed or was cancelled, and FractureError of type "not-found" if the server
         has forgotten the result."""
         state = self.wait(timeout=timeout, cancel=cancel)
         if state.state != "done":
@@ -134,12 +134,12 @@ class Job:
         return answer if self._mesh is None else answer.of_mesh(self._mesh)
 
     def cancel(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
-        """Stops the job, or deletes it if it has finished. Any thread may call this. Returns False if the server did not know the
+        """Stops the job, or deletes it if it has finished. Any thread may call this. Returns False if the server does not have the
         job. Raises FractureError."""
         return self._client._delete(f"/jobs/{self.id}", timeout, cancel)
 
     def _listen(self, request: Request, call: Call) -> Iterator[JobState]:
-        """Yields the states in the event stream. Raises Trouble, and FractureError if the answer is not such a stream."""
+        """Yields the states in the event stream. Raises Trouble, and FractureError if the response is not such a stream."""
         from .caller import STALL
         with self._client._pool.stream(request, call, STALL) as responses:
             head = next(responses)

@@ -1,8 +1,8 @@
-"""Merges an answer and the changes of a hit (`delta=only`) into a single answer with all fragments.
+"""Merges an answer with the changes from a hit (`delta=only`) into a single answer with all fragments.
 
 The result has the same fragments, data and bonds as the server's answer to `delta=stated`. Fragments are ordered by their first
 site, then by their part of the mesh. The order differs from the server's only if a cell has several pieces in one part and the
-hit changes just some of them.
+hit changes some of these pieces but not all.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .buffers import Buffers, Json
 from .fragments import extras_of, figures_of, fragment_nodes
 from .glb import Glb, damaged, pack
 
-NAME_ROOM = 51  # bytes of a fragment's name; common tools allow 63, and the hulls' names need the rest
+NAME_ROOM = 51  # bytes for a fragment's name; common tools allow 63, and the hulls' names need the rest
 KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
 
 
@@ -64,7 +64,7 @@ def _stated(holder: Json, below: Any) -> Json:
 def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
     said = figures.get("delta")
     if not isinstance(said, dict):
-        raise damaged("it does not list the changes of the hit")
+        raise damaged("it does not list the changes made by the hit")
     new, changed, gone = ({int(id) for id in said.get(key, ())} for key in ("new", "changed", "gone"))
     before = [_Piece(whole, node, own) for _, node, own in fragment_nodes(whole)]
     after = [_Piece(delta, node, own) for _, node, own in fragment_nodes(delta)]
@@ -108,8 +108,8 @@ def _rename(pieces: List[_Piece]) -> None:
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
-    """Returns the bonds between unchanged fragments and those in the delta, sorted, each from the lower fragment to the higher
-    one."""
+    """Returns the bonds between unchanged fragments, and the bonds in the delta. All are sorted, and go from the earlier fragment to the
+    later one."""
     place = {piece.id: k for k, piece in enumerate(pieces)}
     stay = {piece.id for piece in pieces if piece.glb is whole}
     columns = list(figures["bonds"])
@@ -185,7 +185,7 @@ def _body(node: Json) -> Json:
 
 
 def _hull_meshes(piece: _Piece) -> List[int]:
-    """Returns the collider hulls of the fragment's node and its children, in order and without duplicates. Unreal's nodes (UCX_…)
+    """Returns the collider hulls of the fragment's node and its child nodes, in order and without duplicates. Unreal's nodes (UCX_…)
     can refer to the same hulls."""
     meshes: List[int] = []
     for node in (piece.node, *(piece.glb.item("nodes", child) for child in piece.node.get("children", []))):
@@ -224,7 +224,7 @@ def _renamed(name: str, piece: _Piece) -> str:
 
 def _collision_systems(pieces: List[_Piece]) -> List[Any]:
     """Returns each fragment's collision system number; None for a fragment that shares no site. Fragments that share a site,
-    directly or through others, overlap and must not collide. Systems are numbered in the order of their first fragments."""
+    directly or through other fragments, overlap and must not collide. Systems are numbered in the order of their first fragments."""
     first: List[int] = list(range(len(pieces)))
 
     def find(k: int) -> int:

@@ -21,8 +21,8 @@ MOST_PARAMETER_BYTES = 4096
 
 
 class Mesh:
-    """A mesh on the server, created by Client.put(). Thread-safe. It keeps the bytes so that it can send them again if the server
-    forgets the mesh."""
+    """A mesh on the server, created by Client.put(). Thread-safe. This object keeps the bytes so that it can send them again if the
+    server forgets the mesh."""
 
     def __init__(self, client: "Client", id: str, upload: Optional[Upload] = None,
                  preparation: Optional[Mapping[str, Any]] = None) -> None:
@@ -35,7 +35,7 @@ class Mesh:
     @property
     def report(self) -> Dict[str, Any]:
         """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings,
-        notes. It comes from put() or the latest refresh(); before these calls it is {}."""
+        notes. The report comes from put() or the latest refresh(); {} before these calls."""
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
@@ -53,7 +53,7 @@ class Mesh:
         parameters  the interface's parameters (proto/parameters.md, Client.patterns()), as keywords, a mapping or a query string.
                     Parameters that are None are omitted.
         timeout     seconds for everything, retries included; None: the client's
-        realtime    True: before batch work, with the server's short deadline (2 s by default); None: the client's setting
+        realtime    True: computed before batch work, with the server's short deadline (2 s by default); None: the client's setting
         Raises FractureError.
         """
         response = self._ask(parameters, more, "model/gltf-binary", check_digest, timeout, cancel, realtime)
@@ -61,15 +61,15 @@ class Mesh:
 
     def figures(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **more: Any) -> Dict[str, Any]:
-        """Breaks the mesh and returns the data without the geometry (Answer.figures). The arguments are those of fracture(). Raises
+        """Breaks the mesh and returns the data without the geometry (Answer.figures). Takes the same arguments as fracture(). Raises
         FractureError."""
         response = self._ask(parameters, more, "application/json", check_figures, timeout, cancel, realtime)
         return json_object(response.body) or {}
 
     def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
             cancel: Optional[Cancel] = None, **more: Any) -> "Job":
-        """Starts the fracture as background work and returns at once. The job pauses while any client waits for an answer. Its
-        default time limit is half an hour. Raises FractureError."""
+        """Starts the fracture as background work and returns at once. The job pauses while any client is waiting for an
+        answer. Its default time limit is half an hour. Raises FractureError."""
         return self._client.job(self, parameters, timeout=timeout, cancel=cancel, **more)
 
     def forget(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> bool:
@@ -96,8 +96,8 @@ class Mesh:
 
 def _split(parameters: Optional[Parameters], more: Mapping[str, Any],
            preparation: Mapping[str, Any]) -> Tuple[str, Dict[str, Any]]:
-    """Returns (query, parameters for the JSON body). The mesh's preparation supplies defaults. A hit does not need them, because
-    the server takes them from the answer given by `of`."""
+    """Returns (query, parameters for the JSON body). The mesh's preparation supplies defaults. A hit does not need these defaults,
+    because the server takes them from the answer that `of` names."""
     query = parameters.lstrip("?") if isinstance(parameters, str) else ""
     given = {**({} if isinstance(parameters, str) else parameters or {}), **more}
     named = set(urllib.parse.parse_qs(query, keep_blank_values=True))

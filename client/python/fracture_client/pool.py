@@ -46,7 +46,7 @@ class Address:
         if parts.username is not None:
             raise FractureError("bad-url", "The address contains a user name or password, which is not sent. Use the argument `token`.")
         if parts.query or parts.fragment:
-            raise FractureError("bad-url", f"The address '{url}' has a query or fragment after its path. Remove it, and pass "
+            raise FractureError("bad-url", f"The address '{url}' has a query or fragment after its path. Remove this part, and pass "
                                            "parameters to each call instead.")
         if parts.scheme == "https":
             context = tls or ssl.create_default_context()
@@ -59,9 +59,9 @@ class Settings:
     """A client's timeouts, tries and connections."""
 
     connect_timeout: float = 5.0  # s to open a connection
-    answer_timeout: float = 120.0  # s for one exchange, from the first byte sent to the last byte received
+    answer_timeout: float = 120.0  # s for one request and its response, from the first byte sent to the last byte received
     connections: int = 4  # maximum number of open connections; further calls wait until one is free
-    idle: float = 10.0  # s; a connection that was unused for longer is replaced (the server closes it after 15 s)
+    idle: float = 10.0  # s; a connection that was unused for longer is replaced (the server closes unused connections after 15 s)
     max_answer_bytes: int = 1 << 30  # a larger answer is an error of type "answer-too-large"
     tries: int = 10  # maximum number of requests per call
     damaged_answers: int = 3  # a call fails after this many damaged answers
@@ -81,8 +81,8 @@ class Pool:
         self._free = threading.Condition()
 
     def exchange(self, request: Request, call: Call) -> Response:
-        """Sends the request over a free connection and returns the answer. If the server has closed a keep-alive connection (RFC
-        9112, section 9.3.1), opens a new one once, which does not count as a try. Raises Trouble, and FractureError of type
+        """Sends the request over a free connection and returns the response. If the server has closed a keep-alive connection (RFC
+        9112, section 9.3.1), opens a new one, once, and does not count this as a try. Raises Trouble, and FractureError of type
         "cancelled"."""
         self._take_seat(call)
         try:
@@ -147,7 +147,7 @@ class Pool:
                 try:
                     left = call.left()
                 except OutOfTime:
-                    raise Trouble("timeout", f"All {self._settings.connections} connections of this client stayed busy. Raise the "
+                    raise Trouble("timeout", f"All {self._settings.connections} connections of this client were busy for too long. Raise the "
                                              "timeout or Settings.connections.") from None
                 self._free.wait(0.1 if left is None else min(left, 0.1))  # short turns, to notice a cancelled call
             if self._closed:

@@ -13,12 +13,12 @@ class Reaction(enum.Enum):
     """This package's reaction to an error, before the caller sees it."""
 
     RAISE = "none, because the same request would give the same error"
-    WAIT = "wait as long as Retry-After says and retry, if the call has tries and time left"
+    WAIT = "wait as long as Retry-After says, then retry, if the call has tries and time left"
     PUT = "send the forgotten mesh to the server once, and retry"
-    REMAKE = "request the answer that the server has forgotten by its parameters"
+    REMAKE = "request the forgotten answer again, with its parameters instead of its address"
 
 
-# Errors from the server. Statuses 429 and 503 mean that it is busy; the others are about the request.
+# Errors from the server. Statuses 429 and 503 mean that the server is busy; the other errors are about the request.
 SERVER: Dict[str, Reaction] = {
     "bad-parameter": Reaction.RAISE,
     "unknown-parameter": Reaction.RAISE,
@@ -74,11 +74,11 @@ SERVER: Dict[str, Reaction] = {
     "version-not-supported": Reaction.RAISE,
 }
 
-# Errors from this client. They have no problem document, and most of them no status.
+# Errors from this client. They have no problem document, and most have no status.
 LOCAL: Dict[str, str] = {
     "connection": "No server answers at this address, or the connection broke",
-    "timeout": "The whole answer did not arrive in time",
-    "damaged": "The answer is cut off, was changed on the way, or is not from a fracture server",
+    "timeout": "The whole response did not arrive in time",
+    "damaged": "The response is cut off, was changed in transit, or is not from a fracture server",
     "answer-too-large": "The answer is larger than this client accepts",
     "cancelled": "The call was cancelled, or the client is closed",
     "bad-url": "The server address is malformed",

@@ -1,4 +1,4 @@
-"""Sends a missing mesh only once. If several calls find the same mesh missing, one sends it; the others wait and then retry."""
+"""Sends a missing mesh only once. If several calls find the same mesh missing, one call sends it; the others wait and then retry."""
 from __future__ import annotations
 
 import threading
@@ -18,7 +18,7 @@ class PutOnce:
         self._stored: Dict[str, float] = {}  # time of a mesh's last successful PUT (time.monotonic())
 
     def put(self, mesh: str, sent: float, call: Call, send: Callable[[], None]) -> bool:
-        """Handles a request that was sent at `sent` and found the mesh missing. Returns True if this call sent the mesh, False if
+        """Call this if a request, sent at the time `sent`, found the mesh missing. Returns True if this call sent the mesh, False if
         another call sent it in the meantime. Raises the errors of `send`, and FractureError of type "timeout" or "cancelled"."""
         with self._changed:
             while True:

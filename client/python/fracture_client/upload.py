@@ -1,4 +1,4 @@
-"""A mesh and its additional files as bytes, the id on the server, and the form that sends them."""
+"""A mesh and its additional files as bytes, the mesh's id on the server, and the form that sends them."""
 from __future__ import annotations
 
 import hashlib
@@ -35,8 +35,8 @@ class Upload:
         """Reads a mesh.
 
         mesh    a path, or the bytes of a file
-        files   additional files; None: if `mesh` is a path, the referenced files in its folder and subfolders; (): no files
-        format  None: from the file extension or the first bytes
+        files   additional files; None: the referenced files in the folder and subfolders of `mesh`, if `mesh` is a path; (): no files
+        format  None: derived from the file extension or the first bytes
         Raises OSError for a file that cannot be read, and FractureError of type "bad-parameter" for a name that cannot be sent.
         """
         if isinstance(mesh, (bytes, bytearray, memoryview)):
@@ -50,7 +50,7 @@ class Upload:
             named = files_named_by(path, content) if files is None else _read(files)
         if len(named) > MOST_FILES:
             raise FractureError("bad-parameter", f"The mesh has {len(named):,} additional files; at most {MOST_FILES} are allowed. "
-                                                 "Send it as a single GLB that contains its textures.", parameter="files")
+                                                 "Send the mesh as a single GLB that contains its textures.", parameter="files")
         for name in named:
             if not name or re.search(r"[\x00-\x1f\x7f]", name):
                 raise FractureError("bad-parameter", f"An additional file is named {name!r}, but names must not be empty or contain "
@@ -86,7 +86,7 @@ class Upload:
 
 def mesh_id(content: bytes, files: Iterable[Tuple[str, bytes]] = ()) -> str:
     """Returns the id of a mesh on the server: the SHA-256 of its bytes. If there are additional files, which must be sorted by
-    name, it is the SHA-256 of a list of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
+    name, the id is the SHA-256 of a list of all digests (rule: PUT /meshes/{id} in proto/openapi.yaml)."""
     digest = hashlib.sha256(content).hexdigest()
     lines = b"".join(b"%d %b %b\n" % (len(_encoded(name)), _encoded(name), _hex(data)) for name, data in files)
     if lines:

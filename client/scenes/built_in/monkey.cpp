@@ -8,7 +8,7 @@ Expected<Scene> monkey() {
   SceneObject object;
   const std::string path = monkey_path();
   if (path.empty()) {
-    scene.warnings.push_back("assimp-testmodels is not installed: a vase replaces the monkey.");
+    scene.warnings.push_back("assimp-testmodels is not installed, so a vase replaces the monkey.");
     object.mesh = share(make_asset(vase(), "vase", {0.3f, 0.45f, 0.6f, 1}));
   } else {
     Expected<MeshAsset> loaded = load_asset(path);

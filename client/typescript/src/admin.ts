@@ -14,7 +14,7 @@ export class Admin {
   async live(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getLivez', call);
   }
-  /** Returns whether the server accepts requests. False while it is shutting down, or if it does not answer. Throws FractureError
+  /** Returns whether the server accepts requests. False while the server is shutting down, or if it does not answer. Throws FractureError
    * only if the call is aborted. */
   async ready(call: CallOptions = {}): Promise<boolean> {
     return this.probe('getReadyz', call);

@@ -8,13 +8,13 @@ import { FractureError, localError } from './problems.js';
 import type { Reply } from './transport.js';
 import { within } from './watch.js';
 
-/** The header fields of an answer. */
+/** The data from an answer's header fields. */
 export interface AnswerHead {
-  /** The address of the answer while it is in the server's cache: /fractures/sha256:… */
+  /** The address of the answer, valid while the answer is in the server's cache: /fractures/sha256:… */
   location: string | undefined;
   etag: string | undefined;
   requestId: string | undefined;
-  /** Milliseconds per stage: queue, import, prepare, tetrahedralize, clip, encode; `work`: all stages except the queue. */
+  /** Milliseconds per stage: queue, import, prepare, tetrahedralize, clip, encode; `work`: all stages except queue, together. */
   timing: Record<string, number>;
   /** The caches that contained the answer (Cache-Status, RFC 9211). */
   cacheStatus: string | undefined;
@@ -25,7 +25,7 @@ export interface AnswerHead {
 export interface HitOptions extends FractureOptions {
   /** Number of sites that a hit adds: one number for all hits, or one per hit. Default: the server's, 30. */
   sites?: number | readonly number[];
-  /** Other parameters of a hit: `gravity`, `broken`. */
+  /** Further parameters of a hit: `gravity`, `broken`. */
   parameters?: Parameters;
 }
 
@@ -74,7 +74,7 @@ export class Answer {
   get parameters(): Record<string, any> {
     return this.figures.parameters;
   }
-  /** Sentences to act on: what happened, how it affects the result, and what to do. */
+  /** Sentences that you should act on: what happened, how it affects the result, and what to do. */
   get warnings(): readonly string[] {
     return this.figures.report.warnings ?? [];
   }
@@ -104,8 +104,8 @@ export class Answer {
   }
 
   /** Breaks the fragments within `radius` (m) of `point` (m, in the mesh's frame before anything moved). Returns an answer with all
-   * fragments. Several points are several hits in sequence. The server sends only the changes; the result equals its answer with
-   * delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws FractureError. */
+   * fragments. Several points are several hits in sequence. The server sends only the changes; the result equals the server's
+   * answer with delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws FractureError. */
   async hit(point: Vector3 | readonly Vector3[], radius: number | readonly number[], hitOptions: HitOptions = {}): Promise<Answer> {
     const { sites, parameters, ...options } = hitOptions;
     const points = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[];
@@ -118,7 +118,7 @@ export class Answer {
     try {
       changes = await ask('only');
     } catch (error) {
-      // The server reports this parameter if it cannot send a delta.
+      // The server refuses the parameter `delta` if it cannot send a delta.
       if (error instanceof FractureError && error.problem === 'bad-parameter' && error.parameter === 'delta') return ask('stated');
       throw error;
     }
@@ -126,7 +126,7 @@ export class Answer {
     return whole ? new Answer(whole, changes.head, this.meshOf) : ask('stated');
   }
 
-  /** Breaks a single fragment again. The answer contains only its parts, at the fragment's position. Throws FractureError. */
+  /** Breaks a single fragment again. The new answer contains only this fragment's parts, at the fragment's position. Throws FractureError. */
   async refracture(fragment: number, more: FractureOptions & { sites?: number; seed?: number } = {}): Promise<Answer> {
     const { sites, seed, ...options } = more, own: Parameters = { fragment, fragment_sites: sites, fragment_seed: seed };
     const left = within(options.deadline ?? this.mesh.deadline);
@@ -147,8 +147,8 @@ export class Answer {
     return mesh.fracture(parameters(), { ...options, deadline: left() });
   }
 
-  /** Returns true if a delta cannot be used. A hit can change levels and anchors in all fragments. If the cuts have texture maps, a
-   * delta lacks the tangents that the maps need. */
+  /** Returns whether deltas cannot be used. A hit can change levels and anchors in all fragments. If the cuts have texture maps, a delta
+   * lacks the tangents that the maps need. */
   private wholeOnly(): boolean {
     const { interior_detail: detail, ...names } = this.parameters;
     return this.figures.levels !== undefined || (detail ?? 'none') !== 'none' ||

@@ -5,7 +5,7 @@ import { hex, sha256 } from './sha256.js';
 
 export type Bytes = ArrayBuffer | ArrayBufferView | Blob;
 
-/** A file, for platforms without File: its `data` and its name, which may contain folders. */
+/** A file, for platforms without the class File: its `data`, and its name, which may contain folders. */
 export interface NamedFile {
   name: string;
   data: Bytes;
@@ -15,7 +15,7 @@ export interface NamedFile {
 export type MeshInput = Bytes | NamedFile | Iterable<Blob | NamedFile>;
 
 export interface MeshFormat {
-  /** `obj`, `glb`, …; needed only if neither the name nor the first bytes show it. */
+  /** `obj`, `glb`, …; needed only if neither the name nor the first bytes show the format. */
   format?: string | undefined;
   /** If there are several files: the name of the mesh file. */
   main?: string | undefined;
@@ -46,7 +46,7 @@ function asFile(input: Bytes | NamedFile, number: number): AssetFile {
   }
   if (input instanceof ArrayBuffer || ArrayBuffer.isView(input)) return { name: '', data: new Blob([input as BufferSource]) };
   const what = typeof input === 'string' ? 'a string. Read the file first' : typeof input;
-  throw localError('bad-argument', `A mesh must be bytes, a Blob, a File or a list of files; item ${number} is ${what}.`,
+  throw localError('bad-argument', `A mesh must be bytes, a Blob, a File or a list of files, but item ${number} is ${what}.`,
     { parameter: 'mesh' });
 }
 
@@ -60,7 +60,7 @@ function plainName(name: string): string {
 
 const extensionOf = (name: string) => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
 
-/** Reads a mesh. `formats` is called only if it is unclear which of several files is the mesh. Throws FractureError. */
+/** Reads a mesh. Calls `formats` only if it is unclear which of several files is the mesh. Throws FractureError. */
 export async function readAsset(input: MeshInput, { format, main }: MeshFormat, formats: Formats): Promise<Asset> {
   const several = typeof input === 'object' && input !== null && !ArrayBuffer.isView(input) && Symbol.iterator in input;
   const given = (several ? [...(input as Iterable<Blob | NamedFile>)] : [input as Bytes | NamedFile]).map(asFile);
@@ -88,8 +88,8 @@ async function mainOf(files: AssetFile[], main: string | undefined, formats: For
   if (files.length === 0) return undefined;
   const known = await formats(), meshes = files.filter(file => known.includes(extensionOf(file.name)));
   if (meshes.length === 1) return meshes[0];
-  throw localError('bad-argument', `Exactly one file must be a mesh that this server reads (${known.join(', ')}); of these files ` +
-    `${meshes.length} are: ${names()}. Name the mesh with \`main\`.`, { parameter: 'main' });
+  throw localError('bad-argument', `Exactly one file must be a mesh that this server reads (${known.join(', ')}), but ${meshes.length} of these ` +
+    `files are: ${names()}. Name the mesh with \`main\`.`, { parameter: 'main' });
 }
 
 const bytesOf = async (data: Blob) => new Uint8Array(await data.arrayBuffer());
@@ -119,7 +119,7 @@ export function formOf({ main, files, format }: Asset, params?: string): Blob {
   const parts: (Blob | string)[] = [];
   const part = (name: string, data: Blob | string, more: string) =>
     parts.push(`--${boundary}\r\nContent-Disposition: form-data; name="${name}"${more}\r\n\r\n`, data, '\r\n');
-  // A File's type comes from a system table, so its name is more reliable. A Blob without a name keeps its type.
+  // The browser takes a File's type from a system table, so the name is more reliable. A Blob without a name keeps its type.
   const type = main.name === '' && /^model\//.test(main.data.type) ? `\r\nContent-Type: ${main.data.type}` : '';
   part('mesh', main.data, (main.name === '' ? '' : `; filename="${quoted(main.name)}"`) + type);
   for (const { name, data } of files) part('file', data, `; filename="${quoted(name)}"`);

@@ -46,8 +46,8 @@ interface JobPage {
 }
 
 export interface PutOptions extends CallOptions, MeshFormat {
-  /** Parameters of later fractures that shape the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the mesh
-   * with them. A fracture with other values prepares it again. */
+  /** The parameters of later fractures that shape the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the mesh
+   * with these parameters. If a fracture has other values, the server prepares the mesh again. */
   parameters?: Parameters;
   /** Whether to ask the server for the mesh before sending it. If the server does not have it, browsers log the 404 in their
    * console. Default: only for meshes over 64 KiB. */
@@ -88,7 +88,7 @@ export class Client {
     return new Mesh(this, asset, sent.id, sent);
   }
 
-  /** Returns a report on a mesh without fracturing it. The mesh is sent and stored. Throws FractureError. */
+  /** Returns a report on a mesh without fracturing it. The client sends the mesh, and the server stores it. Throws FractureError. */
   async inspect(input: MeshInput, { parameters, format, main, ...call }: PutOptions = {}): Promise<StoredMesh> {
     const body = formOf(await this.read(input, { format, main }, call), parameters && parametersText(parameters));
     return json<StoredMesh>(await this.request('postMesh', { ...call, body, headers: { 'Content-Type': body.type }, json: true }));
@@ -99,7 +99,8 @@ export class Client {
     return new Mesh(this, this.assets.get(id)?.deref(), id, undefined);
   }
 
-  /** Sends mesh and parameters in one request and stores nothing. Use it for a mesh that is fractured only once. Throws FractureError. */
+  /** Sends the mesh and parameters in one request; the server does not store the mesh. Use this call for a mesh that you fracture only
+   * once. Throws FractureError. */
   async fracture(input: MeshInput, parameters: Parameters = {}, options: FractureOptions & MeshFormat = {}): Promise<Answer> {
     const { format, main, realtime, priority, ...call } = options;
     const body = formOf(await this.read(input, { format, main }, call), parametersText(parameters));
@@ -119,7 +120,8 @@ export class Client {
     return this.answerOf(await this.request('getFracture', { ...call, path: { id }, headers: { Accept: 'model/gltf-binary' } }));
   }
 
-  /** Opens an answer that was saved as a GLB. It can be hit as long as the server has its mesh. Throws FractureError (damaged-answer). */
+  /** Opens an answer that was saved as a GLB. You can hit the answer as long as the server has its mesh. Throws FractureError
+   * (damaged-answer). */
   open(glb: Uint8Array): Answer {
     return this.answerOf({ bytes: glb, headers: new Headers(), exchanges: 0 });
   }
@@ -141,7 +143,7 @@ export class Client {
 
   // -- discovery
 
-  /** Returns the start page of the interface: name, version, links. Throws FractureError. */
+  /** Returns the start page of the interface: the server's name, version and links. Throws FractureError. */
   async index(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getIndex', call);
   }
@@ -208,7 +210,7 @@ export class Client {
     return new Answer(reply.bytes, head, id => this.mesh(id));
   }
 
-  /** Sends a missing mesh after a 404. If several calls find it missing at the same time, one sends it; the others wait and retry.
+  /** Sends a missing mesh after a 404. If several calls find the mesh missing at the same time, one sends it; the others wait and retry.
    * @internal */
   async putMissing(asset: Asset | undefined, sentAt: number, call: CallOptions): Promise<'retry' | 'retry-once' | 'give-up'> {
     if (!asset) return 'give-up';
@@ -216,7 +218,7 @@ export class Client {
     if (put.storedAt >= sentAt) return 'retry';
     if (put.pending) {
       const watch = new Watch(call.signal, call.deadline ?? Infinity);
-      await watch.race(put.pending).catch(() => {});  // if it failed, the next request shows it
+      await watch.race(put.pending).catch(() => {});  // if sending failed, the next request shows it
       watch.release();
       return 'retry';
     }
@@ -248,7 +250,7 @@ export class Client {
     const ask = { ...call, body, headers: { 'Content-Type': body.type }, json: true };
     const put = this.putOf(asset.id);
     const sending = this.request('putMesh', { ...ask, path: { id: asset.id } }).catch((error: unknown) => {
-      // If there are several files, a server that sorts names differently computes another key. The server's key is used.
+      // A server that sorts the names of additional files differently computes another key. The client then uses the server's key.
       if (!(error instanceof FractureError) || error.problem !== 'digest-mismatch' || asset.files.length === 0) throw error;
       return this.request('postMesh', ask);
     });

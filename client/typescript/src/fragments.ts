@@ -31,7 +31,7 @@ export interface Figures {
   bonds: BondColumns;
   /** Indices of the materials of cut faces. */
   interior_materials: number[];
-  /** Ids of the fragments that the last hits created, changed and removed. Only present if `delta` was requested. */
+  /** Ids of the fragments that the last hits created, changed and removed. Present only if the request set `delta`. */
   delta?: { new: number[]; changed: number[]; gone: number[] };
   /** The levels of the hierarchy, coarsest first. */
   levels?: Record<string, any>[];
@@ -151,11 +151,11 @@ export class Fragment extends Piece {
   get mass(): number {
     return this.figures['mass'];
   }
-  /** m², all faces. */
+  /** m², of all faces. */
   get area(): number {
     return this.figures['area'];
   }
-  /** m², the faces that belonged to the mesh's surface. */
+  /** m², of the faces that belonged to the mesh's surface. */
   get exteriorArea(): number {
     return this.figures['exterior_area'];
   }
@@ -163,7 +163,7 @@ export class Fragment extends Piece {
   get centerOfMass(): Vector3 {
     return this.figures['center_of_mass'];
   }
-  /** True if an anchor holds it, so that it does not fall. */
+  /** True if an anchor holds the fragment, so that it does not fall. */
   get anchored(): boolean {
     return this.figures['anchored'];
   }
@@ -179,11 +179,11 @@ export class Fragment extends Piece {
   get parent(): number | null {
     return this.figures['parent'];
   }
-  /** The cells that it consists of. */
+  /** The cells of which the fragment consists. */
   get sites(): readonly number[] {
     return this.figures['sites'];
   }
-  /** Undefined with physics=none. With physics=omi it has no inertia. */
+  /** Undefined with physics=none. With physics=omi, the motion has no inertia. */
   get motion(): Motion | undefined {
     return this.body?.['motion'];
   }
@@ -191,7 +191,7 @@ export class Fragment extends Piece {
   get collisionSystem(): number | undefined {
     return this.colliders.find(collider => collider['collisionFilter'] !== undefined)?.['collisionFilter'];
   }
-  /** Friction and restitution of the surface. They come from the file with physics=khr; otherwise 0.6 and 0. */
+  /** Friction and restitution of the surface. With physics=khr, they come from the file; otherwise they are 0.6 and 0. */
   get surface(): { friction: number; restitution: number } {
     const number = this.colliders[0]?.['physicsMaterial'] as number | undefined;
     const material = this.glb.json.extensions?.[KHR]?.physicsMaterials?.[number ?? -1] ?? {};
@@ -211,7 +211,7 @@ export class Fragment extends Piece {
   private get body(): Record<string, any> | undefined {
     return this.source.extensions?.[KHR] ?? this.source.extensions?.[OMI];
   }
-  /** A single hull is on the node itself, several are on its children. */
+  /** A single hull is on the node itself; several hulls are on its child nodes. */
   private get colliders(): Record<string, any>[] {
     const nodes = [this.source, ...(this.source.children ?? []).map(child => this.glb.json.nodes![child]!)];
     return nodes.flatMap(node => {
@@ -246,7 +246,7 @@ export function figuresOf(glb: Glb): Figures {
   const { nodes, scenes, scene } = glb.json, root = nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
   const figures = root?.extras?.['fracture'] as Figures | undefined;
   if (!figures?.parameters || !figures.certificate || !figures.bonds)
-    throw localError('damaged-answer', 'The root node of this GLB has no extras.fracture: the file is not from a fracture server.');
+    throw localError('damaged-answer', 'The root node of this GLB has no extras.fracture, so the file is not from a fracture server.');
   return figures;
 }
 

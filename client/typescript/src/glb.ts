@@ -47,7 +47,7 @@ export interface GltfBufferView {
   byteStride?: number;
   target?: number;
 }
-/** The JSON of a glTF file: the members that this package reads. There can be others. */
+/** The JSON of a glTF file. Lists only the members that this package reads. */
 export interface Gltf {
   asset: { version: string; generator?: string; copyright?: string; extras?: any };
   scene?: number;
@@ -97,13 +97,13 @@ export class Glb {
 
   /** Parses a GLB. Throws FractureError (damaged-answer). */
   constructor(bytes: Uint8Array) {
-    // Views of floats must start at a multiple of four bytes. A slice of a larger array may start elsewhere, so it is copied.
+    // Views of floats must start at a multiple of four bytes. A slice of a larger array that starts elsewhere is copied.
     this.bytes = bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
     const view = new DataView(this.bytes.buffer, this.bytes.byteOffset, this.bytes.byteLength), size = view.byteLength;
     if (size < 20 || view.getUint32(0, true) !== MAGIC) bad('it does not begin with "glTF"');
     if (view.getUint32(4, true) !== 2) bad(`its version is ${view.getUint32(4, true)}, not 2`);
     if (view.getUint32(8, true) !== size)
-      bad(`its header announces ${digits(view.getUint32(8, true))} bytes, but it has ${digits(size)}`);
+      bad(`its header announces ${digits(view.getUint32(8, true))} bytes, but the file has ${digits(size)}`);
     const text = view.getUint32(12, true), end = 20 + text;
     if (view.getUint32(16, true) !== JSON_CHUNK || end > size) bad('its first chunk is not its JSON');
     try {
@@ -130,7 +130,7 @@ export class Glb {
     return this.json.accessors?.[index] ?? bad(`accessor ${index} does not exist`);
   }
 
-  /** Returns the numbers of an accessor. Each element has as many numbers as its type (VEC3: three). */
+  /** Returns the numbers in an accessor. The type determines how many numbers an element has (VEC3: three). */
   accessor(index: number): TypedArray {
     const accessor = this.accessorAt(index), Type = componentOf(accessor.componentType), width = widthOf(accessor);
     const length = accessor.count * width;

@@ -15,11 +15,11 @@ export interface JobDocument {
   percent: number;
   created: string;
   finished?: string;
-  /** True if the job survives a server restart. */
+  /** True if the job survives a restart of the server. */
   durable: boolean;
-  /** Number of jobs ahead of it while it is queued. */
+  /** Number of jobs ahead while this job is queued. */
   queue_position?: number;
-  /** The address of the answer, when it is done. */
+  /** The address of the answer, if the job is done. */
   result?: string;
   error?: ProblemDocument;
   links: { self?: string; events?: string };
@@ -27,14 +27,14 @@ export interface JobDocument {
 
 const KEEP_ALIVE = 30_000;  // ms without a byte, after which a stream is considered broken; the server sends something every 10 s
 const STREAMS = 3;          // after this many broken streams, the job is only polled
-const WAIT = 20;            // s; longest time that a poll waits for the job to finish
+const WAIT = 20;            // s; maximum time that a poll waits for the job to finish
 
 export class Job {
   private answer: Answer | undefined;
 
   constructor(private readonly client: Client, /** The last known state. */ public document: JobDocument) {}
 
-  /** Returns a finished job for an answer that arrived at once. The server does not keep it. */
+  /** Returns a finished job for an answer that arrived at once. The server has no such job. */
   static done(client: Client, answer: Answer): Job {
     const created = new Date().toISOString();
     const job = new Job(client, { id: '', state: 'done', stage: 'encode', percent: 100, created, durable: false, links: {} });
@@ -56,7 +56,7 @@ export class Job {
     return this.state === 'done' || this.state === 'failed' || this.state === 'cancelled';
   }
 
-  /** Asks the server for the state, and returns it. `wait`: the server answers when the job has finished, or after this many
+  /** Asks the server for the state, and returns it. `wait`: the server responds when the job has finished, or after this many
    * seconds. Throws FractureError. */
   async refresh({ wait, ...options }: CallOptions & { wait?: number } = {}): Promise<JobDocument> {
     if (this.id === '') return this.document;
@@ -65,8 +65,8 @@ export class Job {
     return (this.document = json<JobDocument>(reply));
   }
 
-  /** Yields the state whenever it changes, until the job has finished. Uses server-sent events, or polls if streams are unavailable
-   * or break. Aborting ends the iteration, not the job. Throws FractureError. */
+  /** Yields the state whenever it changes, until the job has finished. Uses server-sent events, or polls the server if event streams are
+   * unavailable or break. Aborting ends the iteration, not the job. Throws FractureError. */
   async *progress(options: CallOptions = {}): AsyncGenerator<JobDocument, void, undefined> {
     yield this.document;
     for (let broken = 0; !this.finished;) {
@@ -80,7 +80,7 @@ export class Job {
         ++broken;
       }
       if (this.finished) return;
-      // The server must not wait longer than the exchange's timeout.
+      // The server must not wait longer than the timeout of the request.
       const wait = Math.max(1, Math.min(WAIT, Math.floor((options.timeout ?? this.client.timeout) / 2000)));
       const before = JSON.stringify(this.document);
       await this.refresh({ ...options, wait });

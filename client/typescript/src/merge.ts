@@ -1,12 +1,12 @@
-// Merges an answer and the changes of a hit (delta=only) into the answer that the server gives with delta=stated. The layout matches
+// Merges an answer with the changes from a hit (delta=only) into the answer that the server gives with delta=stated. The layout matches
 // the server's files (common/gltf), so the binary chunks are identical.
 //
 //   before   a b c d e          kept      a c d           order    by the first site, as on the server
 //   changes      B' x y    ──>  changes     B' x y   ──>  names    renumbered in that order
 //   gone     e                                            bonds    between kept fragments from before, others from the changes
 //
-// If some pieces of a cell and part are kept and others are new, the files do not show their order in the server's answer, so their
-// numbers and names can differ from it. Everything else is identical.
+// If a cell has several pieces in one part, and some are kept while others are new, the files do not show the order of these pieces in
+// the server's answer. Their numbers and names can then differ. Everything else is identical.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { type BondColumns, type Figures, figuresOf } from './fragments.js';
 import { MeshCopier } from './mesh_copier.js';
@@ -43,7 +43,7 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** Returns all bonds, sorted, each from the lower fragment to the higher one. */
+/** Returns all bonds, sorted. Each goes from the earlier fragment to the later one. */
 function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], left: ReadonlySet<number>): BondColumns {
   const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k]));
   const rows: { a: number; b: number; area: number; centroid: Vector3; normal: Vector3; strength: number }[] = [];
@@ -66,7 +66,7 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
-/** Returns each fragment's collision system number. Fragments in the same system share cells, directly or through others. */
+/** Returns each fragment's collision system number. Fragments in the same system share cells, directly or through other fragments. */
 function collisionSystems(sources: Source[]): (number | undefined)[] {
   const root = sources.map((_, k) => k), owner = new Map<number, number>(), shares = new Set<number>();
   const find = (k: number): number => (root[k] === k ? k : (root[k] = find(root[k]!)));
@@ -133,7 +133,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
   });
   for (const { glb, mesh } of hulls) meshes.push(copier.copy(glb, mesh));
 
-  const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // nodes that were passed through uncut; a delta may omit them
+  const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // uncut nodes of the mesh; a delta may omit these nodes
   for (const index of before.json.nodes![0]!.children ?? []) {
     const node = before.json.nodes![index]!;
     if (node.mesh === undefined || fractureOf(node)) continue;

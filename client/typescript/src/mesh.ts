@@ -18,23 +18,23 @@ export interface StoredMesh {
   files: number;
   /** Seconds from the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes, and contacts of several parts. */
+  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes, and contacts between parts. */
   report: Record<string, any>;
 }
 
 export interface FractureOptions extends CallOptions {
-  /** For games: the request is served before batch work, with a shorter deadline (realtime_deadline_ms of GET /limits, 2 s). Default:
-   * true for hits, otherwise false. */
+  /** For games: the request is served before batch work, with a shorter deadline (realtime_deadline_ms in GET /limits; 2 s by default).
+   * Default: true for hits, otherwise false. */
   realtime?: boolean;
   /** The RFC 9218 priority, instead of `realtime`: 0 to 2 are realtime, 3 to 7 are batch work. */
   priority?: number;
 }
 
-/** The server's limit for the request body when it fractures a stored mesh (max_parameters_bytes of GET /limits). */
+/** The server's limit for the body of a request that fractures a stored mesh (max_parameters_bytes in GET /limits). */
 const MOST_PARAMETERS = 4096;
 
 export class Mesh {
-  /** `asset`: the bytes to send again if the server forgets the mesh; undefined if this client does not have them. */
+  /** `asset`: the files to send again if the server forgets the mesh; undefined if this client does not have the files. */
   constructor(private readonly client: Client, private readonly asset: Asset | undefined, /** "sha256:…" */ readonly id: string,
               /** The last known description; undefined before the first request. */ public stored: StoredMesh | undefined) {}
 
@@ -42,7 +42,7 @@ export class Mesh {
     return this.stored?.report;
   }
 
-  /** Breaks the mesh. `parameters`: those listed by GET /patterns. If the server has forgotten the mesh, the client sends it
+  /** Breaks the mesh. `parameters`: see GET /patterns. If the server has forgotten the mesh, the client sends it
    * again. Throws FractureError. */
   async fracture(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Answer> {
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary' });

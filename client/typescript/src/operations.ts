@@ -4,9 +4,9 @@
 export interface Operation {
   readonly method: 'GET' | 'POST' | 'PUT' | 'DELETE';
   readonly path: string;
-  /** Statuses of successful answers. */
+  /** Statuses of successful responses. */
   readonly good: readonly number[];
-  /** True if answers have a Repr-Digest, which the client checks. It treats an answer without one as damaged. */
+  /** True if responses have a Repr-Digest, which the client checks. The client treats a response without one as damaged. */
   readonly digest?: boolean;
   /** True if the operation is on the admin port, which has another address. */
   readonly admin?: boolean;
@@ -14,7 +14,7 @@ export interface Operation {
 
 export const operations = {
   getIndex: { method: 'GET', path: '/', good: [200, 304] },
-  getDocs: { method: 'GET', path: '/docs', good: [200, 304] },  // for browsers, like the next one
+  getDocs: { method: 'GET', path: '/docs', good: [200, 304] },  // for browsers, as is getPageFile
   getPageFile: { method: 'GET', path: '/page/{file}', good: [200, 304] },
   getVersion: { method: 'GET', path: '/version', good: [200] },
   getLimits: { method: 'GET', path: '/limits', good: [200] },
@@ -45,5 +45,5 @@ export const requestFields = [
   'Half-Close', 'If-Match', 'If-None-Match', 'If-Range', 'Prefer', 'Priority', 'Range', 'Request-Timeout',
 ] as const;
 
-/** Error statuses that the document lists. Other statuses throw a FractureError, too. */
+/** Error statuses that the document lists. The client also throws a FractureError for all other error statuses. */
 export const problemStatuses = [400, 404, 406, 408, 412, 413, 415, 416, 422, 503, 504] as const;

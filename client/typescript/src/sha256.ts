@@ -1,7 +1,7 @@
 // SHA-256 (FIPS 180-4): with WebCrypto, or with the code below if WebCrypto is missing, as in node 18 and in pages loaded over plain
 // HTTP from another machine.
 
-/** Returns the constants of SHA-256: the first 32 bits of the fractional parts of square roots and cube roots of the first primes. */
+/** Returns the constants of SHA-256: the first 32 bits of the fractional parts of the first primes' square roots and cube roots. */
 function constants(): { start: Uint32Array; rounds: Uint32Array } {
   const start = new Uint32Array(8), rounds = new Uint32Array(64), primes: number[] = [];
   for (let n = 2; primes.length < 64; ++n) if (primes.every(p => n % p !== 0)) primes.push(n);

@@ -1,5 +1,5 @@
-// Sends a request and retries it: after growing pauses if the server is absent, after its Retry-After if it is busy, at once if an
-// answer is cut off or its digest is wrong. All requests can be repeated safely, because identical requests give identical bytes.
+// Sends a request and retries it: after growing pauses if the server is absent, after the server's Retry-After if it is busy, at once
+// if an answer is cut off or has a wrong digest. All requests can be repeated safely, because identical requests give identical bytes.
 import { operations, type Operation, type OperationId } from './operations.js';
 import { FractureError, localError, problemOf } from './problems.js';
 import { digestMatches } from './sha256.js';
@@ -10,7 +10,7 @@ export interface Settings {
   token?: string | (() => string | Promise<string>);
   /** Used instead of the global fetch. */
   fetch?: typeof globalThis.fetch;
-  /** Milliseconds for one exchange, from the first byte sent to the last byte received. Default: 60000. */
+  /** Milliseconds for one request and its response, from the first byte sent to the last byte received. Default: 60000. */
   timeout?: number;
   /** Milliseconds for one call, retries included. Default: 120000. */
   deadline?: number;
@@ -19,9 +19,9 @@ export interface Settings {
   /** Maximum size of an answer in bytes. Default: 256 MiB. */
   maxAnswerBytes?: number;
   /** Whether answers may be compressed. A browser unpacks compressed answers, so the client cannot check their Repr-Digest, which covers
-   * the packed bytes. It checks all other answers. Default: false. */
+   * the packed bytes. The client checks all other answers. Default: false. */
   compressed?: boolean;
-  /** Whether the platform can read a body while it arrives. If not, the client polls job progress. Default: detected. */
+  /** Whether the platform can read a body while it arrives. If not, the client polls the progress of jobs. Default: detected. */
   streams?: boolean;
   /** Additional header fields for every request. */
   headers?: Record<string, string>;
@@ -31,11 +31,11 @@ export interface Settings {
 export interface CallOptions {
   /** Aborts the call and its request. */
   signal?: AbortSignal | undefined;
-  /** Milliseconds for one exchange. Default: that of the client. */
+  /** Milliseconds for one request and its response. Default: the client's. */
   timeout?: number | undefined;
-  /** Milliseconds for the call, retries included. Default: that of the client. */
+  /** Milliseconds for the call, retries included. Default: the client's. */
   deadline?: number | undefined;
-  /** Maximum number of retries. Default: that of the client. */
+  /** Maximum number of retries. Default: the client's. */
   retries?: number | undefined;
 }
 
@@ -44,7 +44,7 @@ export interface Ask extends CallOptions {
   query?: Record<string, string | undefined>;
   headers?: Record<string, string | undefined>;
   body?: Blob | string;
-  /** True if the answer must be JSON. Any other answer is treated as damaged. */
+  /** True if the response must be JSON. Any other response is treated as damaged. */
   json?: boolean;
   /** Called after a 404 with the problem not-found; decides whether to retry. `sentAt`: time of the request, as returned by now();
    * `left`: ms until the deadline. */
@@ -59,7 +59,7 @@ export interface Reply {
   exchanges: number;
 }
 
-/** Parses the JSON of an answer to a request with `json`. */
+/** Parses the JSON in the reply to a request with `json`. */
 export function json<Document>({ bytes }: Reply): Document {
   return JSON.parse(new TextDecoder().decode(bytes)) as Document;
 }
@@ -89,7 +89,7 @@ export class Transport {
     if (!/^https?:$/.test(this.base.protocol))
       throw localError('bad-argument', `The address '${url}' must begin with http:// or https://.`, { parameter: 'url' });
     if (this.base.username || this.base.password)
-      throw localError('bad-argument', 'The address contains a user name or password, which cannot be sent. Use `token` or `headers`.',
+      throw localError('bad-argument', 'The address contains a user name or password, which cannot be sent. Use `token` or `headers` instead.',
         { parameter: 'url' });
     this.base.search = this.base.hash = '';
     if (!settings.fetch && typeof globalThis.fetch !== 'function')
@@ -154,8 +154,8 @@ export class Transport {
     }
   }
 
-  /** Sends a request without retries. Returns an answer whose body is read while it arrives. The watch limits the time between two
-   * pieces. */
+  /** Sends a request without retries. Returns a response whose body is read while it arrives. The watch limits the time between two
+   * pieces of the body. */
   async stream(operation: OperationId, ask: Ask, idle: number): Promise<{ response: Response; watch: Watch }> {
     const watch = new Watch(ask.signal, idle);
     try {
@@ -189,16 +189,16 @@ export class Transport {
     const given = typeof token === 'function' ? await watch.race(asked(token)) : token;
     if (given) fields['Authorization'] = `Bearer ${given}`;
     if (digest && !this.settings.compressed) {
-      // Only an uncompressed answer can be compared with its digest. A page must not set Accept-Encoding, but the answer to a range
-      // request is not compressed (Fetch standard, HTTP-network-or-cache fetch; the server does the same). This range covers the
-      // whole answer.
+      // Only an uncompressed answer can be compared with its digest. A page must not set Accept-Encoding, but the response to a range
+      // request is not compressed: browsers then accept no coding (Fetch standard, HTTP-network-or-cache fetch), and the server applies
+      // none. This range covers the whole answer.
       fields['Range'] ??= 'bytes=0-';
     }
     let headers: Headers;
     try {
       headers = new Headers(Object.entries(fields).filter((field): field is [string, string] => field[1] !== undefined));
     } catch (cause) {
-      throw localError('bad-argument', `The token or one of \`headers\` cannot be sent: ${textOf(cause)}`, { parameter: 'token', cause });
+      throw localError('bad-argument', `The token or one of the \`headers\` cannot be sent: ${textOf(cause)}`, { parameter: 'token', cause });
     }
     const request: RequestInit = { method, headers, signal: watch.signal };
     if (ask.body !== undefined) request.body = ask.body;
@@ -206,7 +206,7 @@ export class Transport {
   }
 }
 
-/** An exchange that ended without a complete answer. */
+/** A request that ended without a complete response. */
 export class Interrupted {
   constructor(private readonly error: unknown, private readonly watch: Watch, private readonly began: boolean) {}
 
@@ -215,8 +215,8 @@ export class Interrupted {
     if (this.watch.cause === 'aborted') return abortedError(signal!, exchanges);
     if (this.watch.cause === 'timed-out')
       return localError('timed-out', `${base.origin} did not answer within ${Math.round(milliseconds) / 1000} s.`, said);
-    if (this.began) return localError('damaged-answer', `The answer was cut off: ${textOf(this.error)}.`, said);
-    // A browser does not reveal whether the server is absent or refuses this page.
+    if (this.began) return localError('damaged-answer', `The response was cut off: ${textOf(this.error)}.`, said);
+    // A browser does not reveal whether the server is absent, or refuses requests from this page.
     const page = (globalThis as { location?: { origin?: string } }).location?.origin;
     const cors = page && page !== base.origin ? ` If it is running, start it with --cors-origin ${page}.` : '';
     return localError('server-absent', `No server answers at ${base.origin} (${textOf(this.error)}).${cors}`, said);
@@ -231,15 +231,15 @@ async function asked(token: () => string | Promise<string>): Promise<string> {
   }
 }
 
-/** Returns whether the answer was compressed. A page from another origin may not see Content-Encoding, but it sees the ETag. */
+/** Returns whether the answer was compressed. A page from another origin may be unable to see Content-Encoding, but it can see the ETag. */
 const coded = (headers: Headers) => !['', 'identity'].includes(headers.get('content-encoding') ?? '') ||
                                     /\.(gzip|zstd)"$/.test(headers.get('etag') ?? '');
 
 async function readBody(response: Response, watch: Watch, limit: number): Promise<Uint8Array<ArrayBuffer>> {
   const tooLarge = () => {
     response.body?.cancel().catch(() => {});
-    const detail = `The answer has more than ${limit.toLocaleString('en')} bytes, this client's limit maxAnswerBytes. ` +
-      'Ask for fewer fragments, or raise the limit.';
+    const detail = `The answer has more than ${limit.toLocaleString('en')} bytes, which is this client's limit (maxAnswerBytes). ` +
+      'Request fewer fragments, or raise the limit.';
     return localError('answer-too-large', detail, { status: response.status });
   };
   // If the length is known, the buffer has that size from the start. The digest shows whether the answer was cut off.
@@ -263,13 +263,13 @@ async function readBody(response: Response, watch: Watch, limit: number): Promis
   return size === bytes.length ? bytes : bytes.slice(0, size);
 }
 
-/** Returns the defect of an answer; undefined if it is sound. */
+/** Returns what is wrong with an answer; undefined if nothing is. */
 async function damage({ status, headers, bytes }: Reply, digest: boolean, json: boolean): Promise<string | undefined> {
   if (json) {
     try {
       JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
     } catch {
-      return `The answer is not JSON. ${WRONG_SERVER}`;
+      return `The response is not JSON. ${WRONG_SERVER}`;
     }
   }
   if (!digest) return undefined;
@@ -279,5 +279,5 @@ async function damage({ status, headers, bytes }: Reply, digest: boolean, json: 
   if (field === null) return `The answer has no Repr-Digest, so it cannot be checked. ${WRONG_SERVER}`;
   // A compressed answer is already unpacked here; unpacking verified the checksum of its coding.
   if (coded(headers) || await digestMatches(field, bytes)) return undefined;
-  return 'The bytes of the answer do not match its Repr-Digest: they were changed on the way.';
+  return 'The bytes of the answer do not match its Repr-Digest: they were changed in transit.';
 }

@@ -5,7 +5,7 @@ export function abortedError(signal: AbortSignal, exchanges = 0): FractureError 
   return localError('aborted', 'The request was aborted with its AbortSignal.', { cause: signal.reason, exchanges });
 }
 
-/** The signal of one exchange, and the reason why it fired. */
+/** The signal that ends one request, and the reason why it fired. */
 export class Watch {
   private readonly controller = new AbortController();
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -18,7 +18,7 @@ export class Watch {
   constructor(private readonly outer: AbortSignal | undefined, private readonly milliseconds: number) {
     const { signal } = this.controller;
     this.stopped = new Promise((_, reject) => signal.addEventListener('abort', () => reject(signal.reason)));
-    this.stopped.catch(() => {});  // if no caller waits, the rejection must not be reported as unhandled
+    this.stopped.catch(() => {});  // if no caller is waiting, the rejection must not be reported as unhandled
     if (outer?.aborted) this.stop('aborted');
     else outer?.addEventListener('abort', this.onAbort);
     this.restart();
@@ -28,14 +28,14 @@ export class Watch {
     return this.controller.signal;
   }
 
-  /** Restarts the timer. Called when a piece of the answer arrives. */
+  /** Restarts the timer. Called when a piece of the response arrives. */
   restart(): void {
     clearTimeout(this.timer);
-    // If the time is too long for a timer, there is none.
+    // A time that is too long for a timer means no limit.
     if (this.milliseconds < 2 ** 31 && !this.cause) this.timer = setTimeout(() => this.stop('timed-out'), this.milliseconds);
   }
 
-  /** Returns the promise, or a rejection if the watch stops first. It works even for a fetch that ignores its signal. */
+  /** Returns the promise's result, or rejects if the watch stops first. This works even for a fetch that ignores its signal. */
   race<T>(promise: Promise<T>): Promise<T> {
     return Promise.race([promise, this.stopped]);
   }
@@ -68,7 +68,7 @@ export function pause(milliseconds: number, signal: AbortSignal | undefined, exc
   });
 }
 
-/** Starts a time that several requests share. Returns a function that returns its rest, in milliseconds. */
+/** Starts a time limit that several requests share. Returns a function that returns the remaining milliseconds. */
 export function within(milliseconds: number): () => number {
   const end = now() + milliseconds;
   return () => end - now();

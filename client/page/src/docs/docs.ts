@@ -104,7 +104,7 @@ async function loadInterface(): Promise<void> {
 takeTheme();
 keepScroll();
 addEventListener('hashchange', move);
-// A link to the address that is open changes nothing that the browser tells about, and still goes to its place.
+// A link to the address that is already open fires no event for a new address, but must still go to its place.
 addEventListener('click', event => {
   const link = (event.target as Element).closest?.<HTMLAnchorElement>('a[href^="#"]');
   if (link?.hash !== location.hash) return;

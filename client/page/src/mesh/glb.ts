@@ -1,7 +1,7 @@
 // Generates sample shapes as GLB, so that the server does not need any sample files.
 import { type Gltf, packGlb } from 'fracture-client';
 
-/** Triangles, with separate corners where the surface has an edge. */
+/** Triangles, with separate vertices where the surface has a sharp edge. */
 export class Surface {
   readonly positions: number[] = [];
   readonly normals: number[] = [];

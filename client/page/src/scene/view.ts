@@ -19,7 +19,7 @@ export interface Look {
   explode: number;
   cutsOnly: boolean;
   colours: ColourMode;
-  /** The level whose clusters move together and share a colour. The number of levels stands for the fragments themselves. */
+  /** The level whose clusters move together and share a colour. A value equal to the number of levels means the fragments themselves. */
   level: number;
   bonds: boolean;
   wireframe: boolean;
@@ -34,7 +34,7 @@ export const USUAL = 0.18;
 /** Time in ms within which the fragments of a new mesh usually arrive; until then the whole mesh is not drawn. */
 const SOON = 400;
 
-/** The maximum number of rings, and the share of the mesh above which a fragment is visible without one. */
+/** The maximum number of rings, and the fraction of the mesh's size above which a fragment is visible without a ring. */
 const FEW = 12, SMALL = 0.06;
 
 export class View {
@@ -134,7 +134,7 @@ export class View {
     if (this.bonds && (before?.explode !== look.explode || before.level !== look.level)) this.bonds.update();
     if (this.repairs) this.repairs.visible = look.repairs;
     this.haloes(batch, look);
-    // The person is hidden if the mesh is far larger or smaller, like a city or a nut.
+    // The person is hidden if the mesh is far larger or smaller than a person, like a city or a nut.
     this.figure.visible = look.person && this.size < 40 && this.size > 0.25;
     this.stage.invalidate();
   }

@@ -22,7 +22,7 @@ export const words = {
     unitAria: 'Unit of the coordinates', upAria: 'Up axis',
     wanted: (name: string) => `This link needs the mesh ${name}, which is no longer on the server.`,
     wantedHint: 'Drop the same file here. The page verifies its digest:',
-    otherDigest: 'This is not the file that the link was made with (its digest differs), so the fragments may differ too.',
+    otherDigest: 'The link was made with a different file (the digests differ), so the fragments may differ too.',
     taken: (name: string) => `${name} was opened, because it is the largest mesh.`,
     leftOut: (names: readonly string[]) => `${names.slice(0, 3).join(', ')}${names.length > 3 ? ` and ${names.length - 3} more` : ''} ${names.length === 1 ? 'was' : 'were'} not opened, because the page breaks one mesh at a time.`,
     thicken: 'Open sheets have no volume. Give them a thickness:', thickenBy: (text: string) => `${text} thick`,
@@ -39,13 +39,13 @@ export const words = {
     made: (asked: number, made: number, why: string | undefined) => `${asked.toLocaleString('en')} requested, ${made.toLocaleString('en')} made${why ? `: ${why}` : ''}.`,
     withinTenth: 'the number can differ by up to 10 %', brokenOff: (hits: number) => `the pieces that ${hits === 1 ? 'the hit' : `${hits} hits`} broke off are additional`,
     separateParts: (parts: number) => `the mesh has ${parts.toLocaleString('en')} separate parts, and each becomes at least one fragment`,
-    apart: 'the others touch nothing they could be merged with', atMost: 'the maximum number of fragments is lower',
-    crossesItself: 'the surface crosses itself, so some pieces have no volume of their own', noMoreCells: 'the pattern and the size limits allow no more',
+    apart: 'the others touch no fragment with which they could be merged', atMost: 'the maximum number of fragments is lower',
+    crossesItself: 'the surface crosses itself, so some pieces have no volume of their own', noMoreCells: 'the pattern and the size limits allow no more fragments',
     noMatch: 'No parameter name or description contains this text.',
   },
   remarks: { warnings: 'Warnings', notes: 'Notes' },
   look: {
-    explode: 'Explode', colours: 'Colours', cuts: 'Cuts', cutsHint: 'Show only cut faces', bonds: 'Bonds', bondsHint: 'Show bonds as lines; the thicker the line, the larger the area',
+    explode: 'Explode', colours: 'Colours', cuts: 'Cuts', cutsHint: 'Show only cut faces', bonds: 'Bonds', bondsHint: 'Show bonds as lines; a thicker line means a larger bond area',
     wire: 'Wire', wireHint: 'Show triangles', level: 'Level', fit: 'Fit', fitHint: 'Fit the whole mesh into the view', fragments: (count: number) => (count === 1 ? 'fragment' : 'fragments'),
     modes: { material: 'Material', fragment: 'Fragment', size: 'Size', level: 'Level', strength: 'Bond strength' },
     small: 'small', large: 'large', weak: 'weak', strong: 'strong',
@@ -65,7 +65,7 @@ export const words = {
   },
   seal: {
     good: 'Proved', bad: 'Not proved', softer: 'Closed only', title: 'Certificate',
-    goodText: 'Every fragment is closed, both sides of each cut match bit for bit, and the volumes add up to the volume of the mesh. The server checks this before it sends an answer. These are its results.',
+    goodText: 'Every fragment is closed, both sides of each cut match bit for bit, and the volumes add up to the volume of the mesh. The server checks this before it sends an answer. These are the results of its checks.',
     badText: 'One of these values is wrong. Please copy the debug information (Export tab) and report it.',
     softerText: 'With dual=barycenter every fragment is closed, but gaps and overlaps between fragments are possible.',
     openEdges: 'Open edges in all fragments', unmirrored: 'Cuts whose sides do not match', volumeIn: 'Volume of the mesh', volumeOut: 'Total volume of the fragments',
@@ -80,7 +80,7 @@ export const words = {
   take: {
     glb: 'GLB', variants: 'For a game engine', godot: 'Godot (OMI)', unreal: 'Unreal (UCX)', plain: 'Without physics', figures: 'Data (JSON)',
     same: 'Use this request elsewhere', kinds: { curl: 'curl', python: 'Python', javascript: 'JavaScript', bake: 'bake', manifest: 'Manifest' },
-    mesh: 'Download this mesh', meshHint: (file: string) => `${file} is not on your disk. Download it to the folder where you run this.`,
+    mesh: 'Download this mesh', meshHint: (file: string) => `${file} is not on your disk. Download the file to the folder where you run these lines.`,
     sampleFile: (file: string) => `${file} is a sample: "Download this mesh" saves it.`,
     copy: 'Copy', copied: 'Copied', link: 'Copy a link', linkHint: 'The link contains the parameters and the content key, but not the mesh.',
     presets: 'Presets', save: 'Save as a file', load: 'Load a file', picture: 'Screenshot of the view (PNG)', debug: 'Copy debug information',
@@ -89,7 +89,7 @@ export const words = {
   },
   sheet: {
     close: 'Close', licences: 'Licences of third-party code', keys: 'Keyboard shortcuts', tokenTitle: 'This server needs a token',
-    tokenHint: 'It is kept only in memory and forgotten when you close the page.', token: 'Token', use: 'Use it', wrong: 'The server did not accept this token. Check it and try again.',
+    tokenHint: 'The page keeps the token only in memory, and forgets it when you close or reload the page.', token: 'Token', use: 'Use it', wrong: 'The server did not accept this token. Check it and try again.',
   },
   status: {
     asking: 'working …', earlier: 'previous result', earlierHint: 'The view still shows the result of the previous request. Undo goes back to that request.', toPicture: 'until shown',
@@ -98,7 +98,7 @@ export const words = {
   problem: {
     dismiss: 'Dismiss', marked: 'The error is marked on the mesh.', id: 'Request', explain: 'Explain this error', back: (name: string) => `Back to ${name}`, reload: 'Reload the page',
     page: 'Error in the page', away: 'The server does not answer', awayDetail: 'Part of this page could not be loaded. The page keeps trying until the server is back.',
-    updated: 'The server has another version of this page', updatedDetail: 'Part of this page could not be loaded, because it does not match the open page. Reload the page: the address keeps the mesh and its parameters.',
+    updated: 'The server has another version of this page', updatedDetail: 'Part of this page could not be loaded, because its version differs from that of the open page. Reload the page: the address keeps the mesh and its parameters.',
   },
   noWebgl: 'This browser has no WebGL, so nothing can be drawn. Reports, fragments and downloads still work.',
   lost: 'The graphics card was reset, so nothing is drawn for the moment. The view will come back; reports and downloads still work.',

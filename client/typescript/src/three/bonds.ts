@@ -1,8 +1,8 @@
 // The bonds that a blow breaks, and the groups that stay together.
 //
 // A bond is a spring that breaks when it has stretched by `give` metres. Its tension is then `strength` (N), which in the file is
-// bond_strength times the area. By then it has absorbed ½ · strength · give joules. The energy of a blow is that of a collision without
-// a bounce, J² / 2μ, with its impulse J and the two bodies' reduced mass μ. The blow breaks the nearest bonds until its energy is
+// bond_strength times the area. By then the bond has absorbed ½ · strength · give joules. The energy of a blow is that of a collision without
+// a bounce: J² / 2μ, where J is the impulse and μ the reduced mass of the two bodies. The blow breaks the nearest bonds until its energy is
 // used up. This is a model for games: forces do not travel through the group, and slow loads break nothing.
 import type { Bond } from '../fragments.js';
 import { length, sub, type Vec3 } from './mass.js';

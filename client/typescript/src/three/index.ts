@@ -13,14 +13,14 @@ import type { Vec3 } from './mass.js';
 import { type PieceOptions, Pieces, type Pose, type World } from './pieces.js';
 import type { RapierBody } from './rapier.js';
 
-/** Your own body and its drawn object. The body's frame is the mesh's frame, or is at `origin` in it. */
+/** Your own body and its drawn object. The body's frame is the mesh's frame, unless `origin` places it elsewhere in the mesh's frame. */
 export interface OwnBody {
   body: RapierBody;
   object3D: Object3D;
   origin?: Vec3;
 }
 
-/** Puts an answer into the world. `whole`: as a single unbroken body with the mass and inertia of its fragments, even if they have no
+/** Puts an answer into the world. `whole`: as a single unbroken body with the mass and inertia of all fragments, even if they have no
  * bonds. Throws FractureError (bad-argument) for an answer without rigid bodies. */
 export function place(answer: Answer, world: World, how: Pose & PieceOptions & { whole?: boolean } = {}): Pieces {
   const { whole = false, position = [0, 0, 0], rotation = [0, 0, 0, 1], ...options } = how;

@@ -58,7 +58,7 @@ export interface MassProperties {
   inertia: Mat3;
 }
 
-/** Returns a fragment's mass properties in the mesh's frame. `translation`: that of its node. */
+/** Returns a fragment's mass properties in the mesh's frame. `translation`: the translation of its node. */
 export function massOf(motion: Motion, translation: Vec3): MassProperties {
   const inertia = inertiaOf(motion.inertiaDiagonal, motion.inertiaOrientation);
   return { mass: motion.mass, center: add(translation, motion.centerOfMass), inertia };
@@ -144,7 +144,7 @@ export function setMomentum(bodies: MovingBody[], wanted: Momentum): void {
   if (!(mass > 0)) return;
   const now = momentumOf(bodies, wanted.center);
   const push = scale(1 / mass, sub(wanted.linear, now.linear));
-  // The push acts at the common centre, which may differ from the reference point of the wanted momentum.
+  // The push acts at the common centre, but the wanted momentum may refer to another point.
   const turn = sub(sub(wanted.angular, now.angular), cross(sub(center, wanted.center), scale(mass, push)));
   const { moments, axes } = principalAxes(inertia), along = rotate(conjugate(axes), turn);
   const least = 1e-12 * Math.max(...moments);  // no spin about an axis without inertia, as in a needle

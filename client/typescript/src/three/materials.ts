@@ -15,7 +15,7 @@ const FILTER: Record<number, Texture['minFilter']> = {
 };
 
 /** Returns the materials of an answer. Images are decoded if the platform has createImageBitmap(); otherwise surfaces have plain
- * colours. All answers for the same mesh can share them if their cut materials are the same. */
+ * colours. All answers for the same mesh can share the materials if their cut materials are the same. */
 export async function materialsOf(answer: Answer): Promise<Material[]> {
   const glb = answer.document, textures = new Textures(glb);
   const primitives = (glb.json.meshes ?? []).flatMap(mesh => mesh.primitives);

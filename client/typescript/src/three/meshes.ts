@@ -36,7 +36,7 @@ class SharedBuffers {
     const accessor = this.glb.accessorAt(index), width = widthOf(accessor), view = accessor.bufferView;
     if (view === undefined || accessor.componentType !== 5126 || accessor.sparse)
       throw localError('bad-argument', `Accessor ${index} is not a dense array of floats, as meshesOf() requires. Use an unchanged ` +
-        'GLB of the server.', { parameter: 'answer' });
+        'GLB from the server.', { parameter: 'answer' });
     let buffer = this.buffers.get(view);
     if (!buffer) {
       const bytes = this.glb.view(view);

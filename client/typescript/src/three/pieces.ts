@@ -1,6 +1,6 @@
 // Fragments in a Rapier world, drawn by three.js. Fragments that are held together by bonds form one compound body. If bonds break,
-// several bodies replace it. Each gets the velocity v + ω × r, and then all get a common rigid motion, so that linear and angular
-// momentum stay exactly the same even if the masses differ.
+// several bodies replace it. Each body gets the velocity v + ω × r, and then all get a common rigid motion, so that linear and
+// angular momentum stay exactly the same even if the masses differ.
 import { Group, type Material, type Mesh, type Object3D } from 'three';
 import type { Answer } from '../answer.js';
 import { localError } from '../problems.js';
@@ -34,7 +34,7 @@ export interface Pose {
   rotation?: readonly [number, number, number, number];
 }
 
-/** The replacement of a body by others. Both momenta are about the same point. */
+/** The replacement of a body by other bodies. Both momenta are about the same point. */
 export interface SwapRecord {
   before: Momentum;
   after: Momentum;
@@ -53,7 +53,7 @@ interface Body {
   settled: boolean;
 }
 
-/** A contact force is a blow only if it exceeds this multiple of a group's weight. */
+/** A contact force counts as a blow only if it exceeds this multiple of a group's weight. */
 const QUIET = 4;
 
 export class Pieces {
@@ -102,7 +102,7 @@ export class Pieces {
   momentum(about?: Vec3): Momentum {
     return momentumOf(this.rigidBodies.filter(rigid => rigid.isDynamic()).map(movingBody), about);
   }
-  /** Converts a point on a fragment from world space to the mesh's frame before anything moved, which is the frame of hits. Throws
+  /** Converts a point on a fragment from world space to the mesh's frame before anything moved, because hits use this frame. Throws
    * FractureError (bad-argument) for an unknown id. */
   pointOf(id: number, point: Vec3): Vec3 {
     const body = this.bodyOfMember.get(this.indexOf.get(id) ?? -1);
@@ -206,7 +206,7 @@ export class Pieces {
   only(): { rigid: RapierBody; origin: Vec3 } {
     const [body, ...others] = this.bodies;
     if (!body || others.length > 0)
-      throw localError('bad-argument', `swap() replaces one body, but these pieces have ${this.bodies.size}. Place the answer with ` +
+      throw localError('bad-argument', `swap() replaces one body, but these pieces have ${this.bodies.size} bodies. Place the answer with ` +
         '`whole: true` to get one body.', { parameter: 'object' });
     return body;
   }
@@ -252,7 +252,7 @@ export class Pieces {
     const made = parts.map(members => this.add(members, frame, turn, field)), moving = made.filter(rigid => rigid.isDynamic());
     const held = !old.isDynamic() || moving.length < made.length;
     const before = momentumOf(old.isDynamic() ? [field] : []);
-    // This runs twice: the second round corrects the rounding to floats.
+    // This runs twice, because the second round corrects errors from rounding to floats.
     for (let round = 0; round < 2 && !held; ++round) {
       const bodies = moving.map(movingBody);
       setMomentum(bodies, before);

@@ -76,7 +76,7 @@ export function setMotion(body: RapierBody, { velocity, spin }: Pick<MovingBody,
 export function colliders({ ColliderDesc, ActiveEvents }: Rapier, fragment: Fragment, offset: Vec3, threshold: number | undefined): any[] {
   const { hulls, surface: { friction, restitution }, collisionSystem } = fragment;
   return hulls.flatMap(({ positions, triangles }) => {
-    // Rapier recomputes the hull from the points and merges almost coplanar faces, so a step takes half the time.
+    // Rapier recomputes the hull from the points and merges almost coplanar faces. This halves the time of a step.
     const shape = ColliderDesc.convexHull(positions) ?? ColliderDesc.convexMesh(positions, Uint32Array.from(triangles));
     if (!shape) return [];
     shape.setTranslation(...offset).setDensity(0).setFriction(friction).setRestitution(restitution);
