@@ -134,7 +134,7 @@ tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const Jso
 std::string to_text(const JsonFault& fault) {
   switch (fault.kind) {
     case JsonFault::Kind::kSyntax:
-      return "is not valid JSON (byte " + std::to_string(fault.byte) + ")";
+      return "is not valid JSON (error at byte " + std::to_string(fault.byte) + ")";
     case JsonFault::Kind::kTooDeep:
       return "is nested too deeply";
     case JsonFault::Kind::kTooLarge:

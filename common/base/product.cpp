@@ -20,13 +20,13 @@ Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
       return {ErrorCode::kTooComplex, "; a computation may use " + limit +
                                           ". Ask for fewer sites, or send a mesh with fewer triangles."};
     case Allowance::Answer::kOverShare:
-      return {
-          ErrorCode::kOverShare,
-          ". A computation may use " + limit +
-              ", minus the bytes that the same client's other computations are using, which are too many now. "
-              "Wait until one of them has finished, then ask again."};
+      return {ErrorCode::kOverShare,
+              ". A computation may use " + limit +
+                  ", minus the bytes that the same client's other computations are using now. "
+                  "Wait until one of them has finished, then ask again."};
     default:
-      return {ErrorCode::kOutOfMemory, ", but other computations are using too many of them now."};
+      return {ErrorCode::kOutOfMemory,
+              ", but other computations are using too much memory now. Try again later."};
   }
 }
 

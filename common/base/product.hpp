@@ -28,7 +28,7 @@ const char* name_of(Product product);
 /// common/pipeline/DECISION.md has the measurements.
 std::uint64_t bytes_of(Product product);
 
-/// How many bytes one computation may hold for what it makes. Thread-safe.
+/// The number of bytes that one computation may hold for its products. Thread-safe.
 class Allowance {
  public:
   enum class Answer {
@@ -37,12 +37,14 @@ class Allowance {
     kOverShare,  ///< other computations of the same client hold it
     kNever,      ///< more than a computation that is alone may hold
   };
-  /// May the computation hold so many bytes in all? Asked rarely: each grant is at least half as large again.
+  /// Returns whether the computation may hold this many bytes in all. Rarely called, because each grant is at least
+  /// half as large again.
   using Grant = std::function<Answer(std::uint64_t bytes)>;
-  /// It holds no more than so many bytes from now on.
+  /// From now on, the computation holds no more than this many bytes.
   using Release = std::function<void(std::uint64_t bytes)>;
 
-  /// `granted`: bytes that it holds already. `limit`: the most that `grant` can ever grant, for words.
+  /// `granted`: bytes that the computation already holds. `limit`: the most that `grant` can ever grant, for error
+  /// messages.
   Allowance(std::uint64_t granted, std::uint64_t limit, Grant grant, Release release = {})
       : granted_(granted),
         admitted_(granted),
@@ -52,10 +54,11 @@ class Allowance {
   Allowance(const Allowance&) = delete;
   Allowance& operator=(const Allowance&) = delete;
 
-  /// Counts further products. Throws Interrupted: kTooComplex, naming what grew, where the computation could
-  /// never hold them; kOutOfMemory where others hold the memory now, kOverShare where the same client does.
+  /// Counts further products. Throws Interrupted: kTooComplex, with the kind of product, if the computation could
+  /// never hold them; kOutOfMemory if other clients are using the memory now; kOverShare if the same client is using
+  /// it.
   void add(Product product, std::uint64_t count);
-  /// How many were counted, those of a Temporary included.
+  /// The number of products counted, including those of a Temporary.
   std::uint64_t made(Product product) const {
     return made_[static_cast<std::size_t>(product)].load(std::memory_order_relaxed);
   }

@@ -205,7 +205,7 @@ class WindingTraversal {
             (words.empty() ? "" : ", ") + std::to_string(i.winding) + " of layer " + std::to_string(i.layer);
       return words.empty() ? std::string("0") : words;
     };
-    throw InternalError("winding number differs between two ways to Voronoi vertex " + std::to_string(u) +
+    throw InternalError("two paths give different winding numbers to Voronoi vertex " + std::to_string(u) +
                         ": " + text(found) + " and " + text(expected));
   }
 

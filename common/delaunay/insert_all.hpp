@@ -65,9 +65,9 @@ Expected<Tetrahedralization> insert_all(IncrementalDelaunay& delaunay, const Kep
     const auto [status, vertex] = insert(points[order[i]]);
     if (status == Status::kFull)
       return fail(ErrorCode::kTooComplex,
-                  "the Delaunay tetrahedralization of these sites has more than " +
+                  "The Delaunay tetrahedralization of these sites has more than " +
                       std::to_string(sites.max_tets) +
-                      " tetrahedra (n points on two skew lines produce n^2/4 of them)",
+                      " tetrahedra (n points on two skew lines produce n^2/4 tetrahedra).",
                   "/points", {{"limit", sites.max_tets}});
     if (status == Status::kOutsideDomain) throw InternalError("a site outside its own domain");
     vertex_of[order[i]] = vertex;

@@ -288,7 +288,7 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
     tets.at(rim[k].tet).n[rim[k].face] = facet.tet;
     ++k;
   }
-  if (k != rim.size()) throw InternalError("new tetrahedra do not fill the place of those that went");
+  if (k != rim.size()) throw InternalError("the new tetrahedra do not fill the space of the removed ones");
   done.made = std::move(slots);
   return done;
 }

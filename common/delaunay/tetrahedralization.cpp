@@ -22,15 +22,17 @@ bool in_range(const Vec3d& p) {
 
 Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
   if (sites.size() > kMaxSites)
-    return fail(
-        ErrorCode::kTooComplex,
-        std::to_string(sites.size()) + " sites; at most " + std::to_string(kMaxSites) + " are accepted",
-        "/points");
+    return fail(ErrorCode::kTooComplex,
+                std::to_string(sites.size()) + " sites were given; at most " + std::to_string(kMaxSites) +
+                    " are allowed.",
+                "/points");
   if (!box.empty() && !(in_range(box.min) && in_range(box.max)))
-    return fail(ErrorCode::kNotFinite, "the mesh's box must be finite and at most 1e12 in magnitude", "");
+    return fail(ErrorCode::kNotFinite,
+                "The coordinates of the mesh's box must be finite and at most 1e12 in magnitude.", "");
   for (std::size_t i = 0; i < sites.size(); ++i)
     if (!in_range(sites[i]))
-      return fail(ErrorCode::kNotFinite, "a site's coordinates must be finite and at most 1e12 in magnitude",
+      return fail(ErrorCode::kNotFinite,
+                  "The coordinates of a site must be finite and at most 1e12 in magnitude.",
                   "/points/" + std::to_string(i));
 
   KeptSites kept;

@@ -155,7 +155,7 @@ asio::awaitable<bool> ConnectionPool::shake_hands(Connection& connection, Exchan
       error == beast::error::timeout ? Exchange::Outcome::kTimedOut : Exchange::Outcome::kNoServer;
   exchange.detail = verified != X509_V_OK
                         ? "The certificate of " + settings_.authority() +
-                              " is not accepted: " + X509_verify_cert_error_string(verified) + "."
+                              " was rejected: " + X509_verify_cert_error_string(verified) + "."
                         : settings_.authority() + " failed the TLS handshake: " + error.message() + ".";
   co_return false;
 }
@@ -205,11 +205,11 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
     exchange.outcome = outcome_of(error, interruption);
     exchange.detail =
         exchange.outcome == Exchange::Outcome::kTooLarge
-            ? "The answer is larger than " + std::to_string(settings_.max_answer_bytes) + " bytes."
+            ? "The response is larger than " + std::to_string(settings_.max_answer_bytes) + " bytes."
             : "The connection broke during " + std::string(request.method) + " " +
                   request.target.substr(0, 40) + ": " + error.message() + ".";
     if (exchange.outcome == Exchange::Outcome::kTimedOut)
-      exchange.detail = "No complete answer within " + std::to_string(time.count()) + " ms.";
+      exchange.detail = "No complete response arrived within " + std::to_string(time.count()) + " ms.";
     connection.reset();  // so that the server stops computing
     co_return exchange;
   }

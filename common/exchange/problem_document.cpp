@@ -26,7 +26,8 @@ ProblemDocument problem_in(const nlohmann::json& document) {
 
 ProblemDocument problem_in(const Exchange& exchange) {
   ProblemDocument problem = problem_in(json_or_null(exchange.body, {.depth = 16}));
-  if (problem.detail.empty()) problem.detail = "The server answered " + std::to_string(exchange.status) + ".";
+  if (problem.detail.empty())
+    problem.detail = "The server responded with status " + std::to_string(exchange.status) + ".";
   return problem;
 }
 

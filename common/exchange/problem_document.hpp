@@ -24,8 +24,8 @@ struct ProblemDocument {
 /// Of a document that was read already, also inside of another one. Empty for what is no object.
 ProblemDocument problem_in(const nlohmann::json& document);
 
-/// Of the body of an answer, whatever its media type. An answer without a detail gets one: "The server answered
-/// 404."
+/// The problem in the body of a response of any media type. If the response has no detail, it is "The server responded with
+/// status 404."
 ProblemDocument problem_in(const Exchange& exchange);
 
 }  // namespace fracture::protocol

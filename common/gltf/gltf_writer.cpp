@@ -26,7 +26,7 @@ void check_companions(const FracturedSolid& fractured) {
   for (const std::size_t size : {fractured.hulls.of_fragment.size(), fractured.anchored.held.size(),
                                  fractured.hierarchy.cluster_of_fragment.size()})
     if (size != 0 && size != fractured.set.fragments.size())
-      throw InternalError("a companion of " + std::to_string(size) + " fragments for a set of " +
+      throw InternalError("data for " + std::to_string(size) + " fragments in a set of " +
                           std::to_string(fractured.set.fragments.size()));
 }
 

@@ -48,7 +48,7 @@ class JsonText {
   requires(!std::same_as<Integer, bool>) JsonText& value(Integer number) { return put_number(number); }
   /// Floats are written as the double they are exactly, so that every reader gets the stored bits back.
   JsonText& value(double number) {
-    if (!std::isfinite(number)) throw InternalError("a figure for the file is not a finite number");
+    if (!std::isfinite(number)) throw InternalError("a number for the file is not finite");
     if (number == 0 && std::signbit(number)) return put("-0.0");  // "-0" is an integer to some readers
     return put_number(number);
   }

@@ -117,7 +117,7 @@ struct FracturedBase {
   std::vector<KeptFragment> fragments{};
 };
 
-/// Bytes, those of the object itself too.
+/// The size in bytes, including the object itself.
 std::size_t memory_size(const KeptCell& cell);
 std::size_t memory_size(const FracturedBase& base);
 
@@ -128,7 +128,7 @@ std::vector<std::vector<std::uint32_t>> triangles_by_cell(const Solid& solid, co
 /// Takes notes while an answer is made whole.
 class LocalBaseMaker {
  public:
-  /// When the clipper is done.
+  /// Called when the clipper has finished.
   void see(const RestrictedDiagram& restricted, const Execution& execution);
   /// How the fragments came about: takes it out of the cut.
   void see(CutCells& cut);
@@ -156,7 +156,7 @@ KeptFragment kept_fragment(const FracturedSolid& answer, std::uint32_t k, const 
 /// before they are judged. Throws Interrupted.
 CutCells all_cells_of(const Solid& solid, const LocalBase& base, const Execution& execution);
 
-/// The certificate of the whole, but for crossing caps.
+/// The certificate of the whole answer, apart from crossing caps.
 Certificate certificate_of(const Solid& solid, const FragmentFigures& figures);
 
 }  // namespace fracture

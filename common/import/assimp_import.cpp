@@ -66,8 +66,9 @@ void check_indices(const aiScene& scene) {
       for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k)
         if (mesh.mFaces[f].mIndices[k] >= mesh.mNumVertices)
           refuse(ErrorCode::kMalformedMesh, "Face " + std::to_string(f) + " refers to vertex " +
-                                                std::to_string(mesh.mFaces[f].mIndices[k]) + "; there are " +
-                                                std::to_string(mesh.mNumVertices) + ".");
+                                                std::to_string(mesh.mFaces[f].mIndices[k]) +
+                                                "; the mesh has only " + std::to_string(mesh.mNumVertices) +
+                                                " vertices.");
   }
 }
 

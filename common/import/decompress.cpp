@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kBlock = 1u << 20;
 
 tl::unexpected<Error> too_large(std::uint64_t max_bytes) {
-  return fail(ErrorCode::kTooLarge,
-              "The file inflates to more than the " + std::to_string(max_bytes) + " bytes that are allowed.");
+  return fail(ErrorCode::kTooLarge, "The decompressed file has more than the " + std::to_string(max_bytes) +
+                                        " bytes that are allowed.");
 }
 tl::unexpected<Error> damaged(std::size_t good) {
   return fail(ErrorCode::kMalformedMesh,

@@ -89,7 +89,7 @@ std::vector<double> read_accessor(const tinygltf::Model& model, int index, int w
   if (accessor_width(model, index) != width)
     refuse(ErrorCode::kMalformedMesh,
            "Accessor " + std::to_string(index) + " has elements of " +
-               std::to_string(accessor_width(model, index)) + " numbers, expected " + std::to_string(width) +
+               std::to_string(accessor_width(model, index)) + " numbers instead of " + std::to_string(width) +
                ".",
            "/accessors/" + std::to_string(index) + "/type");
   const auto w = static_cast<std::uint64_t>(width);

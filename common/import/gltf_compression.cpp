@@ -155,7 +155,7 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
   if (stride == 0 || stride > 256 || count == 0 || count > limits.max_decoded_bytes / stride)
     refuse(ErrorCode::kTooLarge,
            "The compressed view declares " + std::to_string(count) + " elements of " +
-               std::to_string(stride) + " bytes.",
+               std::to_string(stride) + " bytes each, which is outside the limits.",
            pointer);
   std::vector<std::uint8_t> out(count * stride);
   int result = -1;

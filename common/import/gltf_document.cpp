@@ -38,7 +38,8 @@ void require_objects(const json& document, const char* key) {
   const json& array = array_at(document, key);
   for (std::size_t k = 0; k < array.size(); ++k)
     if (!array[k].is_object())
-      refuse(ErrorCode::kMalformedMesh, std::string("\"") + key + "\" holds something that is not an object.",
+      refuse(ErrorCode::kMalformedMesh,
+             std::string("\"") + key + "\" contains a value that is not an object.",
              std::string("/") + key + "/" + std::to_string(k));
 }
 
@@ -46,15 +47,17 @@ void check_version_and_extensions(const json& document) {
   const auto asset = document.find("asset");
   if (const auto meshes = document.find("meshes"); meshes != document.end() && meshes->is_object())
     refuse(ErrorCode::kUnsupportedFeature,
-           "The document is glTF 1.0 (its meshes are an object with names); only glTF 2.x is read.",
+           "The document is glTF 1.0 (its meshes are an object with names); only glTF 2.x is supported.",
            "/meshes");
   if (asset == document.end() || !asset->is_object() || !asset->contains("version") ||
       !(*asset)["version"].is_string())
-    refuse(ErrorCode::kMalformedMesh, "The document has no asset.version: it is not glTF.", "/asset/version");
+    refuse(ErrorCode::kMalformedMesh, "The document has no asset.version, so it is not glTF.",
+           "/asset/version");
   const std::string version = (*asset)["version"].get<std::string>();
   if (version.substr(0, 2) != "2.")
     refuse(ErrorCode::kUnsupportedFeature,
-           "The document is glTF " + version.substr(0, 16) + "; only glTF 2.x is read.", "/asset/version");
+           "The document is glTF " + version.substr(0, 16) + "; only glTF 2.x is supported.",
+           "/asset/version");
   const json& required = array_at(document, "extensionsRequired");
   for (std::size_t k = 0; k < required.size(); ++k) {
     const std::string pointer = "/extensionsRequired/" + std::to_string(k);
@@ -141,8 +144,8 @@ class Buffers {
     const std::span<const std::uint8_t> bytes = *views_[buffer];
     if (offset > bytes.size() || length > bytes.size() - offset)
       refuse(ErrorCode::kMalformedMesh,
-             "Bytes " + std::to_string(offset) + " to " + std::to_string(offset) + " + " +
-                 std::to_string(length) + " are outside buffer " + std::to_string(buffer) + " of " +
+             std::to_string(length) + " bytes from byte " + std::to_string(offset) +
+                 " on do not fit in buffer " + std::to_string(buffer) + ", which has " +
                  std::to_string(bytes.size()) + " bytes.",
              pointer);
     return bytes.subspan(offset, length);
@@ -212,8 +215,8 @@ void gather_views(GltfDocument& document, const Buffers& buffers, const ImportLi
         const std::vector<std::uint8_t> plain = decode_meshopt(*meshopt, packed, limits, inner);
         if (plain.size() < length)
           refuse(ErrorCode::kMalformedMesh,
-                 "The compressed view decodes to " + std::to_string(plain.size()) + " bytes, " +
-                     std::to_string(length) + " are declared.",
+                 "The compressed view decodes to " + std::to_string(plain.size()) + " bytes, but declares " +
+                     std::to_string(length) + ".",
                  pointer + "/byteLength");
         view["byteOffset"] = append_binary(document, plain, limits);
       }
@@ -246,8 +249,8 @@ void check_range(const json& document, std::uint64_t view, std::uint64_t offset,
   if (!fits)
     refuse(ErrorCode::kMalformedMesh,
            std::to_string(count) + " elements of " + std::to_string(element) +
-               " bytes do not fit in bufferView " + std::to_string(view) + " of " + std::to_string(length) +
-               " bytes.",
+               " bytes each do not fit in bufferView " + std::to_string(view) + ", which has " +
+               std::to_string(length) + " bytes.",
            pointer, {{"count", count}, {"byte_length", length}});
 }
 
@@ -271,8 +274,8 @@ void check_accessors(const json& document, const ImportLimits& limits) {
     const std::uint64_t element = component * components;
     if (count > limits.max_decoded_bytes / element)
       refuse(ErrorCode::kTooLarge,
-             "The accessor declares " + std::to_string(count) + " elements, more than " +
-                 std::to_string(limits.max_decoded_bytes) + " bytes.",
+             "The accessor declares " + std::to_string(count) + " elements, which need more than the " +
+                 std::to_string(limits.max_decoded_bytes) + " bytes that are allowed.",
              pointer + "/count", {{"count", count}});
     if (accessor.contains("bufferView"))
       check_range(document, unsigned_at(accessor, "bufferView", kRequired, pointer),
@@ -314,8 +317,8 @@ json parse(std::string_view text, const ImportLimits& limits) {
     std::string beginning;
     for (const char c : text.substr(0, 16)) beginning += c >= 0x20 && c < 0x7f ? c : '.';
     refuse(ErrorCode::kMalformedMesh,
-           "The JSON of the glTF is not valid at byte " + std::to_string(error.byte) + "; it begins with \"" +
-               beginning + "\".",
+           "The JSON of the glTF is not valid at byte " + std::to_string(error.byte) +
+               "; the JSON begins with \"" + beginning + "\".",
            {}, {{"byte", error.byte}});
   }
 }

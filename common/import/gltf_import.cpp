@@ -59,7 +59,7 @@ class MeshReader {
           if (index >= vertices)
             refuse(ErrorCode::kMalformedMesh,
                    "A triangle of mesh \"" + mesh.name.substr(0, 60) + "\" refers to vertex " +
-                       std::to_string(index) + "; there are " + std::to_string(vertices) + ".",
+                       std::to_string(index) + "; there are only " + std::to_string(vertices) + " vertices.",
                    "/accessors/" + std::to_string(primitive.indices));
       } else {
         indices.resize(vertices);
@@ -86,7 +86,8 @@ class MeshReader {
       if (it == primitive.attributes.end()) return {};
       std::vector<double> values = read_accessor(model_, it->second, width);
       if (values.size() != count * static_cast<std::size_t>(width))
-        refuse(ErrorCode::kMalformedMesh, "The attribute " + name + " and POSITION have different counts.",
+        refuse(ErrorCode::kMalformedMesh,
+               "The attribute " + name + " and the attribute POSITION have different counts.",
                "/accessors/" + std::to_string(it->second) + "/count");
       return values;
     };
@@ -170,9 +171,9 @@ class Skinning {
         const double weight = raw.weights[set][4 * vertex + k], joint = raw.joints[set][4 * vertex + k];
         if (!(weight > 0)) continue;
         if (!(joint < static_cast<double>(joints_.size())))
-          refuse(ErrorCode::kMalformedMesh, "A vertex refers to joint " +
-                                                std::to_string(static_cast<std::uint64_t>(joint)) +
-                                                "; the skin has " + std::to_string(joints_.size()) + ".");
+          refuse(ErrorCode::kMalformedMesh,
+                 "A vertex refers to joint " + std::to_string(static_cast<std::uint64_t>(joint)) +
+                     "; the skin has only " + std::to_string(joints_.size()) + " joints.");
         const Transform& m = joints_[static_cast<std::size_t>(joint)];
         sum = {sum.x + weight * m.x, sum.y + weight * m.y, sum.z + weight * m.z, sum.t + weight * m.t};
         total += weight;

@@ -31,7 +31,7 @@ MaterialLibrary read_materials(const nlohmann::json& document, const ViewBytes& 
 /// "image/png" … from the first bytes; empty when they are of no known kind.
 std::string sniff_image(std::span<const std::uint8_t> bytes);
 
-/// The warning about an image that the mesh names and that nobody sent.
+/// The warning about an image that the mesh names but that was not uploaded.
 std::string in_another_file(std::string_view image);
 
 }  // namespace fracture

@@ -95,7 +95,7 @@ GltfScene walk_gltf_scene(const tinygltf::Model& model) {
     auto& world = scene.world[static_cast<std::size_t>(index)];
     if (world)
       refuse(ErrorCode::kMalformedMesh,
-             "Node " + std::to_string(index) + " is reached twice: the nodes are not a tree.",
+             "Node " + std::to_string(index) + " is reached twice, so the nodes do not form a tree.",
              "/nodes/" + std::to_string(index));
     const Transform local = local_transform(node);
     world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
@@ -121,7 +121,8 @@ std::vector<Transform> gltf_instances(const tinygltf::Model& model, const tinygl
       (!s.empty() && s.size() != 3 * count))
     refuse(ErrorCode::kMalformedMesh, "The attributes of EXT_mesh_gpu_instancing have different counts.");
   if (count > max_instances)
-    refuse(ErrorCode::kTooLarge, "EXT_mesh_gpu_instancing makes " + std::to_string(count) + " instances.");
+    refuse(ErrorCode::kTooLarge, "EXT_mesh_gpu_instancing makes " + std::to_string(count) +
+                                     " instances; the limit is " + std::to_string(max_instances) + ".");
   std::vector<Transform> result(count);
   for (std::size_t k = 0; k < count; ++k)
     result[k] = compose(t.empty() ? Vec3d{} : Vec3d{t[3 * k], t[3 * k + 1], t[3 * k + 2]},

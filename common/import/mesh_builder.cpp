@@ -54,9 +54,9 @@ Expected<void> MeshBuilder::add(Surface surface) {
   for (const auto& triangle : surface.triangles)
     for (const std::uint32_t wedge : triangle)
       if (wedge >= count)
-        return fail(ErrorCode::kMalformedMesh, "A triangle of \"" + mesh_.node_names.back() +
-                                                   "\" refers to vertex " + std::to_string(wedge) +
-                                                   "; there are " + std::to_string(count) + ".");
+        return fail(ErrorCode::kMalformedMesh,
+                    "A triangle of \"" + mesh_.node_names.back() + "\" refers to vertex " +
+                        std::to_string(wedge) + "; there are only " + std::to_string(count) + " vertices.");
   const std::uint64_t triangles = mesh_.triangles.size() + surface.triangles.size();
   if (triangles > limits_.max_triangles)
     return fail(ErrorCode::kTooLarge,

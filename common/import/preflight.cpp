@@ -85,12 +85,12 @@ Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {
     return fail(ErrorCode::kMalformedMesh, "The GLB is truncated: " + std::to_string(bytes.size()) +
                                                " bytes cannot hold its header and first chunk (20 bytes).");
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
-    return fail(ErrorCode::kUnsupportedFeature, "The GLB is of container version " + std::to_string(version) +
-                                                    "; only version 2 (glTF 2.0) is read.");
+    return fail(ErrorCode::kUnsupportedFeature, "The GLB has container version " + std::to_string(version) +
+                                                    "; only version 2 (glTF 2.0) is supported.");
   const std::uint64_t length = read_u32(bytes, 8);
   if (length > bytes.size())
     return fail(ErrorCode::kMalformedMesh, "The GLB is truncated: its header at byte 8 declares " +
-                                               std::to_string(length) + " bytes, " +
+                                               std::to_string(length) + " bytes, but only " +
                                                std::to_string(bytes.size()) + " arrived.");
   GlbChunks chunks;
   bool have_json = false, have_bin = false;
@@ -158,7 +158,7 @@ Expected<void> check_stl(std::span<const std::byte> bytes, const ImportLimits& l
   if (ascii && text.find("facet") != std::string_view::npos) {
     if (text.find('\0') != std::string_view::npos)
       return fail(ErrorCode::kMalformedMesh,
-                  "The ASCII STL contains a zero byte at " + std::to_string(text.find('\0')) + ".");
+                  "The ASCII STL contains a zero at byte " + std::to_string(text.find('\0')) + ".");
     std::uint64_t facets = 0;
     for (std::size_t at = text.find("outer"); at != std::string_view::npos; at = text.find("outer", at + 5))
       ++facets;
@@ -170,11 +170,11 @@ Expected<void> check_stl(std::span<const std::byte> bytes, const ImportLimits& l
     return fail(ErrorCode::kEmptyMesh, "The ASCII STL has no facets.");
   if (bytes.size() < 84)
     return fail(ErrorCode::kMalformedMesh,
-                "This is not an STL file: " + std::to_string(bytes.size()) +
-                    " bytes are neither an ASCII \"solid\" nor a binary header (84 bytes).");
+                "This is not an STL file: its " + std::to_string(bytes.size()) +
+                    " bytes contain neither an ASCII \"solid\" nor a binary header (84 bytes).");
   const std::uint64_t count = read_u32(bytes, 80);
   return fail(ErrorCode::kMalformedMesh,
-              "The binary STL declares " + std::to_string(count) + " triangles at byte 80, which is " +
+              "The binary STL declares " + std::to_string(count) + " triangles at byte 80, so it must have " +
                   std::to_string(84 + 50 * count) + " bytes; " + std::to_string(bytes.size()) + " arrived.");
 }
 
@@ -243,10 +243,10 @@ Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& l
     const std::uint64_t each =
         std::max<std::uint64_t>(1, ascii ? 2 * element.words_each : element.bytes_each);
     if (element.count > (remaining + 1) / each)
-      return fail(ErrorCode::kMalformedMesh, "The PLY declares " + std::to_string(element.count) + " of \"" +
-                                                 element.name.substr(0, 40) + "\" (at least " +
-                                                 std::to_string(each) + " bytes each), but only " +
-                                                 std::to_string(remaining) + " bytes follow.");
+      return fail(ErrorCode::kMalformedMesh,
+                  "The PLY declares " + std::to_string(element.count) + " elements \"" +
+                      element.name.substr(0, 40) + "\" (at least " + std::to_string(each) +
+                      " bytes each), but only " + std::to_string(remaining) + " bytes follow.");
     remaining -= std::min(remaining, element.count * each);
     if ((element.name == "face" || element.name == "tristrips") && element.count > 0) {
       faces = true;
@@ -261,9 +261,9 @@ Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& l
 Expected<void> check_off(std::span<const std::byte> bytes, const ImportLimits& limits) {
   const std::string_view text = as_text(bytes);
   if (text.find('\0') != std::string_view::npos)
-    return fail(ErrorCode::kMalformedMesh, "The OFF file contains a zero byte at " +
+    return fail(ErrorCode::kMalformedMesh, "The OFF file contains a zero at byte " +
                                                std::to_string(text.find('\0')) +
-                                               "; only the text form is read.");
+                                               "; only text files are supported.");
   Words words(text);
   const std::string_view magic = words.next();
   if (magic.size() > 8 || magic.find("OFF") == std::string_view::npos)
@@ -293,7 +293,7 @@ Expected<void> check_obj(std::span<const std::byte> bytes, const ImportLimits& l
   const std::string_view text = as_text(bytes);
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
     return fail(ErrorCode::kMalformedMesh,
-                "This is not an OBJ file: it has a zero byte at " + std::to_string(zero) + ".");
+                "This is not an OBJ file: it contains a zero at byte " + std::to_string(zero) + ".");
   std::uint64_t vertices = 0, faces = 0;
   for (std::size_t at = 0; at < text.size();) {
     while (at < text.size() && (text[at] == ' ' || text[at] == '\t')) ++at;
@@ -335,7 +335,7 @@ Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format) 
       return {};
     case MeshFormat::k3ds:
       if (!begins("MM") || bytes.size() < 6 || read_u32(bytes, 2) > bytes.size())
-        return refuse("3DS", "a main chunk \"MM\" with a length inside the file");
+        return refuse("3DS", "a main chunk \"MM\" that fits in the file");
       return {};
     default:
       return {};

@@ -61,7 +61,7 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
            static_cast<float>(p.z * metres)};
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
         return fail(ErrorCode::kNotFinite,
-                    "Vertex " + std::to_string(v) + " is out of range in metres (one unit of the file is " +
+                    "Vertex " + std::to_string(v) + " is too far from the origin (one unit of the file is " +
                         std::to_string(metres) + " m).",
                     "unit", {{"vertex", v}});
     }

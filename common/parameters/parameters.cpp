@@ -181,10 +181,10 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       hit_material(result.fracture.pattern);
     if (!belongs(spec, result.fracture.pattern)) {
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
-                   "'" + spec.name + "' belongs to the pattern " + join(spec.patterns) +
-                       ", but the pattern of this request is " +
-                       kPatternTraits[result.fracture.pattern.index()].name + ". Leave '" + spec.name +
-                       "' out, or change 'pattern'.");
+                   "'" + spec.name + "' belongs to the " + join(spec.patterns) +
+                       " pattern, but this request uses the " +
+                       kPatternTraits[result.fracture.pattern.index()].name + " pattern. Leave '" +
+                       spec.name + "' out, or change 'pattern'.");
       continue;
     }
     spec.set(result, spec, value->second);
@@ -199,15 +199,18 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
                   "barycentric cells cannot be merged. Leave one of them out.");
   }
   refuse_both(offences, seen, "mass", "density", "each determines the other. Leave one of them out.");
-  refuse_both(offences, seen, "stretch_matrix", "stretch", "the matrix contains it. Leave one of them out.");
-  refuse_both(offences, seen, "stretch_matrix", "grain", "the matrix contains it. Leave one of them out.");
-  refuse_both(offences, seen, "stretch_matrix", "grain_of", "the matrix contains it. Leave one of them out.");
+  refuse_both(offences, seen, "stretch_matrix", "stretch",
+              "the matrix includes the stretch. Leave one of them out.");
+  refuse_both(offences, seen, "stretch_matrix", "grain",
+              "the matrix includes the grain. Leave one of them out.");
+  refuse_both(offences, seen, "stretch_matrix", "grain_of",
+              "the matrix includes the grain. Leave one of them out.");
   refuse_both(offences, seen, "grain", "grain_of",
-              "a direction is the same for the whole mesh. Leave one of them out.");
+              "'grain' sets one direction for the whole mesh. Leave one of them out.");
   if (const auto* points = std::get_if<PointsPattern>(&result.fracture.pattern)) {
     if (points->points.empty() && seen.count("points") == 0)
       offences.add_missing("points",
-                           "The pattern points needs 'points': " + expectation(*find("points")) + ".");
+                           "The points pattern needs 'points': " + expectation(*find("points")) + ".");
     result.fracture.sites = static_cast<std::uint32_t>(points->points.size());
   }
   if (result.exterior.choice == ExteriorChoice::kMaterial && result.material.empty() && result.of.empty())

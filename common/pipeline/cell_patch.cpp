@@ -73,7 +73,7 @@ const Bisector& bisector_between(const VoronoiDiagram& diagram, SiteId i, SiteId
   const auto at = std::lower_bound(all.begin(), all.end(), j,
                                    [](const Bisector& b, SiteId site) { return b.neighbor < site; });
   if (at == all.end() || at->neighbor != j)
-    throw InternalError("sites " + std::to_string(i) + " and " + std::to_string(j) + " are no neighbours");
+    throw InternalError("sites " + std::to_string(i) + " and " + std::to_string(j) + " are not neighbours");
   return *at;
 }
 

@@ -70,7 +70,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (!plan->groups.empty())
         return fail(
             ErrorCode::kBadParameter,
-            "'lloyd' moves each site to the middle of its piece, but a piece of this pattern has several sites: leave it out.",
+            "'lloyd' moves each site to the middle of its piece, but pieces of this pattern have several sites. Leave 'lloyd' out.",
             "lloyd");
       const StageProgress::Part part(execution.within, 0.9);
       if (auto relaxed = relax(seen, *plan, parameters.lloyd, execution); !relaxed)
@@ -81,7 +81,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.of_pattern = plan->points.size();
     if (parameters.max_volume > 0 && !plan->groups.empty())
       return fail(ErrorCode::kBadParameter,
-                  "'max_volume' divides cells, but a piece of this pattern has several cells: leave it out.",
+                  "'max_volume' divides cells, but pieces of this pattern have several cells. Leave it out.",
                   "max_volume");
     if (!parameters.hits.empty()) {
       if (aggregated || parameters.max_volume > 0) {
@@ -167,8 +167,8 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   if (cut.set.fragments.empty())
     return fail(ErrorCode::kNoFragments,
                 cut.barycentric.dropped > 0
-                    ? "'drop_above' removes all pieces, because all are larger: raise it"
-                    : "no piece has a volume");
+                    ? "'drop_above' removes all pieces, because they are larger. Raise 'drop_above'."
+                    : "No piece has a volume.");
   return cut;
 }
 

@@ -41,10 +41,10 @@ struct FractureParameters : SiteParameters {
   Pivot pivot = Pivot::kCenterOfMass;
   SizeLimits size;        ///< small fragments are united with a neighbour
   double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites
-  /// Nothing within it is cut: the cells that meet it are one group.
+  /// Nothing inside this region is cut: the cells that meet it form one group.
   std::optional<Region> keep{};
   Roughness roughness{};  ///< of the cuts; the noise has the seed of the sites. dual: kCircumcenter only
-  /// How many clusters each level of the hierarchy above the fragments has, coarsest first, increasing.
+  /// The number of clusters in each level of the hierarchy above the fragments, coarsest first; increasing.
   std::vector<std::uint32_t> levels{};
   Anchors anchors;                  ///< fragments that touch these are marked
   std::vector<LocalImpact> hits{};  ///< one after the other, each on what the ones before it left

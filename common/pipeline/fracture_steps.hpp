@@ -32,9 +32,10 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
     return result;
   } catch (const Interrupted& interrupted) {
     if (interrupted.error) return tl::unexpected<Error>(*interrupted.error);
-    return fail(interrupted.code, interrupted.code == ErrorCode::kCancelled
-                                      ? std::string("cancelled while in stage ") + name_of(which)
-                                      : std::string("the deadline passed in stage ") + name_of(which));
+    return fail(interrupted.code,
+                interrupted.code == ErrorCode::kCancelled
+                    ? "The work was cancelled during the stage " + std::string(name_of(which)) + "."
+                    : "The deadline passed during the stage " + std::string(name_of(which)) + ".");
   }
 }
 

@@ -14,7 +14,7 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
                    const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,
                    const FragmentSet& set, const Execution& execution);
 
-/// The warning where anchors hold none of all fragments.
+/// The warning if no fragment touches an anchor.
 inline constexpr const char* kNothingAnchored =
     "No fragment touches an anchor, so nothing is held. Move the anchors onto the mesh; their coordinates are in "
     "metres, with y up.";

@@ -28,8 +28,8 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   if (at == whole.fragments.end())
     return fail(
         ErrorCode::kNoSuchFragment,
-        "The answer to these parameters has " + std::to_string(whole.fragments.size()) +
-            " fragments, and none has the id " + std::to_string(wanted.fragment) +
+        "The answer with these parameters has " + std::to_string(whole.fragments.size()) +
+            " fragments, and none of them has the id " + std::to_string(wanted.fragment) +
             ". Ids depend on the sites: give the parameters of the answer that contains the fragment.",
         "fragment");
   auto mesh = std::make_shared<Mesh>(

@@ -31,7 +31,7 @@ struct VolumeDistribution {
   bool operator==(const VolumeDistribution&) const = default;
 };
 
-/// What was asked of the sizes, and what was made.
+/// The requested sizes, and the sizes of the fragments made.
 struct SizeReport {
   VolumeDistribution volumes;
   std::uint64_t triangles = 0;  ///< of all fragments
@@ -53,7 +53,7 @@ struct RoughCuts {
 
 struct BarycenterReport {
   std::uint32_t skipped_hulls = 0;  ///< cells whose hull was flat
-  /// What the volume filter left out, where one was asked for.
+  /// The fragments that the volume filter left out, if one was requested.
   struct Dropped {
     std::uint32_t fragments = 0;
     double volume = 0;  ///< m³
@@ -70,7 +70,7 @@ struct RefracturedFragment {
   bool operator==(const RefracturedFragment&) const = default;
 };
 
-/// What is empty was not asked for.
+/// Empty members were not requested.
 struct Report {
   SolidReport solid;
   SiteFigures sites;

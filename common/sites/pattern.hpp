@@ -135,7 +135,7 @@ inline constexpr PatternTraits kPatternTraits[] = {
 };
 static_assert(std::size(kPatternTraits) == std::variant_size_v<SitePattern>);
 
-/// Whether the pattern's sites are made each for itself, so that they may lie in several frames of a map.
+/// Whether the pattern's sites are made independently, so that they may be in several frames of a map.
 bool is_scattered(const SitePattern& pattern);
 
 /// What has a grain of its own, along its longest axis of inertia (sites/grain.hpp). Only sites that are scattered

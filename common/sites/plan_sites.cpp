@@ -183,8 +183,8 @@ double boxes_in(const Vec3d& sides, const Vec3d& cell) {
 tl::unexpected<Error> too_many_sites(const Task& task, double sites) {
   return fail(ErrorCode::kTooComplex,
               "The pattern needs " + std::to_string(static_cast<std::uint64_t>(std::fmin(sites, 1e15))) +
-                  " sites for this mesh; a pattern may make at most " + std::to_string(task.most_sites) +
-                  ". Ask for larger cells or fewer rings and spokes.",
+                  " sites for this mesh; at most " + std::to_string(task.most_sites) +
+                  " are allowed. Ask for larger cells or fewer rings and spokes.",
               "pattern");
 }
 

@@ -26,8 +26,8 @@ tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p) {
                 {{"vertex", vertex}});
   return fail(ErrorCode::kNotFinite,
               name + " is at " + place(p) +
-                  ", in metres; coordinates may be at most 1e12 m from 0. Set 'unit' to what one unit of the "
-                  "file is, or move the mesh to the origin.",
+                  ", in metres; coordinates may be at most 1e12 m from 0. Set 'unit' to the unit of the "
+                  "file, or move the mesh to the origin.",
               {}, {{"vertex", vertex}});
 }
 
@@ -83,9 +83,9 @@ Expected<void> number_vertices(const Mesh& mesh, std::uint32_t* of_wedge, Surfac
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t wedge = mesh.triangles[t][k];
       if (wedge >= mesh.positions.size())
-        return fail(ErrorCode::kMalformedMesh, "Triangle " + std::to_string(t) + " uses vertex " +
-                                                   std::to_string(wedge) + " of " +
-                                                   std::to_string(mesh.positions.size()) + ".");
+        return fail(ErrorCode::kMalformedMesh, "Triangle " + std::to_string(t) + " refers to vertex " +
+                                                   std::to_string(wedge) + "; the mesh has only " +
+                                                   std::to_string(mesh.positions.size()) + " vertices.");
       if ((of_wedge[wedge] & kUsed) == 0) {
         if (!in_range(mesh.positions[wedge])) return refuse_vertex(wedge, mesh.positions[wedge]);
         use(wedge);
@@ -105,7 +105,7 @@ Expected<void> number_vertices(const Mesh& mesh, std::uint32_t* of_wedge, Surfac
   report.welded = used_wedges - surface.positions.size();
   if (surface.triangles.empty())
     return fail(ErrorCode::kEmptyMesh, "All " + std::to_string(mesh.triangles.size()) +
-                                           " triangles are degenerate: two corners at the same position.");
+                                           " triangles have two vertices at the same position.");
   return {};
 }
 

@@ -27,7 +27,7 @@ struct SupportOptions {
   std::vector<std::uint64_t> broken;  ///< ids of fragments that are gone, with their bonds
 };
 
-/// What a bond carries. Zero where its fragments fall, are gone, or are both anchored.
+/// The load on a bond. Zero if its fragments fall, are gone, or are both anchored.
 struct BondLoad {
   double tension = 0;  ///< N along the bond's normal; negative: pressed together
   double shear = 0;    ///< N across it

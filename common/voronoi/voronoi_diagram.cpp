@@ -68,7 +68,7 @@ void VoronoiDiagram::build(const Box& box, const std::vector<char>* cells, const
           }
       own_pacer.step(neighbors.size());
       if (neighbors.size() != bisector_begin_[i + 1] - bisector_begin_[i])
-        throw InternalError("the tetrahedra at site " + std::to_string(i) + " are no ball");
+        throw InternalError("the tetrahedra at site " + std::to_string(i) + " do not form a ball");
       std::sort(neighbors.begin(), neighbors.end());
 
       // Rounding of value(): every difference and product is off by 2^-53 relative; |q - p_i| is at most

@@ -28,7 +28,7 @@ TEST(ProblemDocument, OfAnAnswerAlwaysHasADetail) {
   exchange.status = 502;
   for (const char* body : {"", "<html>Bad gateway</html>", "{", "[]", "{\"title\": \"No\"}"}) {
     exchange.body = body;
-    EXPECT_EQ(problem_in(exchange).detail, "The server answered 502.") << body;
+    EXPECT_EQ(problem_in(exchange).detail, "The server responded with status 502.") << body;
     EXPECT_EQ(problem_in(exchange).slug(), "") << body;
   }
   exchange.body = R"({"type": "mesh-not-closed", "detail": "It is open."})";

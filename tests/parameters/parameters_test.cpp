@@ -291,7 +291,7 @@ TEST(Parameters, BadPatternsAndMaterialsAreRefusedWithTheLegalOnes) {
   EXPECT_NE(detail({{"material", "wodo"}}).find("glass, wood, concrete"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "star"}}).find("uniform, points, impact"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "impact"}, {"radius", "-1"}}).find("from 1e-06 to 1e+06"), std::string::npos);
-  EXPECT_NE(detail({{"rings", "5"}}).find("belongs to the pattern radial"), std::string::npos);
+  EXPECT_NE(detail({{"rings", "5"}}).find("belongs to the radial pattern"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "points"}}).find("needs 'points'"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "points"}, {"points", "0,0,0"}, {"sites", "5"}}).find("'sites' belongs"),
             std::string::npos);
