@@ -1,7 +1,7 @@
-"""The SVG chart in tests/bench/README.md. For each day in tests/bench/results, it shows our speed as a multiple of other programs' speed.
+"""The SVG chart in tests/bench/README.md. For each day in tests/bench/results, it shows our speed as a multiple of other programs' speeds.
 
-Each line compares one benchmark with one other program: the geometric mean of the cases that all days of the line contain. The
-label is at the last point; labels are moved apart if they would overlap.
+Each line compares us with one other program in one benchmark. A point is the geometric mean of the cases that all days of the line
+contain. The label is at the last point; labels are moved apart if they would overlap.
 """
 import html
 import math
@@ -9,7 +9,7 @@ import math
 PATH = "tests/bench/results/history.svg"
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 640, 300, 44, 190, 30, 30
 COLOURS = ("#1b6ca8", "#c8553d", "#3f7d20", "#7b4fa3", "#b8860b", "#4a4a4a", "#0f8b8d", "#a23b72")
-FIRST = "205c8dc"  # the only release in the chart, because the results of several days contain comparisons with it
+FIRST = "205c8dc"  # the only release in the chart, because it is the only one with comparisons on several days
 
 
 def series(files):
@@ -31,7 +31,7 @@ def series(files):
 
 
 def spread(places, least):
-    """Returns the positions in their order, moved down so that neighbours are at least this far apart."""
+    """Returns the positions in the same order, moved down so that neighbours are at least `least` apart."""
     moved = []
     for place in places:
         moved.append(max(place, moved[-1] + least) if moved else place)
@@ -54,7 +54,7 @@ def draw(files):
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" '
            'font-family="sans-serif" font-size="11">',
            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#ffffff"/>',
-           f'<text x="{LEFT}" y="16" font-size="12" fill="#222222">Times as fast as another program (mean over the cases)</text>']
+           f'<text x="{LEFT}" y="16" font-size="12" fill="#222222">How many times as fast as another program (mean of the cases)</text>']
     for tick in ticks:
         if lowest <= tick <= highest:
             colour, y = "#888888" if tick == 1 else "#e4e4e4", y_of(tick)

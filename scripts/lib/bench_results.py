@@ -1,8 +1,8 @@
 """Results of scripts/bench: one CSV file per day in tests/bench/results, and the table in tests/bench/README.md.
 
 Each line is one comparison: our value, and the value of a peer or an earlier release, or a target in the same unit. A case with
-two peers has two lines; a case without a comparison has an empty `kind`. `ratio` compares
-us with the other program: 2 means twice as fast, or half the size. `goal` is the ratio to reach. An empty cell means unknown.
+two peers has two lines; a case without a comparison has an empty `kind`. A `ratio` of 2 means that we are twice as fast as the other
+program, or use half as much memory. `goal` is the ratio to reach. An empty cell means unknown.
 """
 import csv
 import dataclasses
@@ -68,7 +68,7 @@ def write(results):
 
 
 def read_all(root):
-    """Returns each file's results by the file's name, oldest first."""
+    """Returns {name of a file: its results}, oldest file first."""
     return {path.name: read(path.read_text(encoding="utf-8")) for path in sorted((root / FOLDER).glob("*.csv"))}
 
 
@@ -79,7 +79,7 @@ def merge(old, new):
 
 
 def latest(files):
-    """Returns {row: its results in the newest file that has it}. Rows are in the order in which the files first mention them."""
+    """Returns {row: its results in the newest file that contains the row}. Rows are in the order in which the files first mention them."""
     found = {}
     for results in files.values():
         of_file = {}

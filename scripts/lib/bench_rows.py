@@ -1,7 +1,7 @@
 """The rows of scripts/bench: the cases, the programs that measure them, and the goals.
 
 A contender is `ours`, `last` (the release to compare with) or a peer. Each run gives a Sample. The programs check their
-own answers and fail if an answer is wrong.
+own results and fail if a result is wrong.
 """
 import dataclasses
 import json
@@ -15,7 +15,7 @@ import threading
 import time
 
 NUMBER = r"([\d.]+)"
-LONGEST = 900  # seconds that one program may take
+LONGEST = 900  # maximum seconds for one run of a program
 MOST_SITES, HIT_SITES = 100_000, 30  # maximum sites of a request (common/pipeline); sites that a hit of bench_local_impact adds
 
 
@@ -25,8 +25,8 @@ class Unknown(Exception):
 
 @dataclasses.dataclass
 class Sample:
-    value: float  # milliseconds, or what the row's unit says
-    answer: str = ""  # a hash, or empty if the program gives none
+    value: float  # in milliseconds, or in the row's unit
+    answer: str = ""  # a hash of the result, or empty if the program prints none
     peak: int = 0  # peak memory of the process, in KiB
 
 
@@ -35,7 +35,7 @@ class Row:
     benchmark: str
     case: str
     ask: dict  # contender -> function (Bench, Build) -> Sample; "ours" is also used for "last"
-    threads: int = 1  # threads or cores in use; 0: the program decides
+    threads: int = 1  # number of threads or cores used; 0: the program decides
     unit: str = "ms"
     goal_peer: float = 0  # times as fast as the first peer (goals of 22 November 2026); 0: none
     goal_last: float = 0  # times as fast as 205c8dc, if that is the release to compare with; 0: none

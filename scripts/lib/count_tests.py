@@ -3,7 +3,7 @@
 Each folder contains the reports of one ctest run: junit.xml, and gtest/<program>.json for each GoogleTest program. For a
 program with a JSON report, each case counts; any other ctest entry counts as one. If ctest reports a program as failed although
 its cases passed (a crash, a timeout, a leak found at exit), that is one more failure. The subfolder again/ contains the
-second run of failed programs: if one passes, this result counts, and a line says so. Exits with 1 on any failure.
+second run of failed programs: if a program passes there, the second result counts, and a line says so. Exits with 1 on any failure.
 
 The ten slowest tests of each run are printed. FILE has a line `program: reason` for each program that may be skipped
 entirely in every run. With FILE, any other program that no run executed is a failure.
@@ -69,7 +69,7 @@ def print_slowest(name, folder):
 
 
 def read(folder):
-    """For each program: how many cases passed and were skipped, and the names of failed cases. None: no report."""
+    """Returns {program: (numbers of passed and skipped cases, names of failed cases)}; None if there is no report."""
     junit = os.path.join(folder, "junit.xml")
     if not os.path.exists(junit):
         return None

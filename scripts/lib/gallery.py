@@ -1,6 +1,6 @@
 """gallery.py ROOT [--only …] [--size …] [--keep]: see scripts/gallery, which calls it.
 
-Gets the materials and patterns from the server (GET /patterns), breaks the meshes with each, and draws the sheets with
+Gets the materials and patterns from the server (GET /patterns), breaks the meshes with each of them, and draws the sheets with
 fracture-render.
 """
 import argparse
@@ -23,7 +23,7 @@ from gallery_meshes import MESHES, box
 SITES = {"pane": 60, "wall": 70, "monkey": 60, "column": 60, "vase": 50}
 ASSETS = 6  # files of FRACTURE_TEST_MESHES on the sheet
 ASSET_BYTES = 400_000
-# The mesh that proto/materials.md shows for each material and pattern. It was chosen because it suits them.
+# The mesh that proto/materials.md shows for each material and pattern. Each mesh was chosen because it suits the material or pattern.
 SHOWN = {"glass": "pane", "wood": "wall", "concrete": "column", "stone": "monkey", "brick": "wall", "ceramic": "vase",
          "metal": "monkey", "cast_iron": "column", "ice": "monkey", "plaster": "monkey", "terracotta": "vase",
          "sandstone": "column", "crystal": "monkey"}
@@ -54,8 +54,8 @@ class Server:
             time.sleep(0.1)
 
     def ask(self, method, path, body=None, kind="application/json"):
-        """Sends a request and returns the bytes of the answer. Raises RuntimeError with the server's message if the server refuses
-        it."""
+        """Sends a request and returns the bytes of the response. Raises RuntimeError with the server's message if the server
+        refuses the request."""
         request = urllib.request.Request(f"http://127.0.0.1:{self.port}{path}", body, {"Content-Type": kind}, method=method)
         try:
             with urllib.request.urlopen(request) as answer:
@@ -95,7 +95,7 @@ class Mesh:
 
 
 def sites_for(mesh, pattern, patterns):
-    """Returns the parameters for the number of pieces and the point of impact, as far as the pattern has them."""
+    """Returns the parameters for the number of pieces and the point of impact, if the pattern has such parameters."""
     known = {p["name"] for p in patterns.get(pattern, [])} or {"sites"}
     parameters = {"seed": 7}
     if "sites" in known:
@@ -122,7 +122,7 @@ class Gallery:
         return self.only is None or bool(self.only & set(names))
 
     def describe(self):
-        """This server's materials and patterns. A server without GET /patterns has only the uniform pattern."""
+        """Reads the server's materials and patterns. A server without GET /patterns has only the uniform pattern."""
         try:
             table = json.loads(self.server.ask("GET", "/patterns"))
         except RuntimeError:
@@ -138,7 +138,7 @@ class Gallery:
             data = pathlib.Path(MONKEY).read_bytes()
             made.append(Mesh(self.server, "monkey", data, "?format=blend", "application/octet-stream", None))
         else:
-            print("gallery: the monkey is missing (Debian package assimp-testmodels)", file=sys.stderr)
+            print("gallery: the monkey mesh is missing; install the Debian package assimp-testmodels", file=sys.stderr)
         for name, make in MESHES.items():
             text, impact = make()
             made.append(Mesh(self.server, name, text.encode(), "", "model/obj", impact))
@@ -197,14 +197,14 @@ class Gallery:
                 file = self.model(mesh, f"pattern_{pattern}", {**request, **sites_for(mesh, pattern, self.patterns)})
                 cells.append(None if file is None else {"file": file, **mesh.options})
             rows.append((pattern, {}, cells))
-        self.sheet("patterns", "Patterns, a colour for each fragment", [(mesh.name, {}) for mesh in meshes], rows,
+        self.sheet("patterns", "Patterns; each fragment has its own colour", [(mesh.name, {}) for mesh in meshes], rows,
                    {"view": "exploded", "explode": 0.25, "colors": "fragment"})
 
     def rough_sheet(self):
-        """Draws the materials with rough cuts, next to the same cuts when flat, without textures."""
+        """Draws the materials with rough cuts next to the same cuts without roughness, all without textures."""
         if not self.wants("rough"):
             return
-        text, impact = box((1, 1, 1), (0.5, 0.8, 0.5))  # thin objects leave little room for relief
+        text, impact = box((1, 1, 1), (0.5, 0.8, 0.5))  # thin objects leave little space for relief
         mesh = Mesh(self.server, "block", text.encode(), "", "model/obj", impact)
         rows = []
         for material, sets in self.materials.items():
@@ -249,8 +249,8 @@ class Gallery:
                    [("exploded", {"view": "exploded", "explode": 0.4}, cells), ("hit", {"view": "impact"}, cells)])
 
     def page_pictures(self, meshes):
-        """Draws a small picture of each material and pattern, written directly to proto/pictures. This happens only if it is
-        requested by name."""
+        """Draws a small picture of each material and pattern, written directly to proto/pictures. This happens only if --only
+        contains `page`."""
         if self.only is None or "page" not in self.only:
             return
         by_name = {mesh.name: mesh for mesh in meshes}
@@ -351,12 +351,12 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/gallery")
     parser.add_argument("root", type=pathlib.Path)
     parser.add_argument("--only", help="overview, page, materials, patterns, levels, local, rough, paper, assets, real, blind, or "
-                        "the name of a material; several with commas")
-    parser.add_argument("--size", default="400x300", help="of one picture")
-    parser.add_argument("--seed", type=int, default=1, help="of the sheet blind")
-    parser.add_argument("--keep", action="store_true", help="use the GLB files of the last run again")
+                        "the name of a material; separate several with commas")
+    parser.add_argument("--size", default="400x300", help="size of one picture")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the `blind` sheets")
+    parser.add_argument("--keep", action="store_true", help="reuse the GLB files of the last run")
     arguments = parser.parse_args()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # as an exception, so that the script stops the server before it exits
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # raises an exception, so that the script stops the server before it exits
     try:
         return Gallery(arguments.root, arguments).run()
     except (RuntimeError, subprocess.CalledProcessError) as error:

@@ -9,7 +9,7 @@ import subprocess
 from gallery_meshes import MESHES
 
 MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
-# Searched for in the folders of FRACTURE_TEST_MESHES; missing assets are left out.
+# Searched for in the FRACTURE_TEST_MESHES folders; missing assets are left out.
 ASSETS = {
     "chest": "kk_chest.glb", "barrel": "kk_barrel_large.glb", "bottle": "kk_bottle_A_brown.glb", "wall": "kk_wall.glb",
     "column": "kk_column.glb", "helmet": "FlightHelmet/FlightHelmet.gltf", "fox": "Fox.glb", "spot": "spot.obj",
@@ -17,13 +17,13 @@ ASSETS = {
     "stairs": "kk_stairs_walled.glb", "long table": "kk_table_long_decorated_C.glb", "shelf": "kk_shelf_large.glb",
     "keg": "kk_keg_decorated.glb", "banner": "kk_banner_red.glb"}
 FRAGMENTS = 40  # for a mesh with one part
-MORE_FOR_EACH_PART = 2  # so that the parts of a mesh with several parts break, instead of only falling apart
-# The choices that a judge must distinguish without colours: the name of each choice, and its materials. Objects that are too
-# thin to show their insides are left out.
+MORE_FOR_EACH_PART = 2  # for each further part, so that the parts break instead of only coming apart
+# The choices that a judge must distinguish without colours: the name of each choice, and its materials. BLIND_NOT lists objects
+# that are too thin to show their insides.
 BLIND_MATERIALS = {"glass": ["glass"], "wood": ["wood"], "brick": ["brick"], "stone or concrete": ["stone", "concrete"],
                    "ice": ["ice"], "ceramic": ["ceramic"], "metal": ["metal"]}
 BLIND_NOT = {"banner", "building", "plate"}
-# Bricks suit walls. The preset breaks any other mesh into rubble, which is stone, and a warning says so.
+# Bricks suit walls. The `brick` preset breaks any other mesh into rubble, which looks like stone, and a warning says so.
 BLIND_ONLY = {"brick": {"wall", "stairs"}}
 BLIND_COLUMNS = 5  # number of columns of a sheet; with more columns, the pictures would be too small
 DETAILS = {"stone", "concrete", "wood", "brick"}  # materials whose cuts have a grain that is visible only close up
@@ -113,7 +113,7 @@ class AssetSheets:
         return {pair: output for pair, output in made.items() if output.exists()}, hits
 
     def cell(self, output, hit):
-        """Returns the options for a picture of this file."""
+        """Returns the options for a picture of the output file."""
         return {"file": str(output.relative_to(self.gallery.folder)), "impact": hit[0], "impact-radius": hit[1],
                 "impact-direction": [-0.25, 0, -1]}
 
@@ -140,8 +140,8 @@ class AssetSheets:
         draw.shuffle(materials)
         labels = [label for label in self.files() if label not in BLIND_NOT]
         if len(labels) < len(materials):
-            self.gallery.failures.append(f"blind: {len(labels)} of the {len(materials)} assets that it needs are here; the folders of "
-                                         "FRACTURE_TEST_MESHES have the others.")
+            self.gallery.failures.append(f"blind: only {len(labels)} of the {len(materials)} assets that it needs were found; add folders "
+                                         "with more of them to FRACTURE_TEST_MESHES.")
             return
         draw.shuffle(labels)
         pairs = []

@@ -1,11 +1,11 @@
-"""Meshes for the gallery that need no file: closed, in metres, y up, as OBJ text.
+"""Meshes that the gallery makes itself: closed, in metres, y up, as OBJ text.
 
 Each function returns (text, impact), where impact is the point on the surface that the gallery hits.
 """
 import math
 
 
-CREASE = math.cos(math.radians(35))  # faces that meet at a larger angle keep their edge
+CREASE = math.cos(math.radians(35))  # faces that meet at a larger angle keep a sharp edge
 
 
 def _normal(points):
@@ -81,7 +81,7 @@ def wall():
 
 
 def column():
-    """Returns a column of 2.2 m with base and capital."""
+    """Returns a column, 2.2 m high, with base and capital."""
     profile = [(0, 0), (0.34, 0), (0.34, 0.12), (0.30, 0.16), (0.30, 0.22), (0.235, 0.28)]
     profile += [(0.235 - 0.035 * t / 8, 0.28 + 1.58 * t / 8) for t in range(1, 9)]
     profile += [(0.25, 1.92), (0.25, 1.98), (0.32, 2.05), (0.32, 2.2), (0, 2.2)]
@@ -89,7 +89,7 @@ def column():
 
 
 def vase():
-    """Returns a vase of 0.32 m with walls of 8 mm."""
+    """Returns a vase, 0.32 m high, with walls 8 mm thick."""
     outside = [(0.050, 0.0), (0.058, 0.006), (0.075, 0.04), (0.098, 0.09), (0.108, 0.14), (0.100, 0.19), (0.075, 0.235),
                (0.048, 0.265), (0.042, 0.285), (0.052, 0.31), (0.060, 0.32)]
     inside = [(r - 0.008, h) for r, h in outside[:1:-1]]

@@ -8,7 +8,7 @@ import sys
 import time
 
 STATUS = re.compile(r"\[(\d+)/(\d+)\] ")
-EVERY = 20  # seconds between two lines without a terminal
+EVERY = 20  # seconds between two lines if the output is not a terminal
 
 
 def in_words(seconds):
@@ -20,8 +20,8 @@ def in_words(seconds):
 
 
 def line_of(done, steps, elapsed):
-    """Returns one line of progress. During the first steps it does not contain the time left, because they say too little about the
-    rest."""
+    """Returns one line of progress. During the first steps, the line does not contain the time left, because these steps say too little
+    about the rest."""
     text = f"   building {done} of {steps}"
     if elapsed >= 10 and 0 < done < steps:
         text += f", about {in_words(elapsed * (steps - done) / done)} left"

@@ -1,11 +1,11 @@
-"""The requests of scripts/soak. Some repeat often enough to be found in caches, and some contain mistakes of every kind that a client
-can make. Each request lists the statuses that its answer may have."""
+"""The requests of scripts/soak. Some are repeated often enough to be found in caches, and some contain mistakes of every kind that a client
+can make. Each request lists the statuses that the response may have."""
 import gzip
 import json
 import random
 
 NAMES = ("ana", "bob", "cyd")
-TOO_MUCH = {503, 504}  # a busy server may always answer 503 with Retry-After, or 504 at the deadline
+TOO_MUCH = {503, 504}  # a busy server may always respond with 503 and Retry-After, or with 504 at the deadline
 CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 QUADS = ((1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8))
 MATERIALS = ("glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "cast_iron", "ice", "plaster", "terracotta", "sandstone", "crystal")
@@ -19,7 +19,7 @@ def box(number):
 
 
 class Ask:
-    """One request. `key`: two requests with the same key get the same bytes if both answers have status 200."""
+    """One request. `key`: requests with the same key get the same bytes if the responses have status 200."""
 
     def __init__(self, method, path, expected, body=None, kind=None, key=None, **headers):
         self.method, self.path, self.expected, self.body, self.key = method, path, expected, body, key
@@ -54,7 +54,7 @@ class Mixture:
     def mesh(self, rng):
         if self.assets and rng.random() < 0.02:
             return rng.choice(self.assets)
-        number = int(rng.paretovariate(0.7)) % 3000  # a few are requested all the time, most hardly ever
+        number = int(rng.paretovariate(0.7)) % 3000  # a few boxes are requested all the time, most hardly ever
         return f"box{number}", box(number), "model/obj"
 
     def query(self, rng):

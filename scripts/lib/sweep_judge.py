@@ -1,4 +1,4 @@
-"""Checks an answer against README.md's guarantees: by its certificate, and for a GLB independently by edges, seams and volumes.
+"""Checks an answer against the guarantees in README.md: by its certificate, and for a GLB also by its edges, seams and volumes.
 
 Returns a list of sentences, one per broken guarantee. An empty list means that the answer is sound.
 """
@@ -11,8 +11,8 @@ MAX_RELATIVE_ERROR = 1e-9
 
 
 def judge_figures(figures):
-    """Judges the data about an answer. `figures`: the object of `Accept: application/json`, which is also extras.fracture of the
-    GLB's root node."""
+    """Checks the data about an answer. `figures`: the JSON object that `Accept: application/json` returns, which is also in
+    extras.fracture of the GLB's root node."""
     broken = []
     certificate, report = figures["certificate"], figures.get("report", {})
     if certificate["open_edges"] != 0:
@@ -41,7 +41,7 @@ class Glb:
     def __init__(self, data):
         magic, version, length = struct.unpack_from("<4sII", data)
         if magic != b"glTF" or version != 2 or length != len(data):
-            raise ValueError("no GLB, or cut short")
+            raise ValueError("it is not a GLB, or it is truncated")
         json_length = struct.unpack_from("<I", data, 12)[0]
         self.json = json.loads(data[20:20 + json_length])
         self.bytes = memoryview(data)[28 + json_length:]
@@ -50,7 +50,7 @@ class Glb:
         """Returns the accessor's numbers as a flat array."""
         a = self.json["accessors"][index]
         if "sparse" in a:
-            raise ValueError("a sparse accessor, which is not expected")
+            raise ValueError("it contains a sparse accessor, which is not expected")
         view = self.json["bufferViews"][a["bufferView"]]
         code = {5121: "B", 5123: "H", 5125: "I", 5126: "f"}[a["componentType"]]
         width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
@@ -70,7 +70,7 @@ class Glb:
         for node in self.json["nodes"]:
             if "certificate" in node.get("extras", {}).get("fracture", {}):
                 return node["extras"]["fracture"]
-        raise ValueError("no node says extras.fracture.certificate")
+        raise ValueError("no node contains extras.fracture.certificate")
 
     def fragments(self):
         """Returns (mesh, translation to the world) for each node with extras.fracture.id."""
@@ -97,7 +97,7 @@ class Glb:
 
 
 def judge_glb(data):
-    """Checks edges after welding equal positions, positive volumes, bit-identical mirror images of cuts, and the total volume."""
+    """Checks that edges are closed after welding, volumes are positive, the two sides of cuts match bit for bit, and the sum is right."""
     try:
         glb = Glb(data)
         figures = glb.root_figures()
@@ -106,7 +106,7 @@ def judge_glb(data):
     broken = judge_figures(figures)
     report, certificate = figures.get("report", {}), figures["certificate"]
     if not isinstance(figures.get("interior_materials"), list):
-        return broken + ["interior_materials are missing"]
+        return broken + ["the list interior_materials is missing"]
     interior = set(figures["interior_materials"])
     seams, volume, unclosed, inverted, inexact = {}, 0.0, 0, 0, 0
     for mesh, at in glb.fragments():

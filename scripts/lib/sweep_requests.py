@@ -1,4 +1,4 @@
-"""Random requests for scripts/sweep within GET /limits and /patterns, from a seed, with positions and lengths that suit a mesh."""
+"""Random requests for scripts/sweep, drawn from a seed within the ranges of GET /limits and /patterns, to suit a given mesh."""
 import hashlib
 import json
 import math
@@ -8,16 +8,16 @@ import re
 import shlex
 import urllib.parse
 
-# Parameters that refer to a particular answer, or that follow from the file name.
+# Parameters that refer to a particular answer, or that the file name determines.
 NOT_DRAWN = {"format", "of", "broken", "fragment", "fragment_sites", "fragment_seed", "delta", "local_new"}
-# Parameters that are given together or not at all.
+# Parameters that must be given together or not at all.
 TOGETHER = {"local_point": "local_radius", "local_radius": "local_point",
             "keep_center": "keep_radius", "keep_radius": "keep_center"}
 CONTENT_TYPES = {"glb": "model/gltf-binary", "gltf": "model/gltf+json", "obj": "model/obj", "stl": "model/stl"}
 
 
 class MeshFile:
-    """A mesh file, the files that it refers to, and what a first request found out about it."""
+    """A mesh file, the files that it refers to, and the data that a first request returned about the mesh."""
 
     def __init__(self, folder, path):
         self.path = path
@@ -39,7 +39,7 @@ class MeshFile:
 
 
 def _siblings(path):
-    """Returns (name as written in the file, path) for each file that a glTF or OBJ refers to in its folder or subfolders."""
+    """Returns (name as written in the glTF or OBJ, path) for each existing file that the glTF or OBJ refers to."""
     folder, found = os.path.dirname(path), []
     if path.endswith(".gltf"):
         with open(path, encoding="utf-8") as f:
@@ -213,7 +213,7 @@ def _number(rng, spec, mesh):
 
 
 def _vector(rng, item, mesh, place):
-    if place:  # in the box, or a little outside
+    if place:  # in the box, or slightly outside it
         grow = rng.choice([0.0, 0.0, 0.2])
         v = [l - grow * (h - l) + rng.random() * (1 + 2 * grow) * (h - l) for l, h in zip(mesh.low, mesh.high)]
     elif rng.random() < 0.4:

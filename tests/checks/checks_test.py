@@ -172,7 +172,7 @@ class Checks(PlantedCheckout):
         self.expect_found("python", "scripts/count.py")
         self.expect_clean("tidy")
         self.plant("common/base/vec.hpp", "#pragma once\nstd::string twice(int x);\n")
-        self.assertIn("without a history", self.check("includes")[1])
+        self.assertIn("without git history", self.check("includes")[1])
         self.assertEqual(self.check("--all", "includes")[0], 1)
 
     def test_a_missing_tool_is_said_and_is_no_success(self):

@@ -2,7 +2,7 @@
 
 Builds can hide missing includes: a unity build compiles several sources as one, and a header is usually read after
 others. This check compiles each source separately, without precompiled headers. If a header is the first include of a source,
-this also checks the header. Every other header is compiled separately.
+compiling the source also checks the header. Every other header is compiled separately.
 
 Without --all, the check compiles files that changed on the branch and files that include them, nearest first. A file is not
 compiled again until its text, an included file's text or its command changes.
@@ -129,7 +129,7 @@ def compile_alone(checkout, name, words):
     try:
         code, output, seconds = run_timed(words, checkout.root, f'#include "{checkout.root / name}"\n')
     except subprocess.TimeoutExpired:
-        return f"{name}:1: does not compile alone within {LIMIT} s"
+        return f"{name}:1: does not compile on its own within {LIMIT} s"
     if code == 0:
         if seconds <= MOST_TO_READ:
             return None
@@ -143,7 +143,7 @@ def compile_alone(checkout, name, words):
 def check(checkout, every):
     graph = IncludeGraph(checkout)
     if not every and not checkout.has_history:
-        print("check includes: skipped, because without a history no file is known to have changed; --all compiles all files", flush=True)
+        print("check includes: skipped, because without git history the changed files are unknown; --all compiles all files", flush=True)
         return []
     wanted = graph.names if every else graph.affected_by([name for name in checkout.changed if name in graph.known])
     wanted = [name for name in wanted if name.endswith(CPP) and not name.startswith("common/cmake/")]  # a separate project

@@ -1,4 +1,4 @@
-"""The files of a checkout that git tracks or would add, each read once. An archive without history is enough."""
+"""The files of a checkout that git tracks or would add, each read once. An archive without git history also works."""
 import functools
 import json
 import os
@@ -44,7 +44,7 @@ class Checkout:
 
     @functools.cached_property
     def texts(self):
-        """The files that people wrote, without pictures, corpora and lock files."""
+        """The files that people write, so no pictures, corpora or lock files."""
         return [name for name in self.files
                 if not name.startswith(("tests/fuzz/corpus/", "common/cmake/example/assets/"))
                 and not name.endswith(("package-lock.json", ".png", ".glb", ".blend", ".zip", ".svg", "LICENSE"))]
@@ -71,8 +71,8 @@ class Checkout:
 
     @functools.cached_property
     def base(self):
-        """The commit to compare with: FRACTURE_CHECK_BASE, or the commit where the branch left main. On main, it is the last commit
-        but one. "" if there is none."""
+        """The commit to compare with: FRACTURE_CHECK_BASE, or the commit where the branch left main. On main, it is the second to last
+        commit. "" if there is none."""
         base = os.environ.get("FRACTURE_CHECK_BASE", "")
         if base:
             return base
@@ -87,8 +87,8 @@ class Checkout:
 
     @functools.cached_property
     def prose_base(self):
-        """The base for checks of comments and subjects. It is never older than the checks themselves, which do not judge earlier
-        text."""
+        """The base for checks of comments and subjects. It is never older than the checks themselves, because they do not judge
+        earlier text."""
         added = self.git("log", "--first-parent", "-m", "--diff-filter=A", "-1", "--format=%H", "--", "scripts/lib/checks/habits.py",
                          check=False).strip()
         if added and self.git("merge-base", self.base, added, check=False).strip() == self.git("rev-parse", self.base, check=False).strip():

@@ -1,6 +1,6 @@
 """Finds long sentences, long table rows, and writing habits that make a reader stop, if a pattern can recognize them.
 
-CONTRIBUTING.md says how to write instead. The patterns miss many offences, but should rarely be wrong.
+CONTRIBUTING.md says how to write instead. The patterns miss many offences, but rarely report a correct sentence.
 """
 import dataclasses
 import re

@@ -16,7 +16,7 @@ from . import alone
 INCLUDE = re.compile(r'\s*#\s*include\s+(?:"([^"]+)"|<([^>]+)>)')
 PRODUCT = ("common/", "server/", "client/")
 
-# The libraries that a third-party header requires: the target or one of its dependencies must link one of these names.
+# The libraries that a third-party header requires: the target or one of its dependencies must link to one of these names.
 ELSEWHERE = {
     "boost/": ("Boost::headers",), "nlohmann/": ("nlohmann_json::nlohmann_json",), "openssl/": ("OpenSSL::Crypto", "OpenSSL::SSL"),
     "spdlog/": ("spdlog::spdlog",), "prometheus/": ("${FRACTURE_PROMETHEUS}",), "CLI/": ("CLI11::CLI11",),

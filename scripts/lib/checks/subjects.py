@@ -1,4 +1,4 @@
-"""A commit subject says where and what, in the form `area: verb object`, with at most 72 characters.
+"""A commit subject names the area and the action, in the form `area: verb object`, with at most 72 characters.
 
 An example is "delaunay: reuse the last located tetrahedron". The check reads the branch's commits, without merges.
 """
@@ -21,9 +21,9 @@ def faults(subject):
     if not form:
         yield "is not `area: verb object`, with the area in lower case"
     elif not re.fullmatch(r"[a-z][a-z-]*", form["verb"]):
-        yield f"does not go on with a verb in lower case after the colon, but with '{form['verb']}'"
+        yield f"must continue with a verb in lower case after the colon, but continues with '{form['verb']}'"
     elif form["verb"] in NO_VERB:
-        yield f"goes on with '{form['verb']}', which is not a verb"
+        yield f"continues with '{form['verb']}', which is not a verb"
     if subject.endswith("."):
         yield "ends with a period"
 

@@ -45,7 +45,7 @@ MOST_TIDIED = 40
 
 
 def codespell(checkout, *options):
-    # Identifiers are not English words, so names in camel case and k-constants are left out.
+    # Constants (kName) are not English words, so they are left out.
     return checkout.run("codespell", "--ignore-words", str(SPELLING), "--ignore-regex", r"\bk[A-Z]\w*", *options,
                         *(name for name in checkout.texts if not name.startswith("tests/checks/")))[1].splitlines()
 
@@ -60,13 +60,13 @@ def fix_spelling(checkout):
 
 def tidied_files(checkout, every):
     """Returns the source files to check. A header is checked through its own source file, or through the first file that includes
-    it. If a branch changed many files, only the latest are checked, so that the check takes minutes, not an hour."""
+    it. If a branch changed many files, only the latest are checked, so that the check takes minutes instead of an hour."""
     sources = [name for name in checkout.named(".cpp") if name.startswith(("common/", "server/", "client/", "tests/"))]
     if every:
         return sources
     known, headers = set(sources), set(checkout.named(".hpp"))
     if not checkout.has_history:
-        print("check tidy: skipped, because without a history no file is known to have changed; --all checks all files", flush=True)
+        print("check tidy: skipped, because without git history the changed files are unknown; --all checks all files", flush=True)
         return []
     wanted = {}
     for name in checkout.changed:
@@ -78,7 +78,7 @@ def tidied_files(checkout, every):
             seen_by = [own] if own in known else [source for source in sources if include in checkout.read(source)]
             wanted.update(dict.fromkeys(seen_by[:1], True))
     if len(wanted) > MOST_TIDIED:
-        print(f"check tidy: the last {MOST_TIDIED} of {len(wanted)} files that changed; --all looks at all", flush=True)
+        print(f"check tidy: checks the latest {MOST_TIDIED} of {len(wanted)} changed files; --all checks all files", flush=True)
     return list(wanted)[:MOST_TIDIED]
 
 

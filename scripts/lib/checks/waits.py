@@ -1,8 +1,8 @@
 """No test waits without a limit, and no test waits for a fixed time if it can check for an event.
 
 A sleep in a test is too long on an idle machine and too short on a busy machine. eventually()
-(tests/support/eventually.hpp) polls up to a limit. If a pause *is* the test (a client that sends slowly), the line
-or the line above must say so: `// pause: reason`.
+(tests/support/eventually.hpp) polls up to a limit. If a pause is part of the test (a client that sends slowly), the
+line or the line above it must say so: `// pause: reason`.
 """
 import re
 

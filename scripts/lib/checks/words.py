@@ -1,6 +1,6 @@
 """Words and sentences: one thing has one name (words.txt), and sentences avoid the habits that make a reader stop (habits.py).
 
-words.txt: `pattern -> what to write  # why`, where patterns are Python regular expressions. Habits are checked in everything
+words.txt: `pattern -> what to write  # why`, where patterns are Python regular expressions. Habits are checked in all texts
 that users read: documents, messages, help and pages. In comments, only lines changed on the branch are checked; with --all, every line.
 not_yet.txt lists the files whose texts are not checked yet; a file that is clean must be removed from it.
 """
