@@ -249,8 +249,8 @@ class WithScripts(Case):
                 "floods": ("    print('x' * 1000000, flush=True)", "does not answer like fracture-render"),
                 "refuses": ("    print('{\"output\": null, \"problem\": {\"detail\": \"' + line['file'] + ' has too much.\"}}', "
                             "flush=True); continue", "box.glb has too much."),
-                "draws nothing": ("    print('{\"output\": 1}', flush=True); continue", "made no PNG of 512 x 512"),
-                "draws another size": ("    width = 3", "made no PNG of 512 x 512")}
+                "draws nothing": ("    print('{\"output\": 1}', flush=True); continue", "did not write a PNG of 512 x 512"),
+                "draws another size": ("    width = 3", "did not write a PNG of 512 x 512")}
         for name, (body, why) in ends.items():
             with self.subTest(name):
                 renderer = self.renderer(body)

@@ -132,7 +132,7 @@ nonsense
   EXPECT_EQ(shell("$f bake --manifest .m"), 2);
   EXPECT_THAT(err, AllOf(StartsWith("fracture-server bake: Line 2 of '.m': There is no parameter 'sitess'"),
                          HasSubstr("\nLine 3 of '.m': it is not a JSON object"),
-                         HasSubstr("\nLine 4 of '.m': bake keeps no answers, so 'of' cannot name one.")));
+                         HasSubstr("\nLine 4 of '.m': bake keeps no answers, so 'of' cannot refer to one.")));
   EXPECT_EQ(out, "");
   EXPECT_FALSE(fs::exists(folder / "good.glb"));
   EXPECT_FALSE(fs::exists(folder / ".m.report"));
