@@ -146,7 +146,7 @@ describe('what an answer says about itself', () => {
   test('FarOffTheFiguresSayWhy', () => {
     const parts = number => ({ size: { parts: number, united: 3 } });
     assert.equal(countRemark(shown({ asked: 1200, made: 1900, report: parts(1900) })), '1,200 requested, 1,900 made: the mesh has 1,900 separate parts, and each becomes at least one fragment.');
-    assert.match(countRemark(shown({ asked: 40, made: 60, report: parts(2) })), /: the others touch nothing/);
+    assert.match(countRemark(shown({ asked: 40, made: 60, report: parts(2) })), /: the others touch no fragment/);
     assert.match(countRemark(shown({ asked: 40, made: 30, report: parts(1) })), /: the pattern and the size limits/);
     assert.match(countRemark(shown({ asked: 40, made: 30, report: parts(1), certificate: { united: 4 } })), /: the surface crosses itself/);
     assert.match(countRemark(shown({ asked: 60, made: 50, report: parts(1), parameters: { max_fragments: 50 } })), /: the maximum number of fragments is lower/);

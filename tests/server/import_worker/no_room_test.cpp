@@ -61,7 +61,7 @@ TEST(NoRoom, LackOfMemoryOfTheMachineIsNoFaultOfTheFileAndIsNotRemembered) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kOverloaded) << refused.error().detail;
     EXPECT_GT(refused.error().retry_after.count(), 0);
-    EXPECT_THAT(refused.error().detail, HasSubstr("no room"));
+    EXPECT_THAT(refused.error().detail, HasSubstr("the system refused memory"));
   }
   EXPECT_EQ(pool.counters().no_room, 2u);
   EXPECT_EQ(pool.counters().remembered, 0u);
