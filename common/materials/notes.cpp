@@ -23,7 +23,7 @@ constexpr Named kNotes[] = {
       2.0}},
     {"concrete",
      {"pillars, slabs, bunkers",
-      "A mixture of many sizes, chosen by eye between the distribution of a single process and that of Mott and Linfoot (1943).",
+      "A mixture of many sizes, set by eye to lie between the distribution of a single process and that of Mott and Linfoot (1943).",
       2.9}},
     {"stone",
      {"statues, rocks, blocks",

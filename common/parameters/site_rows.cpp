@@ -383,7 +383,7 @@ void add_pattern_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            "including its joint. Bricks lie along the longer horizontal side of the wall. If you give their size, each brick is one "
            "piece, and the whole mesh is treated as a wall. Default: chosen to make about `sites` pieces. With `brick`, each piece "
            "then contains several bricks of real size (0.24 x 0.071 x 0.115 m). The bricks are scaled if a piece would contain less "
-           "than one or more than six bricks."});
+           "than one brick or more than six."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",

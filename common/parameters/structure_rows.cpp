@@ -59,9 +59,9 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "Like `min_volume`, but as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, only a hundredth of "
-      "this fraction applies, relative to the mean volume without hits. Before cuts are made rough, the fraction is doubled, but "
-      "not beyond 0.05. 0: no limit. Default with a `material`: 0.002.",
+      "Like `min_volume`, but as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a "
+      "hundredth of this fraction of the mean volume that the fragments would have without hits. Before cuts are made rough, the "
+      "fraction is doubled, but not beyond 0.05. 0: no limit. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {

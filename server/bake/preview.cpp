@@ -194,7 +194,8 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
   }
   if (!has_size(png, settings_.size) || png.size() < 24 + sizeof kPngEnd ||
       std::memcmp(png.data() + png.size() - sizeof kPngEnd, kPngEnd, sizeof kPngEnd) != 0)
-    return fail(ErrorCode::kBadImage, "The renderer did not write a PNG of " + side + " x " + side + " pixels.");
+    return fail(ErrorCode::kBadImage,
+                "The renderer did not write a PNG of " + side + " x " + side + " pixels.");
   if (!make_folders_of(picture) || !write_file(picture, std::as_bytes(std::span(png))))
     return fail(ErrorCode::kFileAccess, "Cannot write " + picture + ": " + std::strerror(errno) + ".");
   return {};

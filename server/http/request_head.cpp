@@ -161,7 +161,7 @@ OrProblem<bool> decide_framing(RequestHead& head) {
   const std::string half_close = head.field("half-close");
   if (!half_close.empty()) {
     if (!equals_ignoring_case(half_close, "yes"))
-      return malformed_request("The only value of the Half-Close field is 'yes'.");
+      return malformed_request("The only valid value of the Half-Close field is 'yes'.");
     head.half_closes = true;
   }
   return true;

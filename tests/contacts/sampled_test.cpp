@@ -8,6 +8,7 @@
 
 #include "common/base/random.hpp"
 #include "tests/contacts/part_meshes.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::test {
 namespace {
@@ -126,7 +127,7 @@ Turn random_turn(Random& random) {
   return {a, cross(c, a), c};
 }
 
-constexpr int kSamples = 6000;
+const int kSamples = sized(600, 6000);
 constexpr double kSigmas = 4.5;
 
 void expect_overlap(const Solid& solid, Random& random, std::size_t& overlapping) {

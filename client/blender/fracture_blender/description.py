@@ -22,7 +22,7 @@ ASK_SECONDS = 15.0
 
 
 class Description:
-    """The description as dictionaries by name: `patterns`, `materials`, and `parameters` (in the order of the server's table)."""
+    """The description as dictionaries keyed by name: `patterns`, `materials`, and `parameters` (in the order of the server's table)."""
 
     def __init__(self, document):
         self.document = document

@@ -29,7 +29,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return cls.current is None and context.mode == "OBJECT"
 
     def execute(self, context):
-        """Waits for the result. Scripts call this, and so does Blender without a window."""
+        """Waits for the result. Scripts call this, and so does Blender when it runs without a window."""
         try:
             work = run.begin(context)
         except FractureError as error:

@@ -17,7 +17,7 @@ class Sidebar:
 
 
 class Below(Sidebar):
-    """Base class of the panels inside the first one."""
+    """Base class of the subpanels of the main panel."""
     bl_parent_id = "FRACTURE_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
 

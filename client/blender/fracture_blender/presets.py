@@ -28,7 +28,7 @@ class FRACTURE_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self):
-        """Lists the properties to save. Each value precedes its switch `use_…`, because setting the value turns the switch on."""
+        """Lists the properties to save. Each value comes before its `use_…` switch, because setting the value turns the switch on."""
         parameters = [f"parameters.{part}{name}" for name in Known.parameters for part in ("", "use_")]
         return parameters + [f"settings.{name}" for name in FractureSettings.__annotations__ if name not in SCENE_ONLY]
 

@@ -31,7 +31,7 @@ class Written:
 
 def write(context, objects, paint="NONE", paint_name=""):
     """Returns a file (Written) with the objects and their modifiers, in the interface's frame. Raises FractureError if the objects have
-    no faces, or if none has the vertex group or colour attribute that 'Painted by' names."""
+    no faces, or if none has the vertex group or colour attribute named in 'Painted by'."""
     file = _File(Frame.of(context.scene))
     graph = context.evaluated_depsgraph_get()
     painted = False
@@ -61,7 +61,7 @@ class _File:
         self.uv_names, self.color_names = [], []
 
     def add(self, item, evaluated, mesh, paint, paint_name):
-        """Adds an object. Returns whether the object has the vertex group or colour attribute that 'Painted by' names."""
+        """Adds an object. Returns whether the object has the vertex group or colour attribute named in 'Painted by'."""
         mesh.calc_loop_triangles()
         corners = len(mesh.loops)
         vertices = array("i", bytes(4 * corners))
@@ -197,7 +197,7 @@ def _colors(mesh, evaluated, vertices, paint, paint_name):
 
 
 def _turned(values):
-    """Converts positions or normals from z up to y up: (x, y, z) becomes (x, z, -y)."""
+    """Converts positions or normals from z-up to y-up: (x, y, z) becomes (x, z, -y)."""
     turned = array("f", values)
     turned[1::3] = values[2::3]
     turned[2::3] = array("f", [0.0 - value for value in values[1::3]])
