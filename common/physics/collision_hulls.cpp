@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/base/scratch.hpp"
-#include "common/physics/convex_parts.hpp"
 #include "common/physics/hull_maker.hpp"
 
 namespace fracture {
@@ -56,26 +55,6 @@ std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_s
   return f.caps[0].first / 3;
 }
 
-/// Adds the hulls of a part that stays whole. False if it is cut, open or flat: then it gets ordinary hulls.
-bool add_parts(const Fragment& f, const ConvexPartsLimits& limits, HullMaker& maker, FragmentHulls& out,
-               const Execution& execution) {
-  if (!f.caps.empty() || f.open_edges != 0) return false;
-  collect_corners(f, maker, execution);
-  std::vector<std::array<std::uint32_t, 3>> triangles(f.indices.size() / 3);
-  const BodySurface surface(f.indices, maker.corner_of);
-  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = surface[t];
-  ConvexParts parts = make_convex_parts(maker.corners, triangles, limits, execution);
-  if (parts.hulls.empty()) return false;
-  for (CollisionHull& hull : parts.hulls) {
-    execution.poll();
-    inset(hull, maker.rounding);
-  }
-  out.hulls = std::move(parts.hulls);
-  out.simplified = parts.simplified;
-  out.largest_excess = parts.largest_excess;
-  return true;
-}
-
 }  // namespace
 
 HullReport CollisionHulls::report() const {
@@ -88,8 +67,8 @@ HullReport CollisionHulls::report() const {
   return sum;
 }
 
-CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const Execution& execution,
-                                    const ConvexPartsLimits* of_whole_parts) {
+CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known,
+                                    const Execution& execution) {
   CollisionHulls out = std::move(known);
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 8, [&](std::size_t begin, std::size_t end) {
@@ -99,7 +78,6 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
       const Fragment& f = set.fragments[k];
       FragmentHulls& hulls = out.of_fragment[k];
       if (!hulls.hulls.empty() || f.positions.empty()) continue;
-      if (of_whole_parts && add_parts(f, *of_whole_parts, maker, hulls, execution)) continue;
       if (f.bodies.empty()) {
         collect_corners(f, maker, execution);
         const BodySurface surface(f.indices, maker.corner_of, count_uncut(f, set.lattice_step));

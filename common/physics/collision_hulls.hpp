@@ -39,11 +39,7 @@ struct FragmentHulls {
   std::vector<CollisionHull> hulls;  ///< one for each body (member cell), or fewer (aggregate_hulls.hpp)
   std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent): theirs is a small cube
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
-  /// ConvexParts::largest_excess (before the inset), or 0 if the fragment was not divided into convex parts.
-  double largest_excess = 0;
 };
-
-struct ConvexPartsLimits;
 
 struct HullReport {
   std::uint32_t hulls = 0, flat = 0, simplified = 0;  ///< as FragmentHulls has them
@@ -62,9 +58,7 @@ struct CollisionHulls {
 };
 
 /// One hull for each body, in the fragment's local frame, of every fragment that has a shape and no hulls in
-/// `known`, which may be empty. The set's lattice step says what rounding did to their corners. If `of_whole_parts` is given,
-/// fragments without cuts get as many hulls as their openings need (convex_parts.hpp). Throws Interrupted.
-CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const Execution& execution,
-                                    const ConvexPartsLimits* of_whole_parts = nullptr);
+/// `known`, which may be empty. The set's lattice step says what rounding did to their corners. Throws Interrupted.
+CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const Execution& execution);
 
 }  // namespace fracture
