@@ -3,8 +3,6 @@
 #include <exception>
 #include <map>
 
-#include "client/world/touching.hpp"
-
 namespace fracture::game {
 
 namespace {
@@ -14,7 +12,6 @@ using Fragments = std::shared_ptr<const world::PreparedFragments>;
 Expected<Fragments> read_whole(std::span<const std::byte> glb) {
   Expected<world::FragmentSet> set = world::read_fragments(glb);
   if (!set) return tl::unexpected(set.error());
-  world::bond_touching_parts(*set);
   return world::prepare(std::move(*set));
 }
 

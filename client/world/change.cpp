@@ -5,8 +5,6 @@
 #include <string>
 #include <unordered_map>
 
-#include "client/world/touching.hpp"
-
 namespace fracture::world {
 namespace {
 
@@ -80,7 +78,6 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     bond.b = b->second;
     set.bonds.push_back(bond);
   }
-  bond_touching_parts(set);
   return out;
 }
 
