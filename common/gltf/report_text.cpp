@@ -1,6 +1,7 @@
 #include "common/gltf/report_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -198,8 +199,9 @@ void write_support(JsonText& json, const FragmentSet& set, const Support& suppor
   column("a", support.weak, [&](std::uint32_t bond) { id(set.bonds[bond].a); });
   column("b", support.weak, [&](std::uint32_t bond) { id(set.bonds[bond].b); });
   column("share", support.weak, [&](std::uint32_t bond) {
-    if (asked.strength > 0)
-      json.value(stress(bond) / (asked.strength * set.bonds[bond].strength));
+    // Not finite if the strength is 0, or too small to divide by.
+    if (const double share = stress(bond) / (asked.strength * set.bonds[bond].strength); std::isfinite(share))
+      json.value(share);
     else
       json.null();
   });

@@ -123,9 +123,12 @@ TEST(ReportText, SupportNamesFragmentsByIdAndBondsInTheirOrder) {
                             "weak": {"a": [9007199254740991], "b": [7], "stress": [300], "share": [1.5]},
                             "bonds": {"tension": [1], "shear": [2], "bending": [3], "torsion": [4],
                                       "stress": [300]}})"));
-  FracturedSolid without_strength = with_everything();
-  without_strength.support->asked.strength = 0;
-  EXPECT_TRUE(report_of(without_strength).at("support").at("weak").at("share").at(0).is_null());
+  // A load is not a number of times nothing, or of a strength that is too small to divide by.
+  for (const double strength : {0.0, 1e-310}) {
+    FracturedSolid weak = with_everything();
+    weak.support->asked.strength = strength;
+    EXPECT_TRUE(report_of(weak).at("support").at("weak").at("share").at(0).is_null()) << strength;
+  }
 }
 
 TEST(ReportText, TheSolidIsAsItsOwnReportHasIt) {
