@@ -74,4 +74,14 @@ struct Box {
   }
 };
 
+/// The intersection of two boxes. If they are apart, its lowest corner is above its highest on some axis.
+inline Box common_of(const Box& a, const Box& b) {
+  Box common;
+  for (int axis = 0; axis < 3; ++axis) {
+    common.min[axis] = a.min[axis] < b.min[axis] ? b.min[axis] : a.min[axis];
+    common.max[axis] = b.max[axis] < a.max[axis] ? b.max[axis] : a.max[axis];
+  }
+  return common;
+}
+
 }  // namespace fracture

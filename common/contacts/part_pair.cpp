@@ -22,15 +22,6 @@ Vec3d normal_of(const Vec3d& sum, double area, const Box& a, const Box& b) {
 
 }  // namespace
 
-Box common_of(const Box& a, const Box& b) {
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.min[axis] = std::max(a.min[axis], b.min[axis]);
-    box.max[axis] = std::min(a.max[axis], b.max[axis]);
-  }
-  return box;
-}
-
 double rounding_of(const Box& box) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis)

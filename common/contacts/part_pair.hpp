@@ -13,8 +13,6 @@ namespace fracture::contacts_detail {
 /// coordinates of a distance is off by at most half a step.
 double rounding_of(const Box& box);
 
-Box common_of(const Box& a, const Box& b);
-
 /// Smaller shares are noise from sums that cancel.
 inline constexpr double kCancelled = 1e-9;
 

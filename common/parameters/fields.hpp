@@ -11,6 +11,8 @@ namespace fracture::parameter_fields {
 
 inline constexpr double kFar = 1e6;           ///< metres: the largest coordinate
 inline constexpr double kLeastLength = 1e-6;  ///< metres
+/// Matrix rows or slice normals that are closer to linear dependence than this have no usable inverse.
+inline constexpr double kLeastConditioning = 1e-3;
 
 template <class T>
 void assign(T& to, const ParameterValue& value) {

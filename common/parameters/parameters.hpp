@@ -1,6 +1,6 @@
 // The table of all parameters. It validates a URL's query, a JSON object and the flags of `bake`, and writes the error messages.
 // It produces a request's canonical form and fills GET /limits and GET /patterns. A test compares proto/openapi.yaml with it. The
-// rows are in rows.cpp, site_rows.cpp, structure_rows.cpp, hit_rows.cpp and rough_rows.cpp.
+// rows are in rows.cpp and the files *_rows.cpp.
 #pragma once
 
 #include <cstdint>

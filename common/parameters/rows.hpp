@@ -15,6 +15,9 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
 /// The rows that determine the positions of the sites; `material` and `pattern` are first.
 std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 
+/// The rows for parameters of single patterns, which are part of site_parameter_rows().
+std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites);
+
 /// The rows for sizes, levels, regions, anchors, support, hits, and fragments that break again.
 std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites);
 

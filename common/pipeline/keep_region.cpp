@@ -71,15 +71,6 @@ Box image_of(const Box& box, const CellMap::Frame& frame, double margin, const M
   return {image.min - wide, image.max + wide};
 }
 
-Box common_of(const Box& a, const Box& b) {
-  Box common;
-  for (int axis = 0; axis < 3; ++axis) {
-    common.min[axis] = std::max(a.min[axis], b.min[axis]);
-    common.max[axis] = std::min(a.max[axis], b.max[axis]);
-  }
-  return common;
-}
-
 class RegionWalk {
  public:
   /// Within the place of one frame of the diagram's map, if it has one.

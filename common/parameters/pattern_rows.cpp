@@ -1,0 +1,209 @@
+// Rows for the parameters of single patterns.
+#include "common/parameters/fields.hpp"
+#include "common/parameters/rows.hpp"
+
+namespace fracture {
+
+using parameter_fields::kFar;
+using parameter_fields::kLeastConditioning;
+using parameter_fields::kLeastLength;
+using parameter_fields::pattern_name;
+using parameter_fields::with_pattern_member;
+
+std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
+  std::vector<ParameterSpec> rows;
+  rows.push_back(with_pattern_member<&PointsPattern::points>(
+      {.name = "points",
+       .type = Type::kVectors,
+       .unit = "m",
+       .min = 1,
+       .max = max_sites,
+       .low = -kFar,
+       .high = kFar,
+       .doc =
+           "Positions of the Voronoi sites, in the answer's coordinate frame (y up). The `points` pattern requires this parameter."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
+                                     &BrickPattern::impacts>(
+      {.name = "impacts",
+       .type = Type::kVectors,
+       .unit = "m",
+       .min = 1,
+       .max = 64,
+       .low = -kFar,
+       .high = kFar,
+       .doc =
+           "Points where the mesh is hit, in the answer's coordinate frame. The whole mesh breaks, with the smallest pieces at "
+           "these points; to break only the area around a hit, use `local_point`. `radial`: the first point is the centre of the "
+           "rings and spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
+           "bricks break. Default: the centre of the bounding box, or the centre of the box's +z side if spokes run in all "
+           "directions. If the material's pattern is `uniform` or `clustered`, `impacts` changes it to `impact`."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
+      {.name = "radius",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc =
+           "Radius of the area around an impact in which the impact's sites are placed, or approximate radius of a cluster. "
+           "Default: for an impact, a third of the longest side of the bounding box; for a cluster, 0.12 times the mean side length "
+           "of the box."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
+      {.name = "exponent",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 2.9,
+       .doc =
+           "How fast the density of sites falls with the distance from an impact or cluster centre: the density is proportional to "
+           "distance^-exponent. 0: uniform within `radius`. Default: 2 for `impact`, 1.5 for `clustered`."}));
+  rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
+      {.name = "share",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Fraction of the sites that are near an impact or in a cluster; the other sites are spread uniformly. Default: 0.8 for "
+           "`impact`, 0.88 for `clustered`."}));
+  rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
+      {.name = "clusters",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 10'000,
+       .doc = "Number of clusters. Default: one per 40 sites."}));
+  rows.push_back(with_pattern_member<&RadialPattern::around>(
+      {.name = "around",
+       .type = Type::kChoice,
+       .choices = {"axis", "point", "shape"},
+       .doc =
+           "Centre of the rings and spokes. `axis`: a line (for a pane). `point`: a point from which spokes run in all directions "
+           "(for a vessel or a lump). `shape`: like `axis` if the parameter `axis` is given or the mesh is a plate (at most a fifth "
+           "as thick as it is wide), otherwise like `point`. If the mesh has several parts, each part breaks according to its own "
+           "shape; rods (at least four times as long as they are wide) break across their length. If there are more than eight "
+           "parts, this applies only to the seven largest. If `axis`, `spokes`, `rings`, a stretch, a kept region or "
+           "`dual=barycenter` is given, all parts break as one."}));
+  rows.push_back(with_pattern_member<&RadialPattern::axis>(
+      {.name = "axis",
+       .type = Type::kDirection,
+       .low = -kFar,
+       .high = kFar,
+       .doc =
+           "Axis of the rings and spokes. Default: perpendicular to a plate; in other meshes, along the shortest side of the "
+           "bounding box or, if `crushed` is given, from the hit to the centre of the box."}));
+  rows.push_back(with_pattern_member<&RadialPattern::spokes>(
+      {.name = "spokes",
+       .type = Type::kInteger,
+       .min = 3,
+       .max = 720,
+       .doc =
+           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 if they run in all directions)."}));
+  rows.push_back(with_pattern_member<&RadialPattern::rings>(
+      {.name = "rings",
+       .type = Type::kInteger,
+       .min = 1,
+       .max = 1000,
+       .doc = "Number of rings. Default: enough for about `sites` pieces."}));
+  rows.push_back(with_pattern_member<&RadialPattern::growth>(
+      {.name = "growth",
+       .type = Type::kNumber,
+       .low = 1,
+       .high = 10,
+       .doc = "Width of each ring, as a multiple of the width of the ring just inside it."}));
+  rows.push_back(with_pattern_member<&RadialPattern::merge>(
+      {.name = "merge",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.9,
+       .doc = "Fraction of the cracks along rings that is left out. Higher values make longer shards."}));
+  rows.push_back(with_pattern_member<&RadialPattern::crushed>(
+      {.name = "crushed",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 0.9,
+       .doc = "Fraction of the pieces that become crumbs around the hit."}));
+  rows.push_back(with_pattern_member<&RadialPattern::jitter, &GridPattern::jitter, &BrickPattern::jitter,
+                                     &SlicePattern::jitter>(
+      {.name = "jitter",
+       .type = Type::kNumber,
+       .low = 0,
+       .high = 1,
+       .doc =
+           "Irregularity of the pattern. With `grid`, `brick` and `slice`, each cutting plane is shifted by up to this fraction of "
+           "half the distance between planes. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
+  ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
+      {.name = "cell",
+       .type = Type::kVector,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc =
+           "Size of a cell. `grid`: the lengths of a box along x, y and z. `brick`: the length, height and depth of a brick "
+           "including its joint. Bricks lie along the longer horizontal side of the wall. If you give their size, each brick is one "
+           "piece, and the whole mesh is treated as a wall. Default: chosen to make about `sites` pieces. With `brick`, each piece "
+           "then contains several bricks of real size (0.24 x 0.071 x 0.115 m). The bricks are scaled if a piece would contain less "
+           "than one brick or more than six."});
+  rows.push_back(std::move(cell));
+  rows.push_back(with_pattern_member<&BrickPattern::bond>(
+      {.name = "bond",
+       .type = Type::kChoice,
+       .choices = {"stack", "half", "third"},
+       .doc =
+           "Offset of each row of bricks from the row below: none (`stack`), half a brick (`half`) or a third of a brick (`third`)."}));
+  ParameterSpec mortar{
+      .name = "mortar",
+      .type = Type::kColor,
+      .doc =
+          "Colour of the joints in sRGB, as #rrggbb (for example #b9b4a8 for lime and cement). Cuts along joints have a matt "
+          "material of this colour. Its name ends with _Mortar. Cuts through bricks and rubble stones keep their usual material. "
+          "Joints have no width. `dual=barycenter` makes no joints. Default: all cuts look the same.",
+      .decides = Decides::kSites,
+      .patterns = {pattern_name<BrickPattern>()}};
+  mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
+    auto* bricks = std::get_if<BrickPattern>(&r.fracture.pattern);
+    if (!bricks) return;
+    bricks->mortar = true;
+    r.mortar = std::get<std::string>(value);
+    r.interior.mortar = linear_color(r.mortar);
+  };
+  mortar.get = [](const RequestParameters& r, const ParameterSpec&) {
+    return r.mortar.empty() ? nlohmann::json() : nlohmann::json(r.mortar);
+  };
+  rows.push_back(std::move(mortar));
+  ParameterSpec normals = with_pattern_member<&SlicePattern::normals>(
+      {.name = "normals",
+       .type = Type::kVectors,
+       .min = 1,
+       .max = 3,
+       .low = -kFar,
+       .high = kFar,
+       .doc =
+           "One to three linearly independent directions. Each is the normal of one family of parallel cutting planes."});
+  normals.check = [](const ParameterValue& value) -> std::optional<std::string> {
+    const auto& given = std::get<std::vector<Vec3d>>(value);
+    Matrix3 rows_of;
+    for (std::size_t k = 0; k < given.size(); ++k) rows_of.rows[k] = given[k];
+    if (given.size() == 1 && !(length(given[0]) > 1e-9)) return "be directions that are not zero";
+    if (given.size() == 1) return std::nullopt;
+    if (given.size() == 2) rows_of.rows[2] = cross(given[0], given[1]);
+    if (rows_of.conditioning() >= kLeastConditioning) return std::nullopt;
+    return "be linearly independent directions: these are, at least nearly, in one plane or on one line";
+  };
+  rows.push_back(std::move(normals));
+  rows.push_back(with_pattern_member<&SlicePattern::spacing>(
+      {.name = "spacing",
+       .type = Type::kNumber,
+       .unit = "m",
+       .low = kLeastLength,
+       .high = kFar,
+       .doc =
+           "Distance between neighbouring planes of a family. Default: chosen to make about `sites` pieces."}));
+  rows.push_back(with_pattern_member<&SlicePattern::tilt>(
+      {.name = "tilt",
+       .type = Type::kNumber,
+       .unit = "degrees",
+       .low = 0,
+       .high = 45,
+       .doc =
+           "Maximum angle by which each plane is tilted at random. This applies only if there is a single family of planes."}));
+  return rows;
+}
+
+}  // namespace fracture
