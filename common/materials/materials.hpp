@@ -33,8 +33,8 @@ struct CutLook {
   double crushed = 0;               ///< as InteriorLook::crushed
 };
 
-/// Every material merges fragments smaller than this fraction of the mean volume with a neighbour, because crumbs that nobody
-/// sees cost as much as other fragments.
+/// A fraction of the mean volume. Every material merges smaller fragments with a neighbour. Such crumbs are invisible, but
+/// cost as much as other fragments.
 inline constexpr double kLeastOfMean = 0.002;
 
 /// Objects made of glass, pottery and sheet metal are hollow, but their meshes are solid. A part becomes hollow if it can contain a

@@ -33,7 +33,7 @@ struct SolidOptions {
   /// filled holes would enclose less than this times their area) become slabs of this thickness behind their
   /// surface. 0 = such pieces are dropped.
   double thickness = 0;
-  /// Metres, for the contact graph (keep_contacts()); make_solid() ignores it. Empty: kContactGap of the longest side.
+  /// Gap of the contact graph, m. keep_contacts() uses it; make_solid() does not. Empty: kContactGap times the longest side.
   std::optional<double> contact_gap{};
 };
 

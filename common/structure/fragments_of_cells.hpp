@@ -27,7 +27,7 @@ class FragmentsOfCells {
 
   Cells of(std::uint32_t part) const { return {part_begin_[part], part_begin_[part + 1]}; }
   SiteId site(std::uint32_t cell) const { return sites_[cell]; }
-  /// kNoIndex if there is no such cell.
+  /// The cell of this part and site, or kNoIndex.
   std::uint32_t find(std::uint32_t part, SiteId site) const {
     const auto begin = sites_.begin() + part_begin_[part], end = sites_.begin() + part_begin_[part + 1];
     const auto at = std::lower_bound(begin, end, site);

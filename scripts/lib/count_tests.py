@@ -69,7 +69,7 @@ def print_slowest(name, folder):
 
 
 def read(folder):
-    """Returns {program: (numbers of passed and skipped cases, names of failed cases)}; None if there is no report."""
+    """Returns {program: (counts of passed and skipped cases, names of failed cases)}, or None if the folder has no report."""
     junit = os.path.join(folder, "junit.xml")
     if not os.path.exists(junit):
         return None

@@ -31,7 +31,7 @@ class MemoryLine {
     std::string client;
     std::uint64_t bytes = 0;
     std::function<MemoryBudget::Use()> use;  ///< asked again: a client may have begun to wait for it
-    std::function<bool()> given_up;          ///< nobody wants it any more
+    std::function<bool()> given_up;          ///< true if no client wants the work any more
     std::function<void(MemoryBudget::Reservation)> go_on;  ///< called once, or dropped if it was given up
   };
   /// The memory, or nothing: then `waits` is in the line.

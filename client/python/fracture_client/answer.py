@@ -113,7 +113,7 @@ class Answer:
 
     @property
     def etag(self) -> str:
-        """The ETag of the HTTP response, for the argument `unless` of Client.answer()."""
+        """The ETag of the HTTP response. Pass it to Client.answer() as `unless`."""
         return self._headers.get("etag", "")
 
     @property

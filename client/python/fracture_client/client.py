@@ -191,7 +191,7 @@ class Client(Caller):
 
     def request(self, method: str, path: str, *, body: bytes = b"", headers: Optional[Mapping[str, str]] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Response:
-        """Sends any other request of the interface (for example, for a Range of a result, or with another Accept) with the same
-        retries. `path` includes the query. If a complete response has a Repr-Digest, the digest is checked. Raises FractureError."""
+        """Sends a request that has no method in this class, for example to read a byte range of a result. Retries like all
+        other calls. `path` includes the query. If a complete response has a Repr-Digest, the digest is checked. Raises FractureError."""
         check = asking.check_nothing if method == "HEAD" else asking.check_digest_if_any
         return self._ask(method, path, body, headers or {}, check, timeout, cancel)

@@ -72,7 +72,7 @@ class Fragment:
 
 @dataclass(frozen=True)
 class Bond:
-    """The cut faces that two fragments share, and how strongly they hold together."""
+    """Two fragments that hold together, by the cut faces that they share or by the contact of their parts."""
 
     a: int  # id of a fragment, or of a cluster in a level
     b: int

@@ -38,7 +38,7 @@ export interface Figures {
   [figure: string]: any;
 }
 
-/** The cut faces that two fragments share, and how strongly they hold together. */
+/** Two fragments that hold together, by the cut faces that they share or by the contact of their parts. */
 export interface Bond {
   /** Ids of the two fragments. */
   a: number;
