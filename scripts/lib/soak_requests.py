@@ -54,7 +54,7 @@ class Mixture:
     def mesh(self, rng):
         if self.assets and rng.random() < 0.02:
             return rng.choice(self.assets)
-        number = int(rng.paretovariate(0.7)) % 3000  # a few boxes are requested all the time, most hardly ever
+        number = int(rng.paretovariate(0.7)) % 3000  # a few boxes are requested very often, most of them rarely
         return f"box{number}", box(number), "model/obj"
 
     def query(self, rng):

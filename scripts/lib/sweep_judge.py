@@ -147,7 +147,7 @@ def judge_glb(data):
         return broken
     solid = report.get("solid", {})
     unpaired = sum(seams.values())
-    # Filled holes and the backs of sheets have the cut faces' material and no mirror image.
+    # Filled holes and the backs of sheets have the cut faces' material, but no mirror image.
     if unpaired and not solid.get("holes_filled") and not solid.get("sheets_thickened"):
         broken.append(f"{unpaired} interior triangles have no mirror image")
     if abs(volume - certificate["volume_file"]) > 1e-6 * abs(certificate["volume_file"]):

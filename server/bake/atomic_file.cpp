@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A pipe that takes anything takes so much without waiting (POSIX: PIPE_BUF).
+/// A pipe that polls as writable accepts this many bytes without blocking (POSIX: PIPE_BUF).
 constexpr std::size_t kPipeBlock = 4096;
 
 bool write_with_polls(int fd, std::span<const std::byte> bytes, const std::stop_token& stop) {

@@ -1,4 +1,4 @@
-// Files that are there whole or not at all.
+// Files that are written completely or not at all.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,10 @@
 
 namespace fracture::bake {
 
-/// A file that grows unseen and then is there at once: a temporary one beside the target (".<name>.part", used again by
-/// the next try), flushed to the disk, then renamed over it. Gone, if it was not committed. All of them are false with
-/// errno set.
+/// Writes a file that appears at its path only when it is complete. The bytes go to a temporary file next to
+/// the target (".<name>.part", overwritten by the next attempt), which is flushed to the disk and then
+/// renamed over the target. Without commit(), the temporary file is deleted. All functions return false and
+/// set errno on failure.
 class AtomicFile {
  public:
   bool open(const std::string& path);
@@ -29,14 +30,14 @@ class AtomicFile {
   int fd_ = -1;
 };
 
-/// The same of bytes that are there. False with errno set.
+/// Writes a file with AtomicFile from bytes in memory. Returns false and sets errno on failure.
 bool write_file(const std::string& path, std::span<const std::byte> bytes);
 
-/// All of it, or false with errno set: EPIPE where nobody reads any more, which is no signal here; ECANCELED
-/// where the stop came while nobody read.
+/// Writes all bytes; returns false and sets errno on failure. errno is EPIPE if the reader has closed the
+/// pipe (SIGPIPE is ignored here), and ECANCELED if a stop was requested while waiting for the reader.
 bool write_standard_output(std::span<const std::byte> bytes, const std::stop_token& stop);
 
-/// Makes the folders that the path lies in. False with errno set.
+/// Creates the parent folders of a path. Returns false and sets errno on failure.
 bool make_folders_of(const std::string& path);
 
 }  // namespace fracture::bake

@@ -1,4 +1,4 @@
-// Makes one output: in this process, or through servers (remote_baker.hpp).
+// Computes one output: in this process, or through servers (remote_baker.hpp).
 #pragma once
 
 #include <functional>
@@ -16,10 +16,11 @@ struct Baked {
   std::shared_ptr<const std::vector<std::uint8_t>> file;
   Digest digest;  ///< of the file
   AnswerSummary summary;
-  StageTimings timings{};  ///< where it was made here
+  StageTimings timings{};  ///< only set if computed in this process
 };
 
-/// Of a bake, by the table of its baker: kNoSuchAnswer for `of`, because no baker keeps answers.
+/// Parses the parameters of a bake by the baker's table. Returns kNoSuchAnswer if `of` is given, because a
+/// baker keeps no earlier answers.
 Expected<RequestParameters> parse_parameters(const ParameterTable& table,
                                              const std::vector<RawParameter>& given);
 
@@ -28,15 +29,15 @@ class Baker {
  public:
   virtual ~Baker() = default;
   virtual Expected<RequestParameters> parse(const std::vector<RawParameter>& given) = 0;
-  /// What an error comes to: failure.hpp.
-  /// `stop` ends it, its waits for a server too. `execution`: what else a computation on this machine heeds.
+  /// Computes one output. failure.hpp says what becomes of a job after each error. `stop` cancels the
+  /// computation or the wait for a server. `execution` applies only to computations on this machine.
   virtual Expected<Baked> bake(const FractureRequest& request, const Execution& execution,
                                const std::stop_token& stop) = 0;
-  /// Where to say what goes on while a call takes long. Before the first call.
+  /// Sets the function that receives messages during long calls. Must be called before the first bake().
   virtual void on_notice(std::function<void(const std::string& line)>) {}
 };
 
-/// In this process.
+/// A baker that computes in this process.
 std::unique_ptr<Baker> local_baker(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine);
 
 }  // namespace fracture::bake

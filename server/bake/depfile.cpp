@@ -5,7 +5,7 @@
 namespace fracture::bake {
 namespace {
 
-/// As compilers write names into depfiles: what make would take for something else is escaped.
+/// Escapes a name as compilers do in depfiles, so that make does not interpret its special characters.
 std::string escaped(const std::string& path) {
   std::string text;
   for (const char c : path) {

@@ -1,4 +1,4 @@
-// What an output was made of, for build systems.
+// Dependency files for build systems: the files that an output was made from.
 #pragma once
 
 #include <string>
@@ -8,10 +8,11 @@
 
 namespace fracture::bake {
 
-/// One make rule, which make and Ninja read: the output, then the mesh, the files that it names and that
-/// are there (buffers, textures, material libraries), and the file of rules where there is one (its path is not empty).
+/// Returns one make rule for make or Ninja. The target is the output. The prerequisites are the mesh, the
+/// existing files that it refers to (buffers, textures, material libraries), and the rule file unless `rules`
+/// is empty.
 std::string depfile_text(const BakeJob& job, const InputFile& input, const std::string& rules);
-/// The same as a file, written whole. False with errno set.
+/// Writes depfile_text() atomically. Returns false and sets errno on failure.
 bool write_depfile(const std::string& path, const BakeJob& job, const InputFile& input,
                    const std::string& rules);
 

@@ -1,4 +1,4 @@
-// An engine around another one that does what that does: what derives from it replaces single steps.
+// An engine that forwards every step to another engine. Derived classes override single steps.
 #pragma once
 
 #include <memory>

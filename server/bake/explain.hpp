@@ -1,4 +1,4 @@
-// Why a job has the parameters that it has.
+// Explains where a job's parameters come from.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,20 @@
 
 namespace fracture::bake {
 
-/// The parameters of the command line, over them those of the rule that matches, over them those of the manifest's line.
+/// A job's parameters. The manifest line takes precedence over the matching rule, which takes precedence over
+/// the command line.
 struct JobParameters {
   std::vector<RawParameter> all;
-  std::optional<RuleMatch> match;  ///< nothing: no rule does
+  std::optional<RuleMatch> match;  ///< empty if no rule matches
 };
 JobParameters parameters_of(const BakeJob& job, const RuleFile& rules, std::optional<RuleMatch> match);
 
-/// What the command line or the manifest's line says that the mesh is: its names have to be read before a rule's parameters
-/// are known, so that a rule's `format` has no say in it.
+/// Returns the mesh format that the command line or the manifest line gives. A rule's `format` is not
+/// considered, because rules can only be matched after the names in the mesh have been read.
 std::optional<MeshFormat> format_given(const BakeJob& job);
 
-/// Lines for people, without control characters of names: input and output, the rule that matches and why, each parameter with where it comes from.
+/// Returns lines for the console: input and output, the matching rule and why it matches, and each parameter
+/// with its origin. Control characters in names are escaped.
 std::string explanation_of(const BakeJob& job, const RuleFile& rules, const JobParameters& parameters);
 
 }  // namespace fracture::bake

@@ -23,7 +23,7 @@ Outcome outcome_of(ErrorCode code) {
     case ErrorCode::kInternal:
     case ErrorCode::kJobLost:
     case ErrorCode::kOutOfMemory:
-    case ErrorCode::kOverloaded:  // this machine has no room for a reader; of a server it is waited for
+    case ErrorCode::kOverloaded:  // no memory for a reader here; busy servers are retried
     case ErrorCode::kServerFailed:
       return Outcome::kFailed;
     default:
@@ -47,8 +47,8 @@ Error to_error(int status, const protocol::ProblemDocument& problem) {
 nlohmann::json to_problem(const Error& error) {
   nlohmann::json problem{{"detail", error.detail}};
   switch (error.code) {
-    case ErrorCode::kUnavailable:      // no server has worded it
-    case ErrorCode::kRefusedByServer:  // type and title are in `extra`, where there are any
+    case ErrorCode::kUnavailable:      // this error does not come from a server
+    case ErrorCode::kRefusedByServer:  // type and title, if any, are in `extra`
     case ErrorCode::kServerFailed:
       break;
     default:

@@ -1,5 +1,5 @@
-// Why there is no output, which is an Error: what becomes of the job, how the report and the console say it, and how
-// the refusal of a server becomes one.
+// Errors of a bake: how an error decides the outcome of a job, how the report and the console word it, and
+// how a server's refusal is converted to an Error.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,31 +10,32 @@
 
 namespace fracture::bake {
 
-/// What an error comes to for the one who bakes.
+/// The outcome of a failed job, as the user of a bake sees it.
 enum class Outcome {
-  kRefused,      ///< the mesh or a parameter: it will be refused again
-  kFailed,       ///< a bug, here or in the server, or lack of memory
-  kUnsound,      ///< a bug too: the answer does not prove itself, and nobody gets it
-  kCancelled,    ///< the stop came
-  kUnavailable,  ///< the server is absent or busy beyond all patience: the other jobs will fare no better
+  kRefused,      ///< because of the mesh or a parameter: a new attempt would be refused too
+  kFailed,       ///< a bug here or in the server, or not enough memory
+  kUnsound,      ///< a bug as well: the answer fails its own checks and is not written
+  kCancelled,    ///< a stop was requested
+  kUnavailable,  ///< the server is absent, or busy for too long: the other jobs would fail too
 };
 Outcome outcome_of(ErrorCode code);
 
-/// Of an answer that refuses: the code that its type names, with the same words as here. What is no error of the
-/// pipeline (a proxy's answer, a limit of HTTP) is kRefusedByServer or, by its status, kServerFailed; type and title
-/// are in `extra` where it has any. What else the server says for programs is in `extra` too.
+/// Converts a server's refusal to an Error. If the problem's type is one of ours, the Error has that type's
+/// code and the server's words. Any other problem (a proxy's answer, an HTTP limit) becomes kServerFailed or
+/// kRefusedByServer, depending on its status; its type and title, if any, are stored in `extra`. All other
+/// machine-readable members are stored in `extra` too.
 Error to_error(int status, const protocol::ProblemDocument& problem);
 
-/// As a server words it (to_problem() of server/http/problem.hpp): type, title, detail, parameter where one is concerned,
-/// and all that the error carries for programs (errors, known, figures); without status and request_id, which belong to
-/// an exchange.
+/// Converts an error to a problem document like that of a server (to_problem() in server/http/problem.hpp).
+/// It contains type, title, detail, the parameter if one is concerned, and all machine-readable members
+/// (errors, known, figures). It does not contain status and request_id, which belong to an HTTP exchange.
 nlohmann::json to_problem(const Error& error);
-/// Of what is unsound, as far as it is known; else null.
+/// Returns the certificate in a kUnsound error, or null if there is none.
 nlohmann::json certificate_of(const Error& error);
 
-/// "mesh-not-closed: It is open."
+/// Returns one line: "mesh-not-closed: It is open."
 std::string to_line(const Error& error);
-/// The same with the title in a first line and everything else that is wrong in further ones.
+/// Returns several lines: the title, the detail, then the details of any further errors.
 std::string to_lines(const Error& error);
 
 }  // namespace fracture::bake

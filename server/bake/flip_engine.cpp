@@ -19,7 +19,7 @@ class FlipEngine final : public EngineAround {
     Expected<CutBase> made = EngineAround::base(solid, parameters, selection, execution);
     Diagram* const diagram = made ? std::get_if<Diagram>(&*made) : nullptr;
     if (!diagram) return made;
-    Execution silent = execution;  // the stage has told its progress
+    Execution silent = execution;  // progress for this stage has already been reported
     silent.within = nullptr;
     const SeenSolid seen(solid, diagram->map, silent);
     FlipCounts counts;

@@ -1,4 +1,4 @@
-// --insertion flips: the source paper's insertion instead of ours, to the same bytes.
+// --insertion flips: uses the source paper's insertion method instead of ours. The output bytes are the same.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace fracture::bake {
 
-/// What all jobs of a bake flipped. Thread-safe.
+/// Counts the flips of all jobs of a bake. Thread-safe.
 class FlipTally {
  public:
   void add(const FlipCounts& more) {
@@ -21,7 +21,7 @@ class FlipTally {
     const std::lock_guard lock(mutex_);
     return counts_;
   }
-  /// "inserted by flips: 38 flip14, 2 flip26, 0 flip n-2n; 411 flip23, 329 flip32, 17 flip44"
+  /// Returns "inserted by flips: 38 flip14, 2 flip26, 0 flip n-2n; 411 flip23, 329 flip32, 17 flip44"
   std::string sentence() const;
 
  private:
@@ -29,9 +29,10 @@ class FlipTally {
   FlipCounts counts_;
 };
 
-/// What `inner` does, but the sites of every diagram, once they are placed, are tetrahedralized by flips, and
-/// that is cut. Where sites lie is decided before, with the cavity: Lloyd's relaxation and max_volume
-/// measure cells, and what they measure depends in the last bit on the order of the tetrahedra.
+/// Wraps `inner`. Once the sites of a diagram are placed, they are tetrahedralized again by flips, and the
+/// cells are cut from that result. The sites themselves are still placed with cavity insertion: Lloyd's
+/// relaxation and max_volume measure cells, and the last bits of these measurements depend on the order of
+/// the tetrahedra.
 std::unique_ptr<FractureEngine> flip_engine(std::unique_ptr<FractureEngine> inner,
                                             std::shared_ptr<FlipTally> tally);
 

@@ -5,7 +5,7 @@
 namespace fracture::bake {
 namespace {
 
-/// A quoted-string of RFC 9110, 5.6.4.
+/// Returns a quoted-string (RFC 9110, section 5.6.4).
 std::string quoted_string(const std::string& text) {
   std::string result(1, '"');
   for (const char c : text) {

@@ -1,4 +1,4 @@
-// multipart/form-data (RFC 7578), written.
+// Writes multipart/form-data (RFC 7578).
 #pragma once
 
 #include <span>
@@ -11,16 +11,16 @@ namespace fracture::bake {
 
 struct FormPart {
   std::string name;
-  std::string filename{};  ///< empty: none
+  std::string filename{};  ///< empty: no file name
   std::string_view body;
 };
 
 struct Form {
-  std::string content_type;  ///< with the boundary, which occurs in no part
+  std::string content_type;  ///< includes the boundary, which occurs in no part
   std::string body;
 };
 
-/// kExternalResource for a file name with a control character, which no header field can hold.
+/// Returns kExternalResource if a file name contains a control character, which header fields do not allow.
 Expected<Form> write_form(std::span<const FormPart> parts);
 
 }  // namespace fracture::bake

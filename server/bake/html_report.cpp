@@ -67,7 +67,7 @@ li + li { margin-top: .3rem; }
   td[data-of]::before { content: attr(data-of) " "; color: var(--soft); font-size: .85rem; }
 })";
 
-/// For text and for attributes in double quotes. A control character is shown as what it is not, a space.
+/// Escapes text for element content and double-quoted attributes. Control characters become spaces.
 std::string as_html(std::string_view text) {
   std::string out;
   for (const char c : as_utf8(std::string(text))) switch (c) {
@@ -92,7 +92,7 @@ std::string as_html(std::string_view text) {
   return out;
 }
 
-/// In a direction of its own: a name that turns the text around does so with itself alone.
+/// Isolates the text's direction with <bdi>: a right-to-left name cannot reorder the text around it.
 std::string named(std::string_view text) { return "<bdi>" + as_html(text) + "</bdi>"; }
 
 double number_in(const json& object, const char* name) {
@@ -100,7 +100,8 @@ double number_in(const json& object, const char* name) {
   return at != object.end() && at->is_number() ? at->get<double>() : 0;
 }
 
-/// RFC 3986: what is not unreserved is percent-encoded, so that no name begins a scheme, a query or a fragment.
+/// Returns a relative link. All characters except the unreserved ones (RFC 3986) are percent-encoded, so that
+/// no file name can start a scheme, a query or a fragment.
 std::string link_to(const std::string& file, const std::string& page) {
   std::error_code error;
   const fs::path folder = fs::absolute(page, error).parent_path().lexically_normal();
@@ -116,7 +117,7 @@ std::string link_to(const std::string& file, const std::string& page) {
   return link;
 }
 
-/// "1 234 567": a thin space between thousands.
+/// Returns "1 234 567", with thin spaces between groups of thousands.
 std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, "\u202f");
@@ -178,7 +179,7 @@ std::string not_made_row(const json& line) {
          "</td></tr>\n";
 }
 
-/// The sentences of a list of the line, each as an item.
+/// Returns each sentence of a list in the report line as an <li> element.
 std::string items_of(const json& line, const char* list) {
   std::string items;
   if (const auto sentences = line.find(list); sentences != line.end() && sentences->is_array())
@@ -189,7 +190,7 @@ std::string items_of(const json& line, const char* list) {
 
 std::string list_of(const std::string& items) { return items.empty() ? "" : "<ul>" + items + "</ul>"; }
 
-/// The warnings, and the notes folded away below them.
+/// Returns the table cell with the warnings, and below them the notes in a collapsed element.
 std::string remarks_cell(const json& line, const std::string& of_picture) {
   std::string warnings = items_of(line, "warnings"), notes = items_of(line, "notes");
   if (!of_picture.empty()) warnings += "<li>No picture: " + as_html(of_picture) + "</li>";
@@ -222,7 +223,7 @@ std::string made_row(const json& line, const std::string& page, bool pictures) {
          remarks_cell(line, warning) + "</tr>\n";
 }
 
-/// What the head of the page counts.
+/// Totals for the top of the page.
 struct Totals {
   std::size_t refused = 0, failed = 0, warned = 0;
   std::uint64_t fragments = 0;
@@ -255,7 +256,8 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
 
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
   page += kGenerator;
-  // The second line, should a name ever find a way out of its text: such a page runs and fetches nothing.
+  // Second line of defence: if a name is ever not escaped, the page still cannot run scripts or load
+  // anything.
   page +=
       "\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src 'self' file:; style-src "
       "'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"

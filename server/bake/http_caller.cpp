@@ -78,7 +78,7 @@ HttpCaller::~HttpCaller() {
 }
 
 protocol::Exchange HttpCaller::exchange(const protocol::HttpRequest& request, const std::stop_token& stop) {
-  // Shared with what the stop posts, which may run when the exchange is over.
+  // Shared with the handler that the stop callback posts, which may run after this exchange has ended.
   const auto interruption = std::make_shared<protocol::Interruption>();
   auto result = asio::co_spawn(state_->io, state_->pool.exchange(request, *interruption), asio::use_future);
   const std::stop_callback on_stop(

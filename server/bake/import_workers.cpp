@@ -3,7 +3,8 @@
 namespace fracture::bake {
 namespace {
 
-/// What a reader leaks ends with it. A fresh process for each file takes more time than a small file.
+/// Restarting a worker frees any memory that it has leaked. Starting a new process for every file would take
+/// longer than reading a small file.
 constexpr int kFilesPerWorker = 100;
 
 }  // namespace

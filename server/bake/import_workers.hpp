@@ -1,4 +1,4 @@
-// The import workers of commands that read the caller's own files.
+// Import workers for commands that read the user's own files.
 #pragma once
 
 #include <memory>
@@ -7,8 +7,8 @@
 
 namespace fracture::bake {
 
-/// For commands whose user owns the files: workers without a limit on their memory, so that a crash of a
-/// reader is an error message. Throws std::runtime_error where they cannot be started.
+/// Starts workers without a memory limit, because the files belong to the user. If a reader crashes, the
+/// program only reports an error. Throws std::runtime_error if the workers cannot be started.
 std::shared_ptr<ImportPool> own_import_workers(int workers);
 
 }  // namespace fracture::bake

@@ -16,7 +16,7 @@
 namespace fracture::bake {
 namespace {
 
-/// Reads to the end; false with errno set.
+/// Reads until the end of the file. Returns false and sets errno on failure.
 bool read_all(int fd, std::string& bytes, const std::stop_token& stop) {
   struct stat found {};
   if (::fstat(fd, &found) == 0 && S_ISREG(found.st_mode))
@@ -49,7 +49,8 @@ Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byt
 
 std::optional<std::string> read_bytes(const std::string& path, const std::stop_token& stop) {
   const bool standard = path == kStandardStream;
-  // A fifo that nobody writes to would hold open() for ever; wait_for() asks whether it may go on.
+  // O_NONBLOCK: otherwise open() would block forever on a FIFO without a writer. wait_for() waits for data
+  // and notices a stop.
   const int fd = standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) return std::nullopt;
   std::string bytes;

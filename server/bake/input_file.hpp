@@ -1,4 +1,4 @@
-// The mesh file of a command, with the files it names beside itself.
+// The mesh file given to a command, with the files that it refers to.
 #pragma once
 
 #include <cstddef>
@@ -20,13 +20,13 @@ struct InputFile {
   std::span<const std::byte> view() const { return std::as_bytes(std::span(bytes)); }
 };
 
-/// The whole of a file, a pipe or, for kStandardStream, of standard input. Nothing with errno set where it
-/// cannot be read; ECANCELED where the stop came while nothing did.
+/// Reads a whole file, a pipe, or standard input (kStandardStream). Returns nothing and sets errno on
+/// failure; errno is ECANCELED if a stop was requested while waiting for data.
 std::optional<std::string> read_bytes(const std::string& path, const std::stop_token& stop = {});
 
-/// The mesh that was read from `path`: its format is as the parameters say, else by the name's ending, else
-/// by its first bytes (kUnknownFormat). Reads what it names; standard input has no folder and so can name
-/// nothing.
+/// Prepares the mesh that was read from `path`. Its format is the one in the parameters, else it follows from
+/// the file extension, else from the first bytes (kUnknownFormat if none of them decides). Also reads the
+/// files that the mesh refers to, except for standard input, which has no folder to find them in.
 Expected<InputFile> to_input(const std::string& path, std::string bytes, const RequestParameters& parameters);
 
 }  // namespace fracture::bake

@@ -6,7 +6,7 @@
 namespace fracture::bake {
 namespace {
 
-/// "2, 4 to 9, 12" of ascending numbers.
+/// Formats ascending numbers as "2, 4 to 9, 12".
 std::string ranges_of(const std::vector<std::size_t>& lines) {
   std::string text;
   for (std::size_t first = 0, last; first < lines.size(); first = last + 1) {

@@ -1,4 +1,4 @@
-// All that is wrong with the jobs of a bake, so that it is said at once and not one fault a try.
+// Collects everything that is wrong with the jobs of a bake, so that all faults are reported at once.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,12 @@ class LineFaults {
  public:
   explicit LineFaults(std::string manifest) : manifest_(std::move(manifest)) {}
 
-  /// `detail`: a sentence. `line`: of the manifest, from 1; 0: the fault belongs to no line.
+  /// `detail`: a sentence. `line`: line of the manifest, starting at 1, or 0 if the fault belongs to no line.
   void add(std::size_t line, std::string detail) { faults_.emplace_back(line, std::move(detail)); }
   bool empty() const { return faults_.empty(); }
-  /// kBadParameter. Its detail has a line of text for each fault, in the order of the manifest. Lines with the same fault stand
-  /// together: "Lines 2, 4 to 9 of 'night.ndjson': …". Of more than kMostFaults different ones the rest is counted.
+  /// Returns kBadParameter. Its detail has one line of text per fault, in manifest order. Lines with the same
+  /// fault are grouped: "Lines 2, 4 to 9 of 'night.ndjson': …". After kMostFaults different faults, only the
+  /// number of further ones is given.
   Error error() const;
 
   static constexpr std::size_t kMostFaults = 1000;

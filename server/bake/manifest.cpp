@@ -50,7 +50,7 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
   return job;
 }
 
-/// All that the table of parameters says is wrong.
+/// Returns all error details from the parameter table in one text.
 std::string details_of(const Error& error) {
   const auto errors = error.extra->find("errors");
   if (errors == error.extra->end() || !errors->is_array()) return error.detail;
@@ -59,7 +59,8 @@ std::string details_of(const Error& error) {
   return all.empty() ? error.detail : all;
 }
 
-/// Empty: the parameters are right without a rule or with one of them.
+/// Checks the job's parameters on their own and combined with each rule. Returns an empty string if all are
+/// valid.
 std::string fault_of(const BakeJob& job, const RuleFile& rules, const ParseParameters& parse) {
   const Expected<RequestParameters> parsed = parse(job.parameters);
   if (parsed) return {};
@@ -100,7 +101,7 @@ Expected<std::vector<BakeJob>> read_manifest(const BakeSource& source, LineFault
 
 void check_parameters(const std::vector<BakeJob>& jobs, const RuleFile& rules, const ParseParameters& parse,
                       LineFaults& faults) {
-  std::map<std::string, std::string> fault_of_parameters;  // a night's lines have few different ones
+  std::map<std::string, std::string> fault_of_parameters;  // few distinct sets, even for many lines
   for (const BakeJob& job : jobs) {
     nlohmann::json key = nlohmann::json::array();
     for (const RawParameter& parameter : job.own) key.push_back({parameter.name, parameter.value});

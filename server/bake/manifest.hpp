@@ -1,4 +1,4 @@
-// The jobs of a manifest: NDJSON, {"input": ..., "output": ..., "parameters": {...}} on each line.
+// Reads jobs from a manifest: NDJSON with {"input": ..., "output": ..., "parameters": {...}} on each line.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,12 @@
 
 namespace fracture::bake {
 
-/// Those of the lines that can be read; every other line is a fault. kBadParameter: the file itself cannot be read.
+/// Returns the jobs of all readable lines and adds a fault for every other line. Returns kBadParameter if the
+/// file itself cannot be read.
 Expected<std::vector<BakeJob>> read_manifest(const BakeSource& source, LineFaults& faults);
 
-/// A fault for each job of a line whose parameters are wrong, whatever its mesh: without a rule, and with each of the rules.
+/// Adds a fault for each manifest line whose parameters are invalid, on their own or combined with any of the
+/// rules. The meshes are not read.
 void check_parameters(const std::vector<BakeJob>& jobs, const RuleFile& rules, const ParseParameters& parse,
                       LineFaults& faults);
 

@@ -10,10 +10,10 @@
 namespace fracture::bake {
 namespace {
 
-/// Takes names up to the limits.
+/// Collects names up to the limits.
 class Collected {
  public:
-  /// Whether there was room for it.
+  /// Returns false if a limit is exceeded.
   bool add(std::set<std::string> MeshNames::*list, std::string_view name) {
     if (name.empty() || !(names_.*list).emplace(name).second) return true;
     bytes_ += name.size();
@@ -29,7 +29,7 @@ class Collected {
   bool full_ = false;
 };
 
-/// False: it is no JSON, or there are too many.
+/// Returns false if the bytes are not JSON or contain too many names.
 bool read_gltf(std::string_view bytes, Collected& names) {
   return read_gltf_entries(bytes, "name", [&](const std::string& list, std::string& name) {
     if (list == "nodes" || list == "meshes") return names.add(&MeshNames::nodes, name);
@@ -44,7 +44,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kSpace) + 1);
 }
 
-/// Lines, those that a backslash at their end joins as one.
+/// Splits text into lines; a backslash at the end of a line joins it with the next.
 class ObjLines {
  public:
   explicit ObjLines(std::string_view text) : left_(text) {}
@@ -75,7 +75,7 @@ class ObjLines {
 
 void read_obj(std::string_view text, Collected& names) {
   ObjLines lines(text);
-  std::string material;  // of the next faces, until one has used it
+  std::string material;  // for the next faces; stored once a face uses it
   for (std::string_view line; !names.full() && lines.next(line);) {
     line = trimmed(line);
     const std::size_t end = line.find_first_of(kSpace);

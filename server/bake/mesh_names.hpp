@@ -1,4 +1,4 @@
-// What a mesh file calls its nodes and materials, read from its text alone: nothing is imported for it.
+// Reads the names of a file's nodes and materials from its text, without importing the mesh.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,15 @@ struct MeshNames {
   std::set<std::string> materials{};  ///< glTF: of materials; OBJ: those that faces use (usemtl)
 };
 
-/// Names are kept by the process that bakes, which no sandbox and no --memory holds.
+/// Limits, because the bake process stores these names outside the import sandbox and its --memory limit.
 constexpr std::size_t kMaxMeshNames = 200'000;
-constexpr std::size_t kMaxMeshNameBytes = 16u << 20;  ///< of all of them together
+constexpr std::size_t kMaxMeshNameBytes = 16u << 20;  ///< total size of all names
 
-/// Of GLB, glTF and OBJ, which `given`, else the ending of `path`, else the first bytes tell, as for the mesh itself; empty
-/// for other formats and for what cannot be parsed. What has no name is not in it. In an OBJ all of a line is one name (`g lid
-/// body`), as its importer has it, and a backslash at its end joins it with the next. kTooLarge: over the limits.
+/// Returns the node and material names in a GLB, glTF or OBJ file. The format is `given`, else it follows
+/// from the extension of `path`, else from the first bytes, as for the mesh itself. Unnamed items are left
+/// out; the result is empty for other formats and for files that cannot be parsed. In an OBJ, everything
+/// after the keyword is one name (`g lid body`), as in its importer, and a backslash at the end of a line
+/// joins it with the next. Returns kTooLarge beyond the limits.
 Expected<MeshNames> names_in(const std::string& path, std::span<const std::byte> bytes,
                              std::optional<MeshFormat> given = std::nullopt);
 

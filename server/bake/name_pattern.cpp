@@ -26,11 +26,12 @@ constexpr std::array<CharacterClass, 12> kClasses{{{"alnum", std::isalnum},
                                                    {"xdigit", std::isxdigit}}};
 
 struct Bracket {
-  bool has;         ///< the byte
-  std::size_t end;  ///< behind the ']'
+  bool has;         ///< whether the bracket matches the byte
+  std::size_t end;  ///< position after the ']'
 };
 
-/// Behind the '[' at `at` - 1. Nothing where it is not closed: the '[' is then itself.
+/// Parses the bracket expression whose '[' is at `at` - 1. Returns nothing if it is not closed: then '[' is
+/// an ordinary character.
 std::optional<Bracket> bracket(std::string_view pattern, std::size_t at, unsigned char byte) {
   const bool without = at < pattern.size() && (pattern[at] == '!' || pattern[at] == '^');
   if (without) ++at;
@@ -68,7 +69,7 @@ std::optional<Bracket> bracket(std::string_view pattern, std::size_t at, unsigne
   return std::nullopt;
 }
 
-/// Behind what takes this byte; nothing: it does not.
+/// Returns the position after the pattern element at `at` if that element matches `c`, else nothing.
 std::optional<std::size_t> taken(std::string_view pattern, std::size_t at, char c) {
   switch (pattern[at]) {
     case '?':
@@ -88,9 +89,10 @@ std::optional<std::size_t> taken(std::string_view pattern, std::size_t at, char 
 }  // namespace
 
 bool matches_pattern(std::string_view pattern, std::string_view text, MatchBudget& budget) {
-  // Only the last asterisk is ever gone back to: whatever an earlier one takes beyond the least leaves the later ones less.
+  // Backtracking to the last asterisk is enough: if an earlier asterisk matched more text, the later ones
+  // would only have less left to match.
   std::size_t p = 0, t = 0, taken_by_star = 0;
-  std::optional<std::size_t> star;  // behind the last one
+  std::optional<std::size_t> star;  // position after the last asterisk
   if (!budget.step()) return false;
   while (t < text.size()) {
     if (!budget.step()) return false;

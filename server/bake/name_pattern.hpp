@@ -1,5 +1,6 @@
-// Patterns of a shell for names, as fnmatch() of POSIX without flags takes them, but counted: no pattern and no name makes
-// the caller wait for what it cannot stop, and a name may hold any byte.
+// Shell patterns for names, as fnmatch() in POSIX matches them without flags. Two differences: steps are
+// counted and the matching can be stopped, so that no pattern takes too long; and a name may contain any
+// byte.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +10,11 @@
 
 namespace fracture::bake {
 
-/// What comparing may cost: comparisons of one byte each.
+/// Limits the cost of matching, counted in comparisons of one byte.
 class MatchBudget {
  public:
   MatchBudget(std::size_t steps, std::stop_token stop) : left_(steps), stop_(std::move(stop)) {}
-  /// Whether to go on.
+  /// Counts one step. Returns whether to continue.
   bool step() {
     if (left_ == 0 || stopped_) return false;
     if (--left_ % kStepsBetweenLooks == 0) stopped_ = stop_.stop_requested();
@@ -23,17 +24,18 @@ class MatchBudget {
   bool stopped() const { return stopped_; }
 
  private:
-  static constexpr std::size_t kStepsBetweenLooks = 1u << 16;  // well below a millisecond
+  static constexpr std::size_t kStepsBetweenLooks = 1u << 16;  // these take well below a millisecond
   std::size_t left_;
   bool stopped_ = false;
   std::stop_token stop_;
 };
 
-/// `*` is any text, '/' included, `?` one byte, `[a-z]`, `[!a-z]` and `[[:digit:]]` one of these, a backslash takes the next as
-/// it is. False too where the budget ends.
+/// Matches the whole text. `*` is any text including '/', `?` is one byte, `[a-z]`, `[!a-z]` and
+/// `[[:digit:]]` are one byte of a set, and a backslash makes the next byte literal. Also returns false if
+/// the budget runs out.
 bool matches_pattern(std::string_view pattern, std::string_view text, MatchBudget& budget);
 
-/// Matches its own text and nothing else.
+/// Returns whether the pattern has no special characters and so matches only its own text.
 inline bool is_plain(std::string_view pattern) {
   return pattern.find_first_of("*?[\\") == std::string_view::npos;
 }

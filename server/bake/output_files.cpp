@@ -17,19 +17,20 @@ namespace fs = std::filesystem;
 using outputs::Answer;
 using outputs::Sink;
 
-/// Who is told knows which output it is about, not which file beside it.
+/// The caller reports the error for `output`, so the path is only added if it is another file, such as a
+/// texture.
 tl::unexpected<Error> not_written(const std::string& path, const std::string& output,
                                   const std::string& reason) {
   return fail(ErrorCode::kFileAccess, path == output ? reason : path + ": " + reason);
 }
 
-/// One file after the other.
+/// Writes the files of an output one after the other.
 class Writing {
  public:
   Writing(const std::string& output, const Objection& objection, const std::stop_token& stop)
       : output_(output), objection_(objection), stop_(stop) {}
 
-  /// `write(sink)`: false where the sink took no more.
+  /// `write(sink)` must return false if the sink fails.
   Expected<void> file(const std::string& path, const std::function<bool(const Sink&)>& write) {
     if (const std::optional<Error> why = objection_(path)) return not_written(path, output_, why->detail);
     if (const std::optional<Error> why = refuse_output(path))
@@ -54,7 +55,7 @@ class Writing {
     return {};
   }
 
-  /// The last file is the first of the list.
+  /// Returns the written files. The output, written last, is moved to the front.
   std::vector<WrittenFile> take() {
     std::rotate(written_.begin(), written_.end() - 1, written_.end());
     return std::move(written_);
@@ -148,7 +149,8 @@ bool is_foreign_mtl(const std::string& path) {
 }
 
 std::optional<std::string> digest_of_file(const std::string& path) {
-  // A report says which files, and may have been written by anybody: a device has no end.
+  // The path comes from a report, which anyone may have edited. Skip devices, because reading one might never
+  // end.
   std::error_code gone;
   if (!std::filesystem::is_regular_file(path, gone)) return std::nullopt;
   std::ifstream file(path, std::ios::binary);

@@ -1,4 +1,4 @@
-// Outputs that are made of an answer: OBJ with its materials and textures, PLY, STL.
+// Writes outputs that are converted from an answer: OBJ with its materials and textures, PLY and STL.
 #pragma once
 
 #include <cstdint>
@@ -21,29 +21,32 @@ struct WrittenFile {
   std::uint64_t bytes = 0;
 };
 
-/// Why a file may not be written; nothing: it may.
+/// Returns why a file must not be written, or nothing if it may be.
 using Objection = std::function<std::optional<Error>(const std::string& path)>;
 
-/// Writes the output, whose folder is there, and what belongs beside it, each file whole or not at all; the output itself comes
-/// last, so that it names nothing that is not there, and is the first of the list. `answer`: a GLB. kFileAccess: the
-/// reason; what lies in the place of a texture is not lost: only textures that the MTL there names, or equal ones, are
-/// written over. kCancelled; kInternal: it is no answer.
+/// Converts `answer` (a GLB) and writes the output with its material and texture files. The folder must
+/// exist. Each file is written completely or not at all. The output itself is written last, so that it never
+/// refers to missing files; it is the first element of the result. Existing files in place of textures are
+/// only overwritten if the existing MTL names them or their bytes are equal. Errors: kFileAccess with the
+/// reason, kCancelled, and kInternal if `answer` is invalid.
 Expected<std::vector<WrittenFile>> write_output(const std::string& path, OutputKind kind,
                                                 std::span<const std::uint8_t> answer,
                                                 outputs::VertexColors colors, const Objection& objection,
                                                 const std::stop_token& stop);
 
-/// An answer of the format that answer_format() says, in its folder, which is made, or to standard output: as it is, or as write_output() does it.
-/// `source`: the format of the mesh, which decides what its vertex colours mean. Errors are those of write_output().
+/// Writes an answer (in the format that answer_format() gives) to a file, whose folder is created, or to
+/// standard output: unchanged for GLB and glTF, else with write_output(). `source` is the mesh's format,
+/// which decides how its vertex colours are converted. Errors: as for write_output().
 Expected<std::vector<WrittenFile>> write_answer(const std::string& path, OutputKind kind,
                                                 const std::vector<std::uint8_t>& answer, const Digest& digest,
                                                 MeshFormat source, const Objection& objection,
                                                 const std::stop_token& stop);
 
-/// Is there something that a user may have made, which the materials of an OBJ would be written over?
+/// Returns whether `path` exists and is not an MTL that a bake has written. Such a file must not be
+/// overwritten.
 bool is_foreign_mtl(const std::string& path);
 
-/// "sha256:…" of a file, read block by block; nothing where it cannot be read.
+/// Returns "sha256:…" of a file, which is read block by block, or nothing if it cannot be read.
 std::optional<std::string> digest_of_file(const std::string& path);
 
 }  // namespace fracture::bake

@@ -1,4 +1,4 @@
-// Whether files can be written where outputs are to lie, found by trying before anything is computed.
+// Tests whether output folders are writable before anything is computed.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@ namespace fracture::bake {
 /// Thread-safe.
 class OutputFolders {
  public:
-  /// Makes the folder of the path, and in it a file that is gone again; each folder is tried once. The reason if that
-  /// fails: "the folder 'out' cannot be written to: Permission denied".
+  /// Creates the folder of `path` and tests it by creating and deleting a file. Each folder is tested only
+  /// once. Returns the reason on failure: "the folder 'out' cannot be written to: Permission denied".
   std::optional<std::string> fault_of(const std::string& path);
 
  private:

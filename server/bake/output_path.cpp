@@ -14,10 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Does the path, or a link on its way, lead to what a process has open (/dev/stdout, /dev/fd/1,
-/// /proc/self/fd/1)? What is renamed there replaces the link, not what it stands for.
+/// Returns whether the path, or a symbolic link on its way, leads to an open file descriptor of a process
+/// (/dev/stdout, /dev/fd/1, /proc/self/fd/1). Renaming a file to such a path would replace the link, not the
+/// file behind it.
 bool is_open_descriptor(fs::path path) {
-  constexpr int kMostLinks = 40;  // as the kernel follows
+  constexpr int kMostLinks = 40;  // the kernel's own limit
   for (int links = 0; links < kMostLinks; ++links) {
     std::error_code error;
     const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", error);

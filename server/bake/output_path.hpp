@@ -1,4 +1,4 @@
-// Where a bake may write to, and which of two paths are the same file.
+// Checks where a bake may write, and whether two paths are the same file.
 #pragma once
 
 #include <sys/types.h>
@@ -12,30 +12,34 @@
 
 namespace fracture::bake {
 
-/// As an input: standard input. As an output: standard output.
+/// Standard input when used as an input, standard output when used as an output.
 inline constexpr const char* kStandardStream = "-";
 
-/// How an output is written: the first two are answers as they are, the others are made of one.
+/// Format of an output file. The first two are the answer's own bytes; the others are converted from an
+/// answer.
 enum class OutputKind { kGlb, kGltf, kObj, kPly, kStl };
 
-/// By the ending, in any case: .glb or none is GLB, .gltf one JSON text, .obj, .ply and .stl. kBadParameter for any other,
-/// with those that there are in extra.known, and where an OBJ could not name its materials.
+/// Returns the kind for the path's extension, ignoring case: .glb or no extension is GLB, .gltf is a single
+/// JSON document; also .obj, .ply and .stl. Returns kBadParameter for other extensions, with the supported
+/// ones in extra.known, and for an OBJ path whose name cannot be written in an `mtllib` line.
 Expected<OutputKind> kind_of_output(const std::string& path);
-/// What is asked of the engine or of a server for it.
+/// Returns the format that is requested from the engine or server for an output of this kind.
 OutputFormat answer_format(OutputKind kind);
-/// The file of an OBJ's materials: x.mtl for x.obj. Empty for all other outputs.
+/// Returns the path of an OBJ's material file: x.mtl for x.obj. Empty for all other outputs.
 std::string materials_beside(const std::string& path);
 
-/// kBadParameter where no file may be written: a folder, a device, a pipe, a socket or an open descriptor lies there.
-/// Nothing: a file or nothing does. What cannot be looked at is left to whoever writes it.
+/// Returns kBadParameter if the path is a folder, a device, a pipe, a socket or an open descriptor; nothing
+/// if it is a regular file or does not exist. If the path cannot be inspected, also returns nothing: writing
+/// then reports the error.
 std::optional<Error> refuse_output(const std::string& path);
 
-/// What a path leads to, however it is spelt: by device and inode, so that links are what they lead to, hard
-/// links are one file, and upper and lower case are the same where the file system says so.
+/// Identifies the file that a path leads to, however the path is spelt. Comparison is by device and inode, so
+/// symbolic links equal their targets, hard links are one file, and case matters only if the file system
+/// distinguishes it.
 struct FileIdentity {
   dev_t device = 0;
   ino_t inode = 0;
-  std::string below;  ///< of what is not there yet: its path below the nearest folder that is
+  std::string below;  ///< for a missing file: its path below the nearest existing folder
   auto operator<=>(const FileIdentity&) const = default;
 };
 FileIdentity identity_of(const std::string& path);

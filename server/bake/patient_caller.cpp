@@ -12,7 +12,7 @@ namespace {
 using Milliseconds = std::chrono::milliseconds;
 using protocol::Exchange;
 
-/// A busy server is worth a line only when it has been busy for so long.
+/// A busy server is only reported after this time.
 constexpr Milliseconds kBusyUnsaid{5'000};
 
 bool is_busy(const Exchange& exchange) {
@@ -63,7 +63,7 @@ Expected<Exchange> PatientCaller::ask(const protocol::HttpRequest& request, cons
       return exchange;
     }
     if (exchange.outcome == Exchange::Outcome::kTooLarge) return fail(ErrorCode::kTooLarge, exchange.detail);
-    // The events of a job that takes long come as long as it takes.
+    // A job's event stream may outlast the time limit of one request: reconnect.
     if (exchange.outcome == Exchange::Outcome::kTimedOut && exchange.began) {
       heard();
       continue;

@@ -1,5 +1,5 @@
-// Asks a server, or a farm behind a proxy, as long as there is hope: while it is absent, restarts or is busy,
-// the question is asked again.
+// Calls a server, or a farm behind a proxy, and retries while it is absent, restarting or busy, until the
+// patience limit is reached.
 #pragma once
 
 #include <chrono>
@@ -15,12 +15,13 @@
 namespace fracture::bake {
 
 struct Patience {
-  std::chrono::milliseconds total{60'000};    ///< without any good answer, to anybody; then all calls give up
-  std::chrono::milliseconds first_pause{50};  ///< before asking again; doubles …
-  std::chrono::milliseconds longest_pause{2'000};  ///< … up to this. Where Retry-After says more, that long.
+  std::chrono::milliseconds total{60'000};    ///< without a good answer to any thread; then all calls fail
+  std::chrono::milliseconds first_pause{50};  ///< before the first retry; doubles each time …
+  std::chrono::milliseconds longest_pause{2'000};  ///< … up to this. A longer Retry-After takes precedence.
 };
 
-/// Of an answer of the server itself: a proxy's body, which is no problem document by its media type, says nothing.
+/// Returns the problem in an answer. If the media type is not that of problem documents, as in a proxy's
+/// answer, the body is ignored.
 protocol::ProblemDocument problem_of(const protocol::Exchange& exchange);
 
 /// Thread-safe.
@@ -28,13 +29,14 @@ class PatientCaller {
  public:
   PatientCaller(const protocol::ConnectionSettings& settings, const Patience& patience);
 
-  /// Every status but 429, 502, 503 and 504 of a proxy and 408 is an answer; so is a 504 of the server
-  /// itself, whose deadline passed. kUnavailable after all patience, at 401 and 403, and for whoever asks
-  /// after that; kTooLarge; kCancelled.
+  /// Sends a request, and retries it if the server cannot be reached, and after 408, 429, 502, 503 and a 504
+  /// from a proxy. A 504 from the server itself is an answer: the deadline has passed. Returns kUnavailable
+  /// after 401 or 403 or when patience is used up; all later calls then fail too. Also returns kTooLarge and
+  /// kCancelled.
   Expected<protocol::Exchange> ask(const protocol::HttpRequest& request, const std::stop_token& stop);
-  /// One try, whatever comes of it.
+  /// Sends a request once and ignores the result.
   void tell(const protocol::HttpRequest& request) { caller_.exchange(request, {}); }
-  /// Waits, not longer than until the stop comes or everybody gives up.
+  /// Waits until the time has passed, a stop is requested, or all calls have given up.
   void pause(std::chrono::milliseconds time, const std::stop_token& stop);
   void on_notice(std::function<void(const std::string&)> say) { say_ = std::move(say); }
   const Patience& patience() const { return patience_; }
@@ -43,11 +45,11 @@ class PatientCaller {
   using Clock = std::chrono::steady_clock;
   Error give_up(const std::string& detail);
   void heard();
-  /// How long there still is hope for one who has asked since `begun`; says, once an outage, that it is
-  /// waited for.
+  /// Returns how much longer a call that began at `begun` may retry. Reports once per outage that the server
+  /// is being waited for.
   std::chrono::milliseconds hope(Clock::time_point begun, bool busy, const std::string& trouble);
 
-  const std::string server_;  ///< "host:port", for words
+  const std::string server_;  ///< "host:port", for messages
   const Patience patience_;
   HttpCaller caller_;
   std::function<void(const std::string&)> say_ = [](const std::string&) {};
@@ -55,7 +57,7 @@ class PatientCaller {
   std::condition_variable_any changed_;
   Clock::time_point heard_ = Clock::now();
   bool trouble_said_ = false;
-  std::string gave_up_;  ///< why; empty: nobody did
+  std::string gave_up_;  ///< the reason; empty if calls have not given up
 };
 
 }  // namespace fracture::bake

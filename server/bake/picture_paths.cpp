@@ -18,7 +18,7 @@ tl::unexpected<Error> not_possible(std::string detail) {
   return fail(ErrorCode::kBadParameter, std::move(detail));
 }
 
-/// The path below `folder`, wherever it is.
+/// Returns a relative path under `folder` for any output, even for one outside that folder.
 std::string below(const fs::path& folder, const std::string& output) {
   if (output == kStandardStream) return "standard-output";
   std::error_code error;

@@ -33,13 +33,13 @@ bool is_mesh_name(const fs::path& path) {
 
 bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
 
-/// Where the meshes below an input lie, and what their outputs are called below the output folder.
+/// A mesh found in an input, and the name of its output relative to the output folder.
 struct Found {
   std::string path;
   fs::path name;
 };
 
-/// Looks for meshes, and leaves out what earlier bakes made.
+/// Searches the inputs for meshes and leaves out the results of earlier bakes.
 class Search {
  public:
   explicit Search(const BakeSource& source) : source_(source) {
@@ -144,7 +144,7 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
   return jobs;
 }
 
-/// Beside the outputs, or beside the manifest; one for each shard.
+/// Returns the default report path: in the output folder or next to the manifest, one for each shard.
 std::string report_beside(const BakeSource& source) {
   const std::string part = part_of(source.shard);
   return source.manifest.empty() ? source.output + "/bake" + part + ".ndjson"

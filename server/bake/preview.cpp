@@ -21,17 +21,20 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// A renderer that fails so often one after the other will fail again: nobody waits ten thousand limits.
+/// A renderer that fails this many times in a row is not used again, so that a large bake does not wait for
+/// every timeout.
 constexpr int kMostFailuresInARow = 3;
-/// What a driver leaks ends with its process; a new one costs as much as two small pictures.
+/// Number of pictures after which a renderer process is replaced, to free memory that its driver has leaked.
+/// Starting a process costs as much as two small pictures.
 constexpr std::size_t kPicturesPerProcess = 200;
-/// 4096 x 4096 pixels without any compression, which is more than any of ours.
+/// The size of 4096 x 4096 pixels without compression, which is more than any of our pictures needs.
 constexpr std::uintmax_t kMaxPictureBytes = 64u << 20;
-/// How far apart fragments stand: their cuts show, and the whole can still be recognized.
+/// How far fragments are moved apart: cuts become visible, and the whole can still be recognized.
 constexpr double kExplode = 0.35;
-/// Pixels of a side up to which a fine picture is drawn twice as large: four times the work, which is most of it.
+/// Side in pixels up to which a fine picture is supersampled at twice its size. This quadruples the pixels,
+/// which are most of the work.
 constexpr int kMostSupersampled = 1024;
-/// Directions of the sky that throw shadows: half of what a gallery has, in two thirds of its time.
+/// Number of sky directions that cast shadows: half as many as in the gallery, for two thirds of its time.
 constexpr int kFineShadows = 16;
 
 constexpr unsigned char kPngHead[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
@@ -44,7 +47,7 @@ std::uint32_t big_endian(const char* at) {
   return value;
 }
 
-/// Does it begin as a PNG of that size?
+/// Returns whether the bytes begin like a PNG of that size.
 bool has_size(std::string_view png, int size) {
   if (png.size() < 24 || std::memcmp(png.data(), kPngHead, sizeof kPngHead) != 0) return false;
   const auto side = static_cast<std::uint32_t>(size);
@@ -56,7 +59,7 @@ bool is_newer(const struct stat& a, const struct stat& b) {
                                               : a.st_mtim.tv_nsec >= b.st_mtim.tv_nsec;
 }
 
-/// Is the picture one of the output as it is now?
+/// Returns whether the picture is newer than the output and has the right size.
 bool is_current(const std::string& picture, const std::string& output, int size) {
   struct stat of_picture {
   }, of_output{};
@@ -67,7 +70,7 @@ bool is_current(const std::string& picture, const std::string& output, int size)
   return file.read(head, sizeof head) && has_size({head, sizeof head}, size);
 }
 
-/// Removes a file when it goes.
+/// Removes a file when destroyed.
 struct Scratch {
   std::string path;
   ~Scratch() {
@@ -114,7 +117,7 @@ json Previews::of(const std::string& output, const std::string& picture, bool fr
   const Expected<void> done = [&]() -> Expected<void> {
     try {
       return draw(output, picture, bytes, stop);
-    } catch (const std::exception& bug) {  // the output is made, whatever becomes of its picture
+    } catch (const std::exception& bug) {  // the output exists even if its picture fails
       return fail(ErrorCode::kInternal, bug.what());
     }
   }();
@@ -161,7 +164,7 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
                                              " times in a row, so bake did not try to draw this picture.");
     number = next_++;
   }
-  // The renderer gets names of ours: those of files may be anything.
+  // The renderer is given file names that we choose, because a user's file names can contain anything.
   const Scratch model{folder_ + "/" + std::to_string(number) + ".glb"},
       drawn{folder_ + "/" + std::to_string(number) + ".png"};
   if (!is_drawn_itself) {

@@ -1,5 +1,5 @@
-// Pictures of what was baked, drawn by fracture-render in processes of its own. A picture is an extra: whatever goes wrong
-// with one is said, and the bake goes on.
+// Draws pictures of outputs with fracture-render in separate processes. Pictures are optional: if one fails,
+// the bake reports it and continues.
 #pragma once
 
 #include <chrono>
@@ -19,27 +19,27 @@
 namespace fracture::bake {
 
 struct PreviewSettings {
-  std::string
-      renderer{};  ///< program; empty: none is drawn, and what earlier bakes drew is used as far as it fits
-  int size = 256;  ///< pixels, of each side
-  bool fine = false;  ///< smooth edges and soft shadows, in five times the time: for one picture
-  int at_once = 1;    ///< further ones wait
-  int threads = 0;    ///< of each process, where no graphics card draws; 0: one for each core
+  std::string renderer{};  ///< program; empty: draw nothing, and use fitting pictures of earlier bakes
+  int size = 256;          ///< width and height in pixels
+  bool fine = false;       ///< smooth edges and soft shadows, in five times the time: for one picture
+  int at_once = 1;         ///< maximum number of pictures drawn at once
+  int threads = 0;         ///< per process, for drawing without a graphics card; 0: one per core
   std::chrono::milliseconds limit{60'000};  ///< for one picture
 };
 
 /// Thread-safe.
 class Previews {
  public:
-  /// `say` gets what concerns all of them.
+  /// `say` receives messages that concern all pictures.
   Previews(PreviewSettings settings, std::function<void(const std::string& line)> say);
   ~Previews();
   Previews(const Previews&) = delete;
   Previews& operator=(const Previews&) = delete;
 
-  /// Draws `output` to `picture`, where the picture that lies there is not of this size, or older than the output. What the
-  /// report says of it: {"file": picture}, with "warning" where it could not be drawn; null: there is none, and it was not
-  /// tried. `fresh`: the output was made now. `bytes`: those of the output, for one that is no file.
+  /// Draws `output` to `picture`, unless the existing picture has this size and is newer than the output.
+  /// Returns the report's entry: {"file": picture}, with "warning" if drawing failed, or null if there is no
+  /// picture and none was tried. `fresh`: the output was made in this run. `bytes`: the output's bytes if it
+  /// is not a file.
   nlohmann::json of(const std::string& output, const std::string& picture, bool fresh,
                     std::span<const std::byte> bytes, const std::stop_token& stop);
 
@@ -54,7 +54,7 @@ class Previews {
 
   const PreviewSettings settings_;
   const std::function<void(const std::string& line)> say_;
-  std::string folder_;  ///< of what is drawn and not yet looked at; empty: none could be made
+  std::string folder_;  ///< for new pictures before they are checked; empty if it could not be created
   mutable std::mutex mutex_;
   std::condition_variable_any freed_;
   int busy_ = 0;
@@ -64,7 +64,7 @@ class Previews {
   };
   std::vector<Idle> idle_;
   std::size_t next_ = 0, drawn_ = 0, failed_ = 0;
-  int failures_in_a_row_ = 0;  ///< of the renderer, not of a file
+  int failures_in_a_row_ = 0;  ///< failures of the renderer, not of single files
 };
 
 }  // namespace fracture::bake

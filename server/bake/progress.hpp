@@ -1,4 +1,4 @@
-// How far a bake is: a bar that redraws itself on a terminal, plain lines elsewhere.
+// Shows the progress of a bake: a progress bar on a terminal, plain lines elsewhere.
 #pragma once
 
 #include <chrono>
@@ -12,20 +12,20 @@
 
 namespace fracture::bake {
 
-/// Words go to standard error. Thread-safe.
+/// Writes to standard error. Thread-safe.
 class Progress {
  public:
   virtual ~Progress() = default;
-  /// A line that stays.
+  /// Prints a line that stays visible above the bar.
   virtual void say(const std::string& line) = 0;
-  /// The stage of a job's computation, and how much of it is done.
+  /// Reports the stage of a job's computation and the fraction of it that is done.
   virtual void stage(Stage, double) {}
   virtual void done(bool /*kept*/, bool /*refused*/) {}
   /// Leaves the cursor on an empty line.
   virtual void finish() = 0;
 };
 
-/// For one file: the stages of its computation.
+/// Progress for one file: the stages of its computation.
 class StageProgress : public Progress {
  public:
   explicit StageProgress(bool quiet);
@@ -44,9 +44,9 @@ class StageProgress : public Progress {
   bool drawn_ = false;
 };
 
-/// For many files: how many are done, and when the rest will be by the pace so far (kept outputs, which take
-/// no time, are no part of it). Elsewhere than on a terminal a line at the first and the last job and at most
-/// every ten seconds.
+/// Progress for many files: how many are done, and the estimated end at the current pace (kept outputs, which
+/// take no time, are ignored). Without a terminal, prints a line for the first and the last job and at most
+/// one every ten seconds.
 class JobProgress : public Progress {
  public:
   JobProgress(std::size_t jobs, bool quiet);

@@ -24,14 +24,15 @@ using protocol::ProblemDocument;
 using protocol::PutOnce;
 using Clock = std::chrono::steady_clock;
 
-/// An upload, a download, a fracture that is waited for. The events of a job need less: something comes every
-/// ten seconds.
+/// Timeouts in milliseconds. kLong: an upload, a download or a fracture request that is waited for. kEvents:
+/// an event stream, in which the server sends something every ten seconds.
 constexpr std::chrono::milliseconds kLong{180'000}, kEvents{30'000};
-/// From the top for one output: the mesh was to be put, a server restarted, or a job or result was forgotten.
+/// Maximum attempts for one output: a mesh may have to be uploaded, a server may restart or forget a job or
+/// result.
 constexpr int kMostTries = 30;
-/// A deadline passes because a mesh is too much for it, or because the farm was full: worth few tries.
+/// Few attempts after a passed deadline: either the farm was full, or the mesh needs more time than allowed.
 constexpr int kMostDeadlines = 3;
-/// Of a document of a server, which may be any program: GET /limits is the deepest.
+/// Limits for JSON from a server, which may be any program. GET /limits is the deepest document.
 constexpr JsonLimits kOfAServer{.depth = 16};
 
 tl::unexpected<Error> broken(std::string detail) { return fail(ErrorCode::kInternal, std::move(detail)); }
@@ -43,7 +44,8 @@ tl::unexpected<Error> refused(const Exchange& exchange) {
   return refused(exchange.status, problem_of(exchange));
 }
 
-/// The data of the last event of a stream (server-sent events as this server writes them); null without one.
+/// Returns the data of the last event in a stream (server-sent events as our server writes them), or null if
+/// there is none.
 nlohmann::json last_event(std::string_view stream) {
   constexpr std::string_view kData = "data: ";
   for (std::size_t at = stream.rfind(kData); at != std::string_view::npos; at = stream.rfind(kData, at - 1)) {
@@ -61,11 +63,12 @@ const char* type_of(OutputFormat format) {
   return format == OutputFormat::kGltf ? "model/gltf+json" : "model/gltf-binary";
 }
 
-/// PutOnce for threads that wait.
+/// PutOnce for threads that block.
 class Puts {
  public:
-  /// Of a mesh that was missing when somebody asked at `asked`. True: the caller puts it, and says done().
-  /// False: another one did in the meantime, perhaps while that answer was on its way.
+  /// Called for a mesh that was missing when a thread asked at `asked`. Returns true if the caller must
+  /// upload it and then call done(); false if another thread has uploaded it in the meantime, perhaps before
+  /// the reply arrived.
   bool begin(const std::string& mesh, Clock::time_point asked, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     const PutOnce::Role role = puts_.begin(mesh, asked);
@@ -84,7 +87,7 @@ class Puts {
   PutOnce puts_;
 };
 
-/// One output, from the first question to the checked file.
+/// Handles one output, from the first request to the verified file.
 class Conversation {
  public:
   Conversation(PatientCaller& caller, Puts& puts, const FractureRequest& request, const std::stop_token& stop)
@@ -100,7 +103,7 @@ class Conversation {
   Expected<Baked> operator()() {
     bool whole = json_text(parameters_).size() > protocol::kMaxParameterBytes;
     for (int tries = 0, deadlines = 0; tries < kMostTries; ++tries) {
-      // The first two times something was missing that now is there; after that somebody is in trouble.
+      // The first two retries supply something that was missing. Later ones mean trouble, so wait first.
       if (tries > 2) caller_.pause(caller_.patience().first_pause * tries, stop_);
       Expected<Step> step = whole ? ask_with_mesh() : ask_by_job();
       if (!step) return tl::unexpected<Error>(std::move(step.error()));
@@ -113,18 +116,18 @@ class Conversation {
       if (step->next == Next::kDeadline && ++deadlines == kMostDeadlines)
         return tl::unexpected<Error>(std::move(*step->error));
     }
-    // Of this job alone: the server answers.
+    // Not kUnavailable, because the server does respond: only this job fails.
     return broken("Tried " + std::to_string(kMostTries) + " times. " + trouble_);
   }
 
  private:
   enum class Next { kAgain, kWhole, kDeadline };
-  /// The file, or how to go on.
+  /// The output, or how to continue.
   struct Step {
     std::optional<Baked> baked{};
     Next next = Next::kAgain;
     std::string trouble{};
-    std::optional<Error> error{};  ///< of kDeadline
+    std::optional<Error> error{};  ///< for kDeadline
   };
   static Step again(std::string trouble) { return {.trouble = std::move(trouble)}; }
   static Step otherwise(const std::string& key) {
@@ -148,7 +151,7 @@ class Conversation {
     const Expected<Exchange> started = caller_.ask(ask, stop_);
     if (!started) return tl::unexpected(started.error());
     if (protocol::mesh_is_missing(started->status, problem_of(*started).slug())) return put_mesh(asked);
-    if (started->status == 200) return file_of(*started);  // a server that does not know the preference
+    if (started->status == 200) return file_of(*started);  // the server does not support respond-async
     if (started->status == 504) return late(problem_of(*started));
     if (started->status != 202) return refused(*started);
     nlohmann::json job = json_or_null(started->body, kOfAServer);
@@ -206,7 +209,7 @@ class Conversation {
     return Step{.baked = Baked{std::move(file), sha256(exchange.body), std::move(summary)}};
   }
 
-  /// The mesh and its further files, with these parameters.
+  /// Builds the form with the mesh, its further files and these parameters.
   Expected<Form> form(nlohmann::json parameters) const {
     const char* extension = extension_of(request_.format);
     parameters["format"] = extension;
@@ -298,15 +301,15 @@ class RemoteBaker : public Baker {
     return {};
   }
 
-  /// What the server refuses is refused by its own table when it is asked; this one knows the same rows, and
-  /// names the answer as the server will.
+  /// Parses with this program's table. The server will check again with its own table, which has the same
+  /// rows, so the result gets the same key.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) override {
     return parse_parameters(table_, given);
   }
 
   Expected<Baked> bake(const FractureRequest& request, const Execution&,
                        const std::stop_token& stop) override {
-    // In better words than those of its refusal of the parameter `format`.
+    // Checked here because this message is clearer than the server's refusal of the parameter `format`.
     if (const std::string format = extension_of(request.format);
         !formats_.empty() && !formats_.contains(format))
       return fail(ErrorCode::kUnknownFormat,
@@ -319,7 +322,7 @@ class RemoteBaker : public Baker {
  private:
   PatientCaller caller_;
   Puts puts_;
-  std::set<std::string> formats_;  ///< that the server reads; empty: it did not say
+  std::set<std::string> formats_;  ///< formats that the server reads; empty: unknown
   const ParameterTable table_{ServiceConfig{}.max_sites, FormatSet::all()};
 };
 

@@ -30,13 +30,13 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kRenderer = "fracture-render";
-/// An answer is a line of a few names; a program that says more is another one.
+/// An answer is one line with a few names. A program that writes more is not our renderer.
 constexpr std::size_t kMaxAnswerBytes = 64u << 10;
-/// Of standard error the last is kept: there a driver says why it gives up.
+/// The end of standard error is kept, because a driver explains there why it fails.
 constexpr std::size_t kMaxComplaintBytes = 400;
-/// So often a wait looks whether it should go on.
+/// Interval at which waits check for a stop.
 constexpr std::chrono::milliseconds kLook{20};
-/// A child that closed its end is about to exit; one that does not is killed.
+/// A child that closed its end of the socket is about to exit. If it does not within this time, it is killed.
 constexpr std::chrono::milliseconds kGrace{1000};
 
 bool is_program(const std::string& path) {
@@ -50,8 +50,8 @@ std::string folder_of_this_program() {
   return fs::path(std::string(path, static_cast<std::size_t>(std::max<ssize_t>(length, 0)))).parent_path();
 }
 
-/// Everything but what is ours: FRACTURE_TOKEN is nobody else's business. Of the drawing threads llvmpipe makes as many as
-/// there are cores, for each process.
+/// Returns the environment without our own variables, because FRACTURE_TOKEN must stay secret. LP_NUM_THREADS
+/// limits llvmpipe, which otherwise starts one thread per core in each process.
 std::vector<std::string> environment(int threads) {
   std::vector<std::string> kept;
   for (char** at = environ; *at; ++at)
@@ -69,7 +69,7 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return list;
 }
 
-/// File actions and attributes of a posix_spawn.
+/// File actions and attributes for posix_spawn().
 struct Spawn {
   posix_spawn_file_actions_t actions{};
   posix_spawnattr_t attributes{};
@@ -112,7 +112,7 @@ Expected<RendererProcess> RendererProcess::start(const std::string& program, int
   const auto failed = [&](int reason) {
     return fail(ErrorCode::kNoProgram, program + " cannot be started: " + std::strerror(reason) + ".");
   };
-  // A socket and no pipe: what is sent to a dead one can be had without a signal.
+  // A socket instead of a pipe, so that sending to a dead process can fail without a signal.
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, talk) != 0) return failed(errno);
   process.talk_ = Descriptor(talk[0]);
   const Descriptor its_talk(talk[1]);
@@ -130,7 +130,7 @@ Expected<RendererProcess> RendererProcess::start(const std::string& program, int
   ::sigfillset(&all);
   ::posix_spawnattr_setsigmask(&spawn.attributes, &none);
   ::posix_spawnattr_setsigdefault(&spawn.attributes, &all);
-  ::posix_spawnattr_setpgroup(&spawn.attributes, 0);  // so that it dies with whatever it starts
+  ::posix_spawnattr_setpgroup(&spawn.attributes, 0);  // so that its own children are killed with it
   ::posix_spawnattr_setflags(&spawn.attributes,
                              POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   std::vector<std::string> words{program, "--list", "--quiet"}, variables = environment(threads);
@@ -176,7 +176,7 @@ std::string RendererProcess::last_words() {
   while ((reaped = ::waitpid(pid_, &status, WNOHANG)) == 0 && Clock::now() < until) ::usleep(2000);
   std::string words = "closed its connection";
   if (reaped == pid_) {
-    ::kill(-pid_, SIGKILL);  // what it left behind
+    ::kill(-pid_, SIGKILL);  // kills the remaining processes of its group
     pid_ = 0;
     talk_.reset();
     words = WIFSIGNALED(status) ? "ended by signal " + std::to_string(WTERMSIG(status)) + " (" +
@@ -192,7 +192,7 @@ Error RendererProcess::died(const std::string& how) {
   kill();
   std::string said;
   for (const char c : complaint_)
-    said += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;  // no line of its own on a terminal
+    said += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;  // keeps the message on one line
   while (!said.empty() && said.back() == ' ') said.pop_back();
   return {ErrorCode::kNoProgram, "The renderer " + end + (said.empty() ? "." : ": " + said)};
 }

@@ -34,14 +34,14 @@ bool is_right(const KnownOutput& known, const std::string& output) {
 BakeReport::BakeReport(std::string path) : path_(std::move(path)) {
   if (path_.empty()) return;
   std::ifstream file(path_);
-  bool unfinished = false;  // a run was killed while it wrote a line
+  bool unfinished = false;  // true if a run was killed while writing a line
   for (std::string line; std::getline(file, line);) {
     unfinished = file.eof();
     nlohmann::json json = json_or_null(line, kOfALine);
     const std::string output = text_in(json, "output");
     if (output.empty()) continue;
     if (text_in(json, "status") != "made") {
-      known_.erase(output);  // the last word on it is that it was refused, or is not sound
+      known_.erase(output);  // the latest line says refused or unsound
       continue;
     }
     KnownOutput known{text_in(json, "key"), text_in(json, "digest"), {}};
@@ -68,7 +68,7 @@ bool BakeReport::may_be(const std::string& path) {
   if (!file || !std::getline(file, line)) return true;
   const auto read = read_json(line, kOfALine);
   if (!read && read.error().kind == JsonFault::Kind::kSyntax)
-    return file.eof() && line.starts_with("{\"");  // a run was killed at its first line
+    return file.eof() && line.starts_with("{\"");  // a run was killed while writing its first line
   return read && read->value.is_object() && read->value.contains("output") && read->value.contains("status");
 }
 

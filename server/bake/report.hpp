@@ -1,5 +1,5 @@
-// The report of a bake, one JSON object a line, and its memory: what it says of an output decides whether the
-// next run has to make it again.
+// The report of a bake, with one JSON object per line. It is also the memory of a bake: its lines decide
+// whether the next run must make an output again.
 #pragma once
 
 #include <cstddef>
@@ -13,43 +13,45 @@
 
 namespace fracture::bake {
 
-/// A report may be anybody's file by now: deeper or larger lines are none of ours. Parameters are most of a line.
+/// Limits for a line. The report may have been replaced by any file, and deeper or larger lines are not ours.
+/// Parameters are the largest part of a line.
 inline constexpr JsonLimits kOfALine{.depth = 16, .bytes = std::size_t{64} << 20};
 
-/// A member that is text; empty for anything else, whatever `object` is.
+/// Returns a text member, or an empty string if `object` has none.
 std::string text_in(const nlohmann::json& object, const char* name);
 
 struct KnownOutput {
-  std::string key;     ///< RequestKeys::result: all that decides the bytes
+  std::string key;     ///< RequestKeys::result: covers everything that decides the bytes
   std::string digest;  ///< "sha256:<hex>" of the file
   nlohmann::json line;
 };
-/// Are the bytes that the line says in the output, and in whatever was written beside it?
+/// Returns whether the output, and all files written with it, still have the digests given in the line.
 bool is_right(const KnownOutput& known, const std::string& output);
 
-/// Lines are appended while jobs end, each in one write, so that what a killed run has done is known;
-/// finish() puts them in the order of the jobs. Thread-safe.
+/// Lines are appended with a single write whenever a job ends, so that they survive if the run is killed.
+/// finish() then puts them in job order. Thread-safe.
 class BakeReport {
  public:
-  /// Reads what earlier runs left; an incomplete last line (a run was killed) is dropped. No path: nothing is
-  /// written.
+  /// Reads the report of earlier runs. An incomplete last line of a killed run is dropped. With an empty
+  /// path, nothing is written.
   explicit BakeReport(std::string path);
   ~BakeReport();
   BakeReport(const BakeReport&) = delete;
   BakeReport& operator=(const BakeReport&) = delete;
 
-  /// The errno with which the file could not be opened for writing; 0: it is open, or there is no path.
+  /// The errno from opening the file for writing; 0 if it is open or there is no path.
   int trouble() const { return trouble_; }
-  /// Is there nothing yet, or what a bake has left? Anything else would be lost by finish().
+  /// Returns whether there is no file yet or one that a bake has written. finish() would overwrite any other
+  /// file.
   static bool may_be(const std::string& path);
-  /// Null where no earlier run made it.
+  /// Returns null if no earlier run made this output.
   const KnownOutput* find(const std::string& output) const;
-  /// False with errno set.
+  /// Appends the line of a job. Returns false and sets errno on failure.
   bool add(std::size_t job, const nlohmann::json& line);
-  /// One line for each job in their order, atomically, and the lines of outputs that are none of this run's
-  /// behind them (another shard with the same report). False with errno set.
+  /// Atomically rewrites the file: one line per job in job order, then the lines of outputs that do not
+  /// belong to this run (another shard with the same report). Returns false and sets errno on failure.
   bool finish(const std::vector<std::string>& outputs);
-  /// Those of this run so far, in the order of the jobs.
+  /// The lines of this run so far, in job order.
   std::vector<nlohmann::json> lines() const;
 
  private:

@@ -17,8 +17,8 @@ namespace {
 
 using nlohmann::json;
 
-/// The JSON of a GLB (glTF 2.0, section 4.4: 12 bytes of header, then the JSON chunk as length, type, text)
-/// or of a glTF; empty where it is neither.
+/// Returns the JSON text of a glTF or a GLB (glTF 2.0, section 4.4: a 12-byte header, then the JSON chunk as
+/// length, type and text). Empty if the file is neither.
 std::string json_text_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = file.tellg();
@@ -44,7 +44,7 @@ bool has_our_extras(const json& node) {
   return ours != extras->end() && ours->is_object() && ours->contains("certificate");
 }
 
-/// As outputs.hpp writes them; empty for all other formats.
+/// Returns the first bytes that outputs.hpp writes in this format, or an empty string for other formats.
 std::string first_words(MeshFormat format) {
   if (format == MeshFormat::kObj) return std::string("# ") + outputs::kGenerator;
   if (format == MeshFormat::kPly)
@@ -62,8 +62,8 @@ bool is_result_file(const std::string& path, MeshFormat format) {
   }
   if (format != MeshFormat::kGlb && format != MeshFormat::kGltf) return false;
   const std::string text = json_text_of(path);
-  if (text.find("fracture") == std::string::npos) return false;  // parsing takes longer than reading
-  // A folder's meshes are strangers' files.
+  if (text.find("fracture") == std::string::npos) return false;  // searching is faster than parsing
+  // Meshes in a folder are untrusted files, so the JSON limits apply.
   const auto read = read_json(text, kOfAnAnswer);
   if (!read || !read->value.is_object()) return false;
   const json& document = read->value;

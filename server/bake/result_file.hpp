@@ -1,4 +1,4 @@
-// Results among meshes: what a bake has written is no input of the next one.
+// Recognizes the results of earlier bakes among meshes, so that they do not become inputs.
 #pragma once
 
 #include <set>
@@ -9,12 +9,13 @@
 
 namespace fracture::bake {
 
-/// By its content: a GLB or glTF that this program's writer made (asset.generator), or that still carries
-/// what it said about its fragments (extras.fracture) after another program has written it; an OBJ, PLY or STL whose
-/// first words are those of outputs.hpp. False for what cannot be read, and for all other formats.
+/// Checks the content. A GLB or glTF is a result if this program wrote it (asset.generator), or if another
+/// program rewrote it but kept its fragment data (extras.fracture). An OBJ, PLY or STL is a result if it
+/// begins with the words in outputs.hpp. Returns false for unreadable files and other formats.
 bool is_result_file(const std::string& path, MeshFormat format);
 
-/// Reads the outputs that the report of a bake says it has made; nothing where it is none or cannot be read.
+/// Adds the outputs that a bake report lists as made. Adds nothing if the file is not a report or cannot be
+/// read.
 void add_results_of_report(const std::string& report, std::set<FileIdentity>& results);
 
 }  // namespace fracture::bake

@@ -91,7 +91,7 @@ bool fits_path(const std::string& pattern, const std::string& path, MatchBudget&
 
 std::string quoted(const std::string& text) { return "'" + printable(shortened(text)) + "'"; }
 
-/// The words for the first pattern that fits; nothing: none does.
+/// Returns the explanation for the first pattern that matches a name, or nothing.
 std::optional<std::string> any_fits(const char* what, const std::vector<std::string>& patterns,
                                     const std::set<std::string>& names, MatchBudget& budget) {
   for (const std::string& pattern : patterns) {
@@ -106,7 +106,7 @@ std::optional<std::string> any_fits(const char* what, const std::vector<std::str
   return std::nullopt;
 }
 
-/// Nothing, too, where the budget ends.
+/// Returns the reasons why the rule matches, or nothing if it does not match or the budget runs out.
 std::optional<std::string> why_it_matches(const Rule& rule, const std::string& path, const MeshNames& names,
                                           MatchBudget& budget) {
   std::string why;
@@ -128,7 +128,7 @@ std::optional<std::string> why_it_matches(const Rule& rule, const std::string& p
   return why;
 }
 
-/// `path "a*", node ["b", "c"]`, as the file has it.
+/// Returns `path "a*", node ["b", "c"]`, as in the rule file.
 std::string patterns_in_words(const Rule& rule) {
   std::string text;
   for (const auto& [name, list] : {std::pair("path ", &rule.paths), std::pair("node ", &rule.nodes),
@@ -162,7 +162,7 @@ Expected<RuleFile> read_rules(const std::string& path) {
   const auto read = read_json(text, {});
   if (!read) {
     if (read.error().kind != JsonFault::Kind::kSyntax) return in_file("the file " + to_text(read.error()));
-    // The byte that is wrong is the last one that was read.
+    // The last byte that was read is the one with the error.
     const std::string_view good =
         std::string_view(text).substr(0, std::max<std::size_t>(read.error().byte, 1) - 1);
     const std::size_t line_end = good.rfind('\n');
@@ -215,11 +215,12 @@ Expected<std::optional<RuleMatch>> RuleTally::find(const std::string& path, cons
   MatchBudget budget(kMaxMatchSteps, stop);
   std::optional<RuleMatch> first;
   for (std::size_t k = 0; k < file_.rules.size(); ++k) {
-    if (first && seen_[k].matched) continue;  // nothing new can be learnt
+    if (first && seen_[k].matched) continue;  // its match is already recorded
     std::optional<std::string> why = why_it_matches(file_.rules[k], path, names, budget);
     if (budget.stopped()) return fail(ErrorCode::kCancelled, "Stopped.");
     if (budget.spent() && !why) {
-      // What comes after the rule that decides is only for the warnings: those are then not given.
+      // The remaining rules only matter for warnings. Mark them as used, so that no warning is given for
+      // them.
       for (std::size_t rest = k; rest < seen_.size(); ++rest)
         seen_[rest].matched = seen_[rest].decided = true;
       if (first) break;

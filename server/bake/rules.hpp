@@ -1,4 +1,4 @@
-// Rules of a bake: parameters for the meshes whose path, nodes or materials are called so.
+// Rules of a bake: parameters for meshes whose path, nodes or materials match a pattern.
 //
 //   {"rules": [{"match": {"path": "*_glass*"}, "parameters": {"material": "glass"}},
 //              {"match": {"path": "props/*", "material": ["oak*", "pine*"]}, "parameters": {"material": "wood"}}]}
@@ -17,42 +17,42 @@
 
 namespace fracture::bake {
 
-/// Patterns are those of a shell (name_pattern.hpp): `*` is any text, '/' included, `?` one character, `[a-z]` one of
-/// these, a backslash takes the next as it is. One that no list has asks for nothing; of a list one has to match, and
-/// of several lists each.
+/// Patterns are shell patterns (name_pattern.hpp): `*` is any text including '/', `?` one byte, `[a-z]` one
+/// byte of a set, and a backslash makes the next byte literal. A rule matches if each non-empty list contains
+/// a pattern that matches.
 struct Rule {
-  std::vector<std::string> paths{};      ///< the path of the input, or an end of it that begins behind a '/'
-  std::vector<std::string> nodes{};      ///< the whole name of any of the mesh's
-  std::vector<std::string> materials{};  ///< the same
+  std::vector<std::string> paths{};      ///< the input's path, or its end after any '/'
+  std::vector<std::string> nodes{};      ///< the whole name of any node in the mesh
+  std::vector<std::string> materials{};  ///< the whole name of any material
   std::vector<RawParameter> parameters{};
 };
 
 struct RuleFile {
   std::string path{};  ///< empty: there are no rules
   std::vector<Rule> rules{};
-  /// Does any rule ask for what only the bytes of a mesh say?
+  /// Returns whether any rule needs the names inside the meshes.
   bool by_names() const;
 };
 
 constexpr std::size_t kMaxRuleFileBytes = 1u << 20;
 constexpr std::size_t kMaxRules = 1000;
-constexpr std::size_t kMaxPatternsOfRule = 100;  ///< of one list
+constexpr std::size_t kMaxPatternsOfRule = 100;  ///< in each list
 constexpr std::size_t kMaxPatternBytes = 1000;
-/// Comparisons of a byte for one mesh, about a second of them: 20,000 names with all of 1,000 patterns that end with an
-/// asterisk take a third.
+/// Maximum number of byte comparisons for one mesh, about one second. Matching 20,000 names with all of 1,000
+/// patterns that end with an asterisk takes a third of that.
 constexpr std::size_t kMaxMatchSteps = 200'000'000;
 
-/// kBadParameter, which names the file, the line or rule, and the limit.
+/// Reads a rule file. Returns kBadParameter with the file, the line or rule, and the limit.
 Expected<RuleFile> read_rules(const std::string& path);
 
-/// Those of `over` replace those of the same name.
+/// Adds the parameters in `over` to `parameters`, replacing those with the same name.
 void put_over(const std::vector<RawParameter>& over, std::vector<RawParameter>& parameters);
 
-/// Checks the parameters of a request by the table of a baker.
+/// Checks the parameters of a request by a baker's table.
 using ParseParameters = std::function<Expected<RequestParameters>(const std::vector<RawParameter>&)>;
 
-/// kBadParameter or kUnknownParameter, which names the rule, where one's parameters are not right together with those of
-/// the command line.
+/// Checks the parameters of each rule combined with the command line. Returns kBadParameter or
+/// kUnknownParameter with the rule concerned.
 Expected<void> check_rules(const RuleFile& file, const std::vector<RawParameter>& command_line,
                            const ParseParameters& parse);
 
@@ -61,16 +61,19 @@ struct RuleMatch {
   std::string why;   ///< "path '*_glass*' matches, material 'oak*' matches 'oak_dark'"
 };
 
-/// Finds the rule of each mesh, and which rules are of no use for all of them. Thread-safe: no mesh waits for another's.
+/// Finds the rule for each mesh and records which rules are never used. Thread-safe; threads do not block
+/// each other.
 class RuleTally {
  public:
   explicit RuleTally(const RuleFile& file) : file_(file), seen_(file.rules.size()) {}
-  /// The first that matches decides; nothing: none does. kTooLarge: more than kMaxMatchSteps; kCancelled: the stop came.
+  /// Returns the first rule that matches, or nothing. Errors: kTooLarge if more than kMaxMatchSteps are
+  /// needed, kCancelled if a stop is requested.
   Expected<std::optional<RuleMatch>> find(const std::string& path, const MeshNames& names,
                                           const std::stop_token& stop = {});
-  /// A mesh whose names are not known: no rule that they might have matched is said to be of no use.
+  /// Records a mesh whose names could not be read. Rules that these names might have matched are not reported
+  /// as unused.
   void add_unread(const std::string& path);
-  /// One sentence for each rule that matched no mesh, or only such as an earlier rule decides.
+  /// Returns one sentence for each rule that matched no mesh, or only meshes that an earlier rule decides.
   std::vector<std::string> warnings() const;
 
  private:

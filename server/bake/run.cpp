@@ -73,7 +73,7 @@ class Run {
     }
     std::vector<std::string> outputs;
     for (const BakeJob& job : plan_.jobs) outputs.push_back(job.output);
-    // A run that was stopped leaves its lines as they are: the next one goes on from them.
+    // After a stop, the lines stay as they are, and the next run continues from them.
     if (figures_.cancelled == 0 && !report_.finish(outputs)) unwritable(options_.report);
     write_page();
     warn_of_rules();
@@ -82,7 +82,7 @@ class Run {
   }
 
  private:
-  /// Before anything is computed. What an earlier run made may be right already, so that its folder need not be written to.
+  /// Checks that all outputs can be written, except those of earlier runs, which may be kept.
   bool can_write() {
     if (const int trouble = report_.trouble()) {
       errno = trouble;
@@ -101,7 +101,7 @@ class Run {
     return figures_.unwritable == 0;
   }
 
-  /// Also of a run that was stopped: it says how far that came.
+  /// Writes the page, even for a run that was stopped, which then shows how far it came.
   void write_page() {
     if (plan_.html.empty()) return;
     if (const std::optional<Error> loss = loss_of(plan_.html)) {
@@ -121,7 +121,7 @@ class Run {
       unwritable(plan_.html);
   }
 
-  /// Puts into the line what there is to see of its output. A picture that cannot be drawn is worth a warning and no more.
+  /// Adds the picture of an output to its report line. If drawing fails, there is only a warning.
   void show(const BakeJob& job, json& line, bool fresh, std::span<const std::byte> bytes) {
     if (!options_.previews || job.picture.empty()) return;
     line.erase("preview");
@@ -149,7 +149,7 @@ class Run {
     figures_.sentence = sentence;
   }
 
-  /// With the reason in errno.
+  /// Reads the reason from errno.
   void unwritable(const std::string& path) {
     say("cannot write " + name_of_output(path) + ": " + std::strerror(errno));
     count(&RunFigures::unwritable);
@@ -202,7 +202,7 @@ class Run {
     progress_->done(false, refused);
   }
 
-  /// So that a bug can be looked into.
+  /// Keeps the failing request so that the bug can be investigated.
   void keep_failure(std::size_t job, const FractureRequest& request, const Error& error) {
     if (!options_.failures || !FailureKeeper::concerns(error.code)) return;
     const std::string& input = plan_.jobs[job].input;
@@ -211,7 +211,7 @@ class Run {
         input == kStandardStream ? std::string() : std::filesystem::path(input).filename().string());
   }
 
-  /// One job that goes wrong in a way that nobody thought of is no reason to lose the others.
+  /// Does one job. An unexpected exception fails this job only, not the whole bake.
   void work(std::size_t number) {
     try {
       make_or_keep(number);
@@ -220,7 +220,7 @@ class Run {
     }
   }
 
-  /// Of the exception that is being handled.
+  /// Converts the exception that is being handled to an Error.
   static Error error_of_exception() {
     try {
       throw;
@@ -277,7 +277,7 @@ class Run {
     return parameters_of(job, plan_.rules, std::move(*match)).all;
   }
 
-  /// Of what is kept: whoever asks for it may have lost the one of the run that made the output. False: the job is reported.
+  /// Writes the depfile of a kept output, which may be missing. Returns false after reporting a failure.
   bool write_depfile_of(std::size_t number, const InputFile& input) {
     if (options_.depfile.empty()) return true;
     const BakeJob& job = plan_.jobs[number];
@@ -289,20 +289,20 @@ class Run {
     return true;
   }
 
-  /// A rule that matches none of all meshes is likely to be misspelt; what other shards bake is not known here.
+  /// Warns about rules that match no mesh. Skipped if there are other shards, whose meshes are unknown here.
   void warn_of_rules() {
     if (figures_.cancelled > 0 || plan_.jobs.size() < plan_.all) return;
     for (const std::string& warning : tally_.warnings()) say("warning: " + warning);
   }
 
-  /// The files that a mesh names are inputs too.
+  /// Protects the files that a mesh refers to from being overwritten, because they are inputs too.
   void protect(const InputFile& input, const BakeJob& job) {
     const std::lock_guard lock(mutex_);
     for (const SiblingFile& file : input.siblings)
       named_.emplace(identity_of(file.path), "a file that " + job.input + " names");
   }
 
-  /// kFileAccess where the job would write over a file that a mesh names.
+  /// Returns kFileAccess if the job would overwrite a file that a mesh refers to.
   std::optional<Error> loss_by(const BakeJob& job) {
     for (const std::string& path : {job.output, materials_beside(job.output), options_.depfile})
       if (!path.empty() && path != kStandardStream)
@@ -391,7 +391,7 @@ class Run {
   std::atomic<bool> unavailable_{false};
   std::mutex mutex_;
   RunFigures figures_;
-  std::map<FileIdentity, std::string> named_;  ///< by the meshes that were read so far
+  std::map<FileIdentity, std::string> named_;  ///< by the meshes read so far
 };
 
 }  // namespace

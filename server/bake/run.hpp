@@ -1,4 +1,4 @@
-// Does the jobs of a bake, one or a hundred thousand: reads, asks a Baker, judges, writes, reports.
+// Runs the jobs of a bake, from one to a hundred thousand: reads, calls a Baker, checks, writes and reports.
 #pragma once
 
 #include <cstddef>
@@ -14,36 +14,35 @@
 namespace fracture::bake {
 
 struct RunOptions {
-  int jobs = 1;                       ///< at the same time
-  int threads = 1;                    ///< of each; the bytes do not depend on it
+  int jobs = 1;                       ///< number at the same time
+  int threads = 1;                    ///< per job; the output bytes do not depend on it
   std::string report;                 ///< path of the NDJSON report; empty: none
-  std::string depfile;                ///< for one job: see depfile.hpp; empty: none
-  bool force = false;                 ///< make outputs again that are right already
-  bool quiet = false;                 ///< no progress and no notes, but refusals and warnings
-  FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; null: nobody does
-  Previews* previews = nullptr;       ///< draws the picture of each job that has one; null: nobody does
+  std::string depfile;                ///< for a single job: see depfile.hpp; empty: none
+  bool force = false;                 ///< make outputs again even if they are up to date
+  bool quiet = false;                 ///< print no progress and no notes, only refusals and warnings
+  FailureKeeper* failures = nullptr;  ///< stores unsound answers and bugs; null: not stored
+  Previews* previews = nullptr;       ///< draws the pictures of jobs that have one; null: no pictures
   std::string title;                  ///< of the plan's page
-  std::string no_pictures;            ///< why the page has none, a sentence; empty: it has
+  std::string no_pictures;            ///< a sentence: why the page has no pictures; empty if it has
 };
 
 struct RunFigures {
   std::size_t made = 0;
-  std::size_t kept = 0;     ///< right already: same key, and the file has the bytes that the report says
-  std::size_t refused = 0;  ///< inputs or parameters
-  std::size_t failed = 0;   ///< bugs, and lack of memory
-  std::size_t unsound = 0;  ///< answers that do not prove themselves: not written
+  std::size_t kept = 0;     ///< up to date: same key, and the file still has the digest in the report
+  std::size_t refused = 0;  ///< because of their inputs or parameters
+  std::size_t failed = 0;   ///< because of bugs or lack of memory
+  std::size_t unsound = 0;  ///< answers that fail their own checks; not written
   std::size_t unreadable = 0, unwritable = 0;
   std::size_t unavailable = 0;  ///< 1: the baker gave up on its server
-  std::size_t cancelled = 0;    ///< not done, or not to the end, when the stop came or the baker gave up
-  bool begun = false;           ///< false: something cannot be written to, so that no job was begun
-  std::string
-      sentence;  ///< of a single job (BakePlan::single): what became of it; empty: that was said as an error
+  std::size_t cancelled = 0;    ///< not completed when a stop was requested or the baker gave up
+  bool begun = false;           ///< false if some path is not writable, so that no job was started
+  std::string sentence;  ///< for a single job (BakePlan::single): its result; empty if reported as an error
 };
 
-/// Returns when every job is done, the stop came, or the baker is unavailable; at once, with all that is unwritable counted,
-/// if the report or the folder of an output that no earlier run made cannot be written to. Each output is written whole
-/// or not at all, and only when its certificate holds. What is wrong, and what the answers warn of, is said
-/// on standard error.
+/// Returns when every job is done, a stop is requested, or the baker is unavailable. Returns at once if the
+/// report or a needed output folder is not writable; all such paths are counted. Each output is written
+/// completely or not at all, and only if its certificate holds. Errors and the warnings of answers are
+/// printed to standard error.
 RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,
                     const std::stop_token& stop);
 

@@ -18,14 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Finds whatever a bake would lose by writing.
+/// Finds files that a bake would overwrite.
 class Places {
  public:
-  /// What is read stays.
+  /// Registers an input file, which must not be overwritten.
   void read(const std::string& path, const std::string& what) {
     if (path != kStandardStream) read_.emplace(identity_of(path), what + " '" + path + "'");
   }
-  /// kBadParameter where it may not be written. `whose`: the mesh that becomes this output, or what else this is.
+  /// Registers a file to be written. Returns kBadParameter if it must not be. `whose` names the mesh of this
+  /// output, or the kind of file.
   Expected<void> write(const std::string& path, const std::string& whose) {
     if (path == kStandardStream) return {};
     if (std::optional<Error> refused = refuse_output(path)) return tl::unexpected<Error>(std::move(*refused));
@@ -38,7 +39,7 @@ class Places {
   }
 
  private:
-  std::map<FileIdentity, std::string> read_, written_;  ///< with words for them
+  std::map<FileIdentity, std::string> read_, written_;  ///< with their descriptions for messages
 };
 
 Expected<void> check_output(const BakeJob& job, Places& places) {

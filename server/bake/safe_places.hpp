@@ -1,4 +1,4 @@
-// Nothing is lost: whatever a bake writes lies where nothing else is that somebody may want.
+// Makes sure that a bake overwrites no file that may still be needed.
 #pragma once
 
 #include "server/bake/line_faults.hpp"
@@ -6,8 +6,9 @@
 
 namespace fracture::bake {
 
-/// A fault for each output that would be written over an input, the manifest, the rules or another output, or that lies where no file
-/// can be; then kBadParameter for the first of the report, pages and whatever else a bake writes once.
+/// Adds a fault for each output that would overwrite an input, the manifest, the rules or another output, or
+/// whose path cannot be a file. Returns kBadParameter for the first such problem with the report, the page or
+/// any other file that a bake writes once.
 Expected<void> check_places(const BakePlan& plan, const BakeSource& source, LineFaults& faults);
 
 }  // namespace fracture::bake

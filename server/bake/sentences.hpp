@@ -1,4 +1,4 @@
-// How a bake names its files, and says what became of one.
+// Messages about the files of a bake and their results.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@ namespace fracture::bake {
 std::string name_of_input(const std::string& path);
 std::string name_of_output(const std::string& path);
 
-/// "fragments.glb: 50 fragments, volume in 1 m³, out 1 m³, relative error 2.2e-16, 0 open edges, 51372 bytes,
-/// 0.006 s (import 0.1 ms, ...)"
-/// `written`: the output, and the files that were written with it.
+/// Returns "fragments.glb: 50 fragments, volume in 1 m³, out 1 m³, relative error 2.2e-16, 0 open edges,
+/// 51372 bytes, 0.006 s (import 0.1 ms, ...)". `written`: the output, followed by the files that were written
+/// with it.
 std::string sentence_of(std::span<const WrittenFile> written, const Baked& baked, double seconds);
 
 }  // namespace fracture::bake

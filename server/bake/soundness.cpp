@@ -15,7 +15,8 @@ bool is_sound(const AnswerSummary& summary) {
   const Certificate& certificate = summary.certificate;
   if (certificate.open_edges != 0) return false;
   if (!summary.partition) return true;
-  // Whoever counts these has judged the volumes too, by bounds that need more than the certificate says.
+  // `judged` means that the server has counted the mirrored caps and has already checked the volumes, with
+  // tighter bounds than the certificate allows.
   if (summary.judged) return certificate.unmirrored_caps == 0;
   return certificate.relative_error <= kMaxRelativeError;
 }

@@ -1,16 +1,16 @@
-// Whether an answer proves itself: only such an answer is written.
+// Checks the certificate of an answer. Only answers that pass are written.
 #pragma once
 
 #include "server/service/service.hpp"
 
 namespace fracture::bake {
 
-/// Does the certificate of an answer hold: nothing open, and (but for dual=barycenter) every cap mirrored and
-/// nothing lost? The baker refuses what does not prove itself; this is the second line, also for the answers of
-/// older servers.
+/// Returns whether the certificate holds: no open edges and, except for dual=barycenter, every cap mirrored
+/// and no volume lost. The baker already refuses such answers. This second check also covers answers of older
+/// servers.
 bool is_sound(const AnswerSummary& summary);
 
-/// kUnsound with the figures of the certificate, for an answer that does not.
+/// Returns kUnsound with the numbers of the certificate that does not hold.
 Error unsound(const Certificate& certificate);
 
 }  // namespace fracture::bake

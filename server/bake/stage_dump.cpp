@@ -22,11 +22,11 @@ constexpr std::array kNames{"1-mesh.obj", "2-solid.obj", "3-sites.obj", "4-tetra
                             "5-fragments.obj"};
 constexpr std::size_t kMesh = 0, kSolid = 1, kSites = 2, kTetrahedra = 3, kFragments = 4;
 
-/// How far fragments are moved outwards, in parts of their distance from the middle.
+/// Factor by which fragments are moved outwards, relative to their distance from the centre.
 constexpr double kDumpExplode = 0.5;
-/// How far the vertices of a tetrahedron are moved to its middle, in parts of their distance.
+/// Factor by which a tetrahedron's vertices are moved towards its centre, relative to their distance from it.
 constexpr double kShrink = 0.1;
-/// A site's radius, in parts of the solid's longest side.
+/// Radius of a site, relative to the solid's longest side.
 constexpr double kSiteRadius = 0.005;
 
 std::string path_of(const std::string& folder, std::size_t stage) {
@@ -50,7 +50,7 @@ class DumpingEngine final : public EngineAround {
     Expected<CutBase> made = EngineAround::base(solid, parameters, selection, execution);
     if (const Diagram* const diagram = made ? std::get_if<Diagram>(&*made) : nullptr) {
       Tetrahedralization t = diagram->tetrahedralization;
-      if (diagram->map)  // stretched cells: back to where the solid is
+      if (diagram->map)  // stretched cells: move them back to the solid
         for (Vec3d& p : t.points) p = diagram->map.at(p).place(p);
       dump_->write(kSites, [&](std::ostream& out) {
         debug::dump_obj_of_sites(out, t, kSiteRadius * solid.box.longest_side());

@@ -1,4 +1,4 @@
-// --dump-stages: what each stage made, as Wavefront OBJ to look at in any viewer.
+// --dump-stages: writes the result of each stage as Wavefront OBJ, for any viewer.
 #pragma once
 
 #include <atomic>
@@ -12,17 +12,17 @@
 
 namespace fracture::bake {
 
-/// The files of a dump, in the order of the stages: all in metres, y up, at the same place, so that they may
-/// be laid over one another; the fragments are moved apart.
+/// Returns the dump's files in the order of the stages. All are in metres, y up, in the same coordinates, so
+/// that they can be overlaid; only the fragments are moved apart.
 std::vector<std::string> stage_files(const std::string& folder);
 
-/// Writes them. Thread-safe.
+/// Writes the files of a dump. Thread-safe.
 class StageDump {
  public:
-  /// `say` gets what cannot be written.
+  /// `say` receives a message for each file that cannot be written.
   StageDump(std::string folder, std::function<void(const std::string& line)> say);
 
-  /// A file that is there already stays as it is, which is a failure.
+  /// Writes the file of one stage. An existing file is kept, which counts as a failure.
   void write(std::size_t stage, const std::function<void(std::ostream&)>& dump);
   bool failed() const { return failed_; }
 
@@ -34,7 +34,7 @@ class StageDump {
   std::atomic<bool> failed_{false};
 };
 
-/// What `inner` does, with what each of its steps made written to `dump`.
+/// Wraps `inner` and writes the result of each step to `dump`.
 std::unique_ptr<FractureEngine> dumping_engine(std::unique_ptr<FractureEngine> inner,
                                                std::shared_ptr<StageDump> dump);
 

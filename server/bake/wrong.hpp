@@ -1,4 +1,4 @@
-// The refusal of what whoever bakes has to correct.
+// The error for a mistake that the user must correct.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace fracture::bake {
 
-/// kBadParameter.
+/// Returns kBadParameter.
 inline tl::unexpected<Error> wrong(std::string detail) {
   return fail(ErrorCode::kBadParameter, std::move(detail));
 }

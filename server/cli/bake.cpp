@@ -1,5 +1,5 @@
-// fracture-server bake: the service without HTTP, for artists (one file) and farms (folders, manifests,
-// shards).
+// fracture-server bake: the service without HTTP, for one file, or for folders, manifests and shards on a
+// farm.
 #include <signal.h>
 #include <unistd.h>
 
@@ -38,13 +38,15 @@
 namespace fracture::cli {
 namespace {
 
-/// At the same time through a server whose cores are not known: enough for eight of them, and little to hold.
+/// Jobs at the same time if a server computes them and its number of cores is unknown. Enough for eight
+/// cores.
 constexpr int kRemoteJobs = 8;
 
 std::atomic<bool> interrupted{false};
 void on_interrupt(int) { interrupted = true; }
 
-/// SIGINT and SIGTERM as a stop. A signal handler may not touch a stop_source: a watcher carries the message.
+/// Turns SIGINT and SIGTERM into a stop request. A signal handler must not use a stop_source, so a watcher
+/// thread polls the flag that the handler sets.
 class StopOnSignal {
  public:
   StopOnSignal() {
@@ -59,7 +61,7 @@ class StopOnSignal {
   std::stop_source stop_;
   std::jthread watcher_{[this](const std::stop_token& end) {
     std::mutex mutex;
-    std::condition_variable_any ended;  // at once, not when a pause is over
+    std::condition_variable_any ended;  // ends the wait at once when the thread is stopped
     std::unique_lock lock(mutex);
     while (!end.stop_requested()) {
       if (interrupted) stop_.request_stop();
@@ -77,14 +79,14 @@ int wrong_command_line(const std::string& why) {
   return kExitUsage;
 }
 
-/// Summaries go to standard output, but where that is for the fragments.
+/// Returns the stream for summaries: standard output, unless the fragments are written there.
 FILE* words_of(const bake::BakePlan& plan) {
   return plan.single && !plan.jobs.empty() && plan.jobs.front().output == bake::kStandardStream ? stderr
                                                                                                 : stdout;
 }
 
-/// "480 made, 19 kept, 1 refused of 500 jobs in 12.3 s; report in out/bake.ndjson": what there was none of is
-/// left out.
+/// Returns "480 made, 19 kept, 1 refused of 500 jobs in 12.3 s; report in out/bake.ndjson". Counts of zero
+/// are left out.
 std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double seconds,
                        const std::string& report) {
   std::string line;
@@ -104,7 +106,7 @@ std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double secon
   return line + rest + (report.empty() ? "" : "; report in " + report);
 }
 
-/// Said also when quiet: whoever asked for failures wants to know that there are some.
+/// Reports the kept failures, even with --quiet, because the user asked for them.
 void tell_of(const FailureKeeper& failures) {
   const KeptFailures f = failures.figures();
   if (const std::size_t kept = f.kept + f.known; kept > 0)
@@ -114,7 +116,7 @@ void tell_of(const FailureKeeper& failures) {
     say("no space for " + std::to_string(f.dropped) + " more failures in " + failures.folder());
 }
 
-/// Null where the server cannot be asked, which has been said.
+/// Returns null after reporting an error and setting `exit_code` if the server cannot be used.
 std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const std::stop_token& stop,
                                      int& exit_code) {
   Expected<protocol::ConnectionSettings> server = bake::parse_server_url(options.server, options.ca_file);
@@ -138,10 +140,10 @@ std::unique_ptr<bake::Baker> connect(const BakeOptions& options, int jobs, const
   return nullptr;
 }
 
-/// What may be watched of a bake on this machine.
+/// Optional observers of a bake on this machine.
 struct Watched {
-  std::shared_ptr<bake::FlipTally> flips;  ///< null: by cavity
-  std::shared_ptr<bake::StageDump> dump;   ///< null: nothing is dumped
+  std::shared_ptr<bake::FlipTally> flips;  ///< null: cavity insertion
+  std::shared_ptr<bake::StageDump> dump;   ///< null: no dump
 
   explicit Watched(const BakeOptions& options) {
     if (options.insertion == Insertion::kFlips) flips = std::make_shared<bake::FlipTally>();
@@ -156,7 +158,7 @@ struct Watched {
   }
 };
 
-/// What rules by node and material look at.
+/// Returns the names that rules by node or material are matched with; empty if no rule needs them.
 Expected<bake::MeshNames> names_for(const bake::BakePlan& plan, const bake::BakeJob& job,
                                     const std::stop_token& stop) {
   if (!plan.rules.by_names()) return bake::MeshNames{};
@@ -166,16 +168,17 @@ Expected<bake::MeshNames> names_for(const bake::BakePlan& plan, const bake::Bake
   return fail(ErrorCode::kFileAccess, "cannot read " + printable(job.input) + ": " + std::strerror(errno));
 }
 
-/// Pixels of each side, where nobody says how many: one picture is looked at, many are compared in a table.
+/// Default picture size in pixels. A single picture is viewed alone; many are compared in a table.
 constexpr int kPictureOfOne = 512, kPictureOfMany = 256;
 
-/// Of the pictures of a bake, as far as there are to be any.
+/// The pictures of a bake, if there are any.
 struct Pictured {
-  std::unique_ptr<bake::Previews> previews;  ///< null: nobody wants pictures
-  std::string none;                          ///< why a page has none, a sentence
+  std::unique_ptr<bake::Previews> previews;  ///< null: no pictures requested
+  std::string none;                          ///< a sentence: why the page has no pictures
 };
 
-/// kNoProgram where --preview asks for what nobody can draw. A page is worth reading without pictures, too.
+/// Returns kNoProgram if --preview is given but there is no renderer. An HTML page is written without
+/// pictures then.
 Expected<Pictured> pictured(const BakeOptions& options, bool single, int jobs) {
   const bool asked = !options.source.preview.empty();
   if (!asked && options.source.html.empty()) {
@@ -197,12 +200,12 @@ Expected<Pictured> pictured(const BakeOptions& options, bool single, int jobs) {
   return Pictured{std::make_unique<bake::Previews>(settings, say), renderer ? "" : renderer.error().detail};
 }
 
-/// "assets/ -> broken/", for the head of a page.
+/// Returns "assets/ -> broken/", the title of the page.
 std::string title_of(const bake::BakeSource& source) {
   if (!source.manifest.empty()) return source.manifest;
   std::string title;
   for (const std::string& input : source.inputs) {
-    constexpr std::size_t kMost = 200;  // of a shell's glob with thousands of names
+    constexpr std::size_t kMost = 200;  // a shell's glob can expand to thousands of names
     if (title.size() > kMost) {
       title += " …";
       break;
@@ -212,7 +215,7 @@ std::string title_of(const bake::BakeSource& source) {
   return title + " → " + source.output;
 }
 
-/// Makes nothing, and writes no report.
+/// Prints the parameters of each job. Makes no outputs and writes no report.
 int explain(const bake::BakePlan& plan, bake::Baker& baker, std::size_t allowed,
             const std::stop_token& stop) {
   std::size_t refused = 0, unreadable = 0;
@@ -290,12 +293,12 @@ int bake(const BakeOptions& options) {
   try {
     baker = remote ? connect(options, jobs, stop.token(), refused)
                    : bake::local_baker(service, watched.engine(jobs));
-  } catch (const std::runtime_error& e) {  // of the import processes
+  } catch (const std::runtime_error& e) {  // thrown if the import processes cannot be started
     say(e.what());
     return kExitSystem;
   }
   if (!baker) return refused;
-  if (source.manifest.empty())  // else each line has its own
+  if (source.manifest.empty())  // with a manifest, each line has its own parameters
     if (const auto parameters = baker->parse(source.parameters); !parameters) {
       say("parameters: " + bake::to_lines(parameters.error()));
       return kExitRefused;

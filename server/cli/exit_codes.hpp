@@ -1,4 +1,4 @@
-// What the commands exit with: the table is common/base/exit_codes.hpp.
+// Exit codes of the commands. The table is in common/base/exit_codes.hpp.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,11 @@
 
 namespace fracture::cli {
 
-/// Of a bake: the worst that happened. `allowed`: so many inputs may be refused before that counts.
+/// Returns the exit code of a bake, decided by its worst outcome. `allowed`: number of refused inputs that
+/// still count as success.
 int exit_code(const bake::RunFigures& figures, std::size_t allowed);
 
-/// Of a command that ends with one error.
+/// Returns the exit code of a command that fails with one error.
 int exit_code(ErrorCode code);
 
 }  // namespace fracture::cli

@@ -1,4 +1,4 @@
-// fracture-server health: for a container's HEALTHCHECK and for scripts on machines without curl.
+// fracture-server health: for a container's HEALTHCHECK, and for scripts on machines without curl.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -19,7 +19,7 @@ struct Probe {
   std::string path;
 };
 
-/// http://host[:port][/path], the port 80 and the path as given when the URL has none.
+/// Parses http://host[:port][/path]. Without a port, 80 is used; without a path, `path`.
 std::optional<Probe> probe_of_url(const std::string& url, const std::string& path) {
   constexpr std::string_view kScheme = "http://";
   if (!url.starts_with(kScheme)) return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<Probe> probe_of_url(const std::string& url, const std::string& pat
   return probe;
 }
 
-/// The admin listener of a server that is started here with the same environment and the same file.
+/// Returns the admin listener that a server started with this environment and config file would have.
 std::optional<Probe> probe_of_settings(const std::string& config_file, const std::string& path,
                                        std::vector<std::string>& errors) {
   ServeOptions serve;
@@ -54,7 +54,7 @@ std::optional<Probe> probe_of_settings(const std::string& config_file, const std
     errors.push_back("admin-port is 0, so the port is not known: give the URL");
   if (!errors.empty()) return std::nullopt;
   std::string host = serve.server.admin_address;
-  if (host == "0.0.0.0") host = "127.0.0.1";  // every address: this machine's own is one of them
+  if (host == "0.0.0.0") host = "127.0.0.1";  // a wildcard address includes the loopback address
   if (host == "::") host = "::1";
   return Probe{host, serve.server.admin_port, path};
 }

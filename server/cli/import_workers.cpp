@@ -13,7 +13,8 @@ std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options) {
   config.worker.program = import_worker_beside_this_program();
   config.worker.memory_bytes = options.import_memory;
   config.worker.require_sandbox = options.sandbox_required;
-  // The deadline, by the clock, is first to end an import; this is the second line.
+  // Limit on CPU time, in case the deadline fails to end an import. The deadline (wall-clock time) normally
+  // comes first.
   config.worker.cpu =
       std::chrono::ceil<std::chrono::seconds>(options.limits.deadline) + std::chrono::seconds(1);
   auto pool = std::make_shared<ImportPool>(config);

@@ -1,4 +1,4 @@
-// The import workers of `serve`.
+// Import workers of `serve`.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace fracture::cli {
 
-/// For `serve`. Says in the log what of the sandbox this machine does not allow. Throws std::runtime_error where
-/// the workers cannot be started, or not in the sandbox that is required.
+/// Starts the import workers for `serve` and logs which parts of the sandbox this machine does not allow.
+/// Throws std::runtime_error if the workers cannot be started, or not with the required sandbox.
 std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options);
 
 void write_import_metrics(const ImportPool& imports, ops::MetricWriter& writer);

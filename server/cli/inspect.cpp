@@ -1,4 +1,4 @@
-// fracture-server inspect: what the service would make of a mesh, without fracturing it.
+// fracture-server inspect: reports what the service would make of a mesh, without fracturing it.
 #include <cerrno>
 #include <cinttypes>
 #include <cstdio>

@@ -48,7 +48,8 @@ void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatche
                  static_cast<double>(reserved.at(share.part)), labels);
   }
   std::uint64_t workers = 0;
-  // A worker shares with the zygote what neither has written to since the fork: counted twice, at most 11 MiB.
+  // Workers share unmodified pages with the zygote that they were forked from. These pages, at most 11 MiB,
+  // are counted twice.
   for (const pid_t worker : imports.pids()) workers += resident_bytes(worker);
   if (const pid_t zygote = imports.zygote_pid(); zygote > 0) workers += resident_bytes(zygote);
   writer.gauge("fracture_memory_resident_bytes", "Resident memory by process, as the system reports it.",

@@ -1,4 +1,4 @@
-// What memory was divided into, what of it is taken, and what is resident, side by side.
+// Metrics that compare the memory budgets, the memory in use and the resident memory.
 #pragma once
 
 #include "server/cli/options.hpp"
@@ -11,7 +11,7 @@ namespace fracture::cli {
 void write_memory_metrics(const ServeOptions& options, http::Api& api, Dispatcher& dispatcher,
                           const ImportPool& imports, std::size_t connections, ops::MetricWriter& writer);
 
-/// Resident bytes of a process; 0 where /proc does not tell.
+/// Returns the resident bytes of a process, or 0 if they cannot be read from /proc.
 std::uint64_t resident_bytes(pid_t process);
 
 }  // namespace fracture::cli

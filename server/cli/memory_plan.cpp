@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t kMiB = 1u << 20;
 
-/// A budget that can be set. `least`: what a server of any use needs.
+/// A memory budget that is a setting. `least`: the minimum with which a server is useful.
 struct Budget {
   const char* setting;
   const char* part;
@@ -19,7 +19,7 @@ struct Budget {
   std::function<void(ServeOptions&, std::uint64_t)> set;
 };
 
-/// `where(options)` is the number, to be read and written.
+/// Creates a budget. `where(options)` returns a reference to its number.
 template <class Where>
 Budget budget(const char* setting, const char* part, std::uint64_t least, Where where) {
   return {setting, part, least, [where](const ServeOptions& o) { return std::uint64_t{where(o)}; },
@@ -76,11 +76,11 @@ bool any_tier(const ServeOptions& o) {
   return !tiers.folder.empty() || !tiers.redis.address.empty();
 }
 
-/// Of the memory that there is, what answers on their way to a tier may have.
+/// Answers waiting to be stored in a tier may take at most 1/kPendingPart of the memory.
 constexpr std::uint64_t kPendingPart = 32;
 
-/// The least whole number of MiB with which a plan works: `needed` without answers on their way to a tier, and a part of the
-/// whole for these, `pending` at most.
+/// Returns the smallest working value for --memory in MiB. `needed` excludes answers waiting to be stored in
+/// a tier. If there is a tier, these get 1/kPendingPart of the memory, but at most `pending`.
 std::uint64_t least_memory(double needed, std::size_t pending, bool tier) {
   const double parts = kPendingPart, with_part = needed * parts / (parts - 1),
                bytes = tier ? std::min(needed + static_cast<double>(pending), with_part) : needed;
@@ -96,8 +96,9 @@ std::vector<MemoryShare> memory_shares(const ServeOptions& options) {
 }
 
 std::uint64_t base_memory(const ServeOptions& o) {
-  // 26 MiB after the start; what an arena keeps; a worker at rest 6 MiB, the one more that urgent work may have, and the zygote
-  // that forks them, 15.
+  // The process takes 26 MiB after its start, each thread's allocator arena keeps some memory, and an idle
+  // import worker takes 6 MiB. Two processes are added to the import workers: one worker for urgent requests,
+  // and the zygote that forks them, which takes 15 MiB.
   const std::uint64_t importers = 2 + static_cast<std::uint64_t>(o.import_workers);
   return 32 * kMiB + 8 * kMiB * threads_of(o) + 16 * kMiB * importers +
          (any_tier(o) ? o.service.tiers.max_pending_bytes : 0);
@@ -106,7 +107,7 @@ std::uint64_t base_memory(const ServeOptions& o) {
 std::vector<std::string> plan_memory(ServeOptions& o, const std::set<std::string>& given,
                                      std::uint64_t available) {
   const std::vector<Budget> all = budgets(o, given);
-  const std::size_t pending = o.service.tiers.max_pending_bytes;  // of answers on their way to a tier
+  const std::size_t pending = o.service.tiers.max_pending_bytes;  // answers waiting to be stored
   o.service.tiers.max_pending_bytes = std::min<std::size_t>(pending, available / kPendingPart);
   const double base = static_cast<double>(base_memory(o));
   const double room = (static_cast<double>(available) - base) / kResidentPerByte;

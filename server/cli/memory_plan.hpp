@@ -1,9 +1,9 @@
-// How the memory that a server may have is divided among what holds it. Every budget is a setting; those that
-// nobody gave are made to fit.
+// Divides the server's memory among its budgets. Every budget is a setting; budgets that are not given are
+// reduced until everything fits.
 //
 //   memory (--memory, else memory.max of the control group, else the machine's)
 //     = base: the process, its threads, its import workers at rest
-//     + 1.3 times the sum of the budgets: what an allocator keeps between blocks, and what estimates miss
+//     + 1.3 times the sum of the budgets, for allocator overhead and errors of estimates
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,23 @@
 
 namespace fracture::cli {
 
-/// One budget of the plan.
 struct MemoryShare {
   const char* setting;  ///< its name
   const char* part;     ///< its label in /metrics
   std::uint64_t bytes;
 };
-/// As they are in force.
+/// Returns all budgets with their current values.
 std::vector<MemoryShare> memory_shares(const ServeOptions& options);
 
-/// What a server of so many threads and import workers has resident when it holds nothing.
+/// Returns the resident bytes of an idle server with these numbers of threads and import workers.
 std::uint64_t base_memory(const ServeOptions& options);
 
-/// Of 1 byte of budget, what may be resident.
+/// Maximum number of resident bytes per byte of budget.
 inline constexpr double kResidentPerByte = 1.3;
 
-/// Lowers the budgets that are not among `given` (names of settings), in proportion, until everything fits
-/// into `available` bytes; limits of single requests follow. Sets options.memory to `available`. Not empty:
-/// what is given does not fit, with the sum spelled out; then nothing is changed.
+/// Lowers the budgets that are not in `given` (names of settings), in proportion, until everything fits into
+/// `available` bytes, then lowers the limits of single requests to match. Sets options.memory to `available`.
+/// If the given budgets do not fit, changes nothing and returns an error that spells out the sum.
 std::vector<std::string> plan_memory(ServeOptions& options, const std::set<std::string>& given,
                                      std::uint64_t available);
 

@@ -15,14 +15,14 @@
 namespace fracture::cli {
 namespace {
 
-/// The options of `serve` that are not settings.
+/// Options of `serve` that are not settings.
 struct ServeCommand {
   std::string config_file;
   bool print_config = false;
 };
 
-/// The flags of `serve`, from the table of settings. Values are taken as text here and checked with those
-/// from the environment and the file.
+/// Adds the flags of `serve` from the table of settings. Values are stored as text and validated later,
+/// together with those from the environment and the config file.
 void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& flags, ServeCommand& command) {
   app.add_option("--config", command.config_file, "Read settings from this file (TOML: name = value)")
       ->type_name("FILE");
@@ -67,7 +67,7 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
 
 constexpr const char* kParameterGroup = "Parameters, as in a request to the server (written with - or _)";
 
-/// Parameters are taken as text and checked by the service's table: one validation for every way to ask.
+/// Adds the parameters as text options. The service's table validates them, as it does for HTTP requests.
 void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service) {
   const ParameterTable table(service.max_sites, FormatSet::all());
   for (const ParameterSpec& spec : table.specs()) {
@@ -89,7 +89,7 @@ void add_threads(CLI::App& app, int& threads, const char* doc) {
       ->capture_default_str();
 }
 
-/// A number of bytes, with KiB, MiB or GiB behind it or not.
+/// Adds an option for a number of bytes, with an optional suffix KiB, MiB or GiB.
 void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* doc) {
   app.add_option_function<std::string>(
          name,
@@ -105,7 +105,7 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
       ->type_name("BYTES");
 }
 
-/// An empty variable of a script is no wish to go without.
+/// Validator: an empty value usually comes from an unset variable in a script, so it is an error.
 std::string not_empty(const std::string& text) { return text.empty() ? "a name is missing: it was ''" : ""; }
 
 void add_bake(CLI::App& app, BakeOptions& o) {
@@ -284,7 +284,8 @@ int run(int argc, char** argv) {
                        "fracture-server " FRACTURE_VERSION " algorithm " + std::to_string(kAlgorithmVersion));
   app.require_subcommand(1);
 
-  // Only the command that is given gets its options, because two hundred options take longer than the cuts of a small bake.
+  // Add options only to the command that is given: adding all two hundred takes longer than the cuts of a
+  // small bake.
   ServeOptions serve_options;
   serve_options.drain_delay = std::chrono::milliseconds(::isatty(STDERR_FILENO) ? 0 : 5'000);
   std::vector<Setting> settings;
@@ -297,7 +298,7 @@ int run(int argc, char** argv) {
   });
 
   BakeOptions bake_options;
-  bake_options.service.formats = FormatSet::all();  // the file is the caller's own
+  bake_options.service.formats = FormatSet::all();  // all formats, because users bake their own files
   CLI::App& bake_command =
       *app.add_subcommand("bake", "Fracture files; the outputs have the same bytes as a server's answers");
   bake_command.preparse_callback([&](std::size_t) { add_bake(bake_command, bake_options); });

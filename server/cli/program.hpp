@@ -1,4 +1,4 @@
-// The whole program behind its main().
+// The whole program; main() only calls run().
 #pragma once
 
 namespace fracture::cli {

@@ -1,4 +1,4 @@
-// fracture-server serve: starts, waits for a signal, drains.
+// fracture-server serve: starts, waits for a signal, and drains.
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
@@ -23,7 +23,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// Waits for one of the signals, at most until `end`. Its number; 0 when the time is over.
+/// Waits for one of the signals, at most until `end`. Returns its number, or 0 on timeout.
 int wait_for_signal(const sigset_t& signals, steady_clock::time_point end) {
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(end - steady_clock::now());
@@ -43,7 +43,7 @@ sigset_t handled_signals() {
   return signals;
 }
 
-/// SIGHUP: the token file is read again. A file that is wrong changes nothing.
+/// Handles SIGHUP: reads the token file again. If the file is invalid, the old tokens stay in force.
 void reload_tokens(const std::string& path, http::HttpServer& server) {
   if (path.empty()) return spdlog::info("SIGHUP: this server has no token file to reload");
   auto tokens = tenants::TokenFile::load(path);
@@ -53,11 +53,11 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   }
   const std::size_t names = tokens->size();
   server.replace_tokens(std::move(*tokens));
-  spdlog::info("token-file {} was reloaded: {} names", path, names);  // when it is in force
+  spdlog::info("token-file {} was reloaded: {} names", path, names);  // after the replacement
 }
 
-/// What large meshes leave behind goes back to the system when nobody has asked for it again in seconds; soon where it is
-/// more than a tenth of what the server may have. Called a few times a second.
+/// Gives free memory, such as that left by large meshes, back to the system: at once if it is more than a
+/// tenth of the server's memory, else after it was unused for some seconds. Called a few times per second.
 void trim_memory(std::uint64_t memory) {
   if (free_memory() > memory / 10)
     return_free_memory();
@@ -70,8 +70,8 @@ void tell_of_jobs(const http::Api& api) {
     spdlog::info("found {} jobs from an earlier process, {} of them unfinished", jobs.jobs, jobs.unfinished);
 }
 
-/// Called a few times a second while another server has the folder. `trouble`: why it could not be taken the last time,
-/// which is said once.
+/// Tries to take over the cache folder while another server holds it. Called a few times per second.
+/// `trouble` is the reason of the last failure; each reason is logged once.
 void take_folder(http::Api& api, const std::string& folder, std::string& trouble) {
   std::string why;
   try {
@@ -83,19 +83,20 @@ void take_folder(http::Api& api, const std::string& folder, std::string& trouble
       return tell_of_jobs(api);
     }
     why = taken.error().detail;
-  } catch (const std::exception& e) {  // no memory for what is in it
+  } catch (const std::exception& e) {  // not enough memory for the folder's contents
     why = e.what();
   }
   if (trouble != why) spdlog::error("cache-dir: {}", why);
   trouble = why;
 }
 
-/// Serves until a signal and drains. An exit code.
+/// Serves until a signal arrives, then drains. Returns the exit code.
 int serve_until_stopped(const ServeOptions& options) {
   const sigset_t signals = handled_signals();
-  // Started from a terminal, SIGHUP says what it says by default: that the terminal is gone.
+  // Without a token file, SIGHUP stops a server that was started from a terminal, as usual when the terminal
+  // closes.
   const bool terminal = ::isatty(STDERR_FILENO) != 0 && options.token_file.empty();
-  sigset_t stopping = signals;  // one that asks for a reload cuts no waiting short
+  sigset_t stopping = signals;  // a reload does not interrupt the waits below
   if (!terminal) sigdelset(&stopping, SIGHUP);
   const int threads = options.threads > 0 ? options.threads : available_cores();
   std::shared_ptr<ImportPool> imports;
@@ -152,7 +153,7 @@ int serve_until_stopped(const ServeOptions& options) {
     });
   api.metrics().add_source([&imports](ops::MetricWriter& writer) { write_import_metrics(*imports, writer); });
   try {
-    http::HttpServer server(options.server, api);  // who asks for metrics asks it
+    http::HttpServer server(options.server, api);  // the metrics below are only read through it
     api.metrics().add_source([&](ops::MetricWriter& writer) {
       write_memory_metrics(options, api, dispatcher, *imports, server.connections(), writer);
     });
@@ -174,7 +175,7 @@ int serve_until_stopped(const ServeOptions& options) {
     wait_for_signal(stopping, steady_clock::now() + options.drain_delay);  // a second signal skips the delay
     server.stop_accepting();
     const steady_clock::time_point end = steady_clock::now() + options.grace;
-    const auto jobs = [&api] {  // but those on the disk that wait: the next server goes on with them
+    const auto jobs = [&api] {  // except those waiting on disk, for the next server
       const JobFigures figures = api.jobs().figures();
       return figures.unfinished - figures.waiting;
     };
@@ -191,7 +192,7 @@ int serve_until_stopped(const ServeOptions& options) {
       while (server.requests_in_progress() > 0 && steady_clock::now() < last)
         if (wait_for_signal(stopping, steady_clock::now() + std::chrono::milliseconds(10))) break;
     }
-    // What was computed for jobs and for others is in the tiers before the process ends.
+    // Wait until computed answers are stored in the tiers before the process ends.
     api.flush_jobs();
     service.tiers().flush(std::max(end, steady_clock::now() + std::chrono::seconds(1)));
   } catch (const std::system_error& e) {
@@ -209,9 +210,9 @@ int serve(const ServeOptions& options) {
   const sigset_t signals = handled_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ, SIG_IGN);  // a full quota is an error of write(), not the end
+  signal(SIGXFSZ, SIG_IGN);  // exceeding a file size limit makes write() fail instead
 
-  // Standard output is for results; a log is none.
+  // Logs go to standard error, because standard output is for results.
   const bool text = options.log_format == "text" || (options.log_format == "auto" && ::isatty(STDERR_FILENO));
   ops::start_logging(text ? ops::LogFormat::kText : ops::LogFormat::kJson, options.log_level);
   for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);

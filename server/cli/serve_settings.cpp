@@ -20,14 +20,14 @@ constexpr std::uint64_t kTiB = 1ull << 40;
 
 enum class Reach { kThisMachine, kNetwork };
 
-/// Text that is never printed.
+/// Text setting whose value is never printed.
 Setting secret(std::string name, std::string type, std::string& target, std::string doc) {
   Setting setting = text(std::move(name), std::move(type), target, std::move(doc));
   setting.secret = true;
   return setting;
 }
 
-/// Nothing when it is no numeric address.
+/// Returns nothing if `address` is not a numeric address.
 std::optional<Reach> reach_of(const std::string& address) {
   in_addr v4{};
   if (::inet_pton(AF_INET, address.c_str(), &v4) == 1)
@@ -43,7 +43,7 @@ bool sandbox_required(const ServeOptions& o) {
          (o.require_sandbox == "auto" && reach_of(o.server.address) == Reach::kNetwork);
 }
 
-/// The first line of a file; nothing where it cannot be read or is empty.
+/// Returns the first line of a file, or nothing if it is empty or the file cannot be read.
 std::optional<std::string> first_line(const std::string& path) {
   std::ifstream file(path);
   std::string line;
@@ -52,7 +52,7 @@ std::optional<std::string> first_line(const std::string& path) {
   return line.empty() ? std::nullopt : std::optional(line);
 }
 
-/// Refuses inconsistent settings of Redis and of signatures.
+/// Refuses inconsistent settings for Redis and signatures.
 void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& refuse) {
   const TiersConfig& tiers = o.service.tiers;
   const RedisConfig& redis = tiers.redis;
@@ -78,7 +78,7 @@ void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& 
   if (tiers.sign_disk && o.farm_key_file.empty()) refuse("sign-disk-cache needs a farm-key-file");
 }
 
-/// scheme://host[:port], as browsers send it.
+/// Returns whether the text is scheme://host[:port], as browsers send it.
 bool is_origin(const std::string& origin) {
   const std::size_t scheme = origin.find("://");
   return scheme != std::string::npos && scheme > 0 && origin.size() > scheme + 3 &&
@@ -358,7 +358,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
   if (!options.farm_key_file.empty()) {
     if (auto keys = FarmKeys::load(options.farm_key_file))
       tiers.keys = std::move(*keys);
-    else  // it has changed since it was judged
+    else  // the file has changed since it was checked
       errors.push_back("farm-key-file " + keys.error().detail);
   }
   if (!tiers.folder.empty() && options.jobs.max_disk_bytes > 0) options.jobs.folder = tiers.folder + "/jobs";
@@ -371,7 +371,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     auto tokens = tenants::TokenFile::load(options.token_file);
     if (tokens)
       options.server.tokens = std::move(*tokens);
-    else  // it has changed since it was judged
+    else  // the file has changed since it was checked
       errors.push_back("token-file " + tokens.error().detail);
   }
   return errors;

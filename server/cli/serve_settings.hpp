@@ -1,4 +1,4 @@
-// The settings of `serve`.
+// Settings of `serve`.
 #pragma once
 
 #include <string>
@@ -9,23 +9,23 @@
 
 namespace fracture::cli {
 
-/// The table. The settings read and write `options`, which must outlive them.
+/// Returns the table of settings. They read and write `options`, which must outlive them.
 std::vector<Setting> serve_settings(ServeOptions& options);
 
-/// Takes the settings from flags, environment and `config_file` (empty: none), each judged alone. `given`
-/// gets those that were given, each from where it counts.
+/// Reads the settings from flags, environment and `config_file` (empty: none) and checks each one on its own.
+/// `given` receives the settings that were given, each with the source that takes precedence.
 void read_settings(ServeOptions& options, const std::vector<Setting>& settings, const GivenSettings& flags,
                    const std::string& config_file, std::vector<std::string>& errors,
                    GivenSettings* given = nullptr);
 
-/// Takes the settings from flags, environment and `config_file` (empty: none), then judges them as a whole.
-/// Every error there is, in sentences; none: `options` is ready to serve, within the memory that there is
-/// (memory_plan.hpp). `given` as of read_settings().
+/// Reads the settings as read_settings() does, then checks them together. Returns a sentence for each error.
+/// If there is none, `options` is ready to serve within the available memory (memory_plan.hpp). `given`: as
+/// for read_settings().
 std::vector<std::string> configure(ServeOptions& options, const std::vector<Setting>& settings,
                                    const GivenSettings& flags, const std::string& config_file,
                                    GivenSettings* given = nullptr);
 
-/// What is inconsistent between settings that are each valid alone.
+/// Returns the contradictions between settings that are each valid on their own.
 std::vector<std::string> inconsistencies(const ServeOptions& options);
 
 }  // namespace fracture::cli

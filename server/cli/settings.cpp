@@ -12,7 +12,7 @@ namespace fracture::cli {
 namespace {
 
 constexpr std::string_view kPrefix = "FRACTURE_";
-/// Read by the tests, not by the server.
+/// Prefix of variables that the tests read and the server ignores.
 constexpr std::string_view kTestPrefix = "FRACTURE_TEST_";
 
 const Setting* find(std::span<const Setting> settings, std::string_view name) {
@@ -48,7 +48,7 @@ Setting make(std::string name, std::string type, std::string doc,
   return setting;
 }
 
-/// As JSON and TOML write one.
+/// Returns whether the value is a number in JSON and TOML syntax.
 bool is_plain_number(const std::string& value) {
   return nlohmann::json::parse(value, nullptr, /*allow_exceptions=*/false).is_number();
 }
@@ -177,12 +177,12 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
     return given;
   }
   for (const CLI::ConfigItem& item : items) {
-    if (item.name == "++" || item.name == "--") continue;  // how a section begins and ends
+    if (item.name == "++" || item.name == "--") continue;  // start and end of a section
     const std::string where = path + ": " + item.fullname();
     const Setting* const setting = item.parents.empty() ? find(settings, item.name) : nullptr;
     if (!setting)
       errors.push_back(where + " is not a setting (--print-config lists them)");
-    else if (given.contains(item.name) ||  // the parser joins neighbours of the same name
+    else if (given.contains(item.name) ||  // the parser merges adjacent entries with the same name
              (setting->kind != Setting::Kind::kList && item.inputs.size() != 1))
       errors.push_back(where + " must be given once, with one value");
     else

@@ -31,7 +31,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-/// Long names with dashes, those of option groups too.
+/// Adds the long names of all options, including those in option groups, spelt with dashes.
 void add_options(const CLI::App& app, std::vector<std::string>& names) {
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back(with_dashes(name));
@@ -49,7 +49,7 @@ std::string unknown_option(const CLI::App& app, const std::string& word) {
   return "there is no option " + given + (nearest ? "; did you mean --" + *nearest + "?" : "");
 }
 
-/// The first one that an app did not know.
+/// Returns the first option that the app did not recognize.
 std::optional<std::string> unknown_option_of(const CLI::App& app) {
   for (const std::string& word : app.remaining())
     if (word.size() > 1 && word.front() == '-' && word != "--") return word;

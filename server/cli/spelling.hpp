@@ -1,5 +1,5 @@
-// How options are spelt: --max-fragments in the help, --max_fragments (as in a request) taken too, and what a
-// misspelt option or command was meant to be.
+// Spelling of options: --max-fragments in the help, with --max_fragments (as in a request) accepted too.
+// Suggests corrections for misspelt options and commands.
 #pragma once
 
 #include <memory>
@@ -13,14 +13,15 @@ class FormatterBase;
 
 namespace fracture::cli {
 
-/// The names of an option for a parameter, for CLI::App::add_option: "--max-fragments,--max_fragments".
+/// Returns the names of a parameter's option for CLI::App::add_option(): "--max-fragments,--max_fragments".
 std::string both_spellings(const std::string& parameter);
 
-/// For help: of two spellings of one name it shows that with dashes.
+/// Formatter for help: of two spellings of a name, it shows only the one with dashes.
 std::shared_ptr<CLI::FormatterBase> help_formatter();
 
-/// After a parse that failed: the first option or command that does not exist, in a sentence, with the
-/// nearest one that does. Nothing: something else was wrong. No error of its own: CLI11's, in better words.
+/// Called after parsing failed. Returns a sentence with the first option or command that does not exist and
+/// the most similar one, or nothing if something else was wrong. The sentence replaces the less clear one of
+/// CLI11.
 std::optional<std::string> unknown_word(const CLI::App& app);
 
 }  // namespace fracture::cli

@@ -8,10 +8,10 @@
 namespace fracture::http {
 namespace {
 
-/// An offer of a file whose type its name decides. Each range may match it, and the best one counts.
+/// Offer of a route that serves files whose type depends on their name. Every range of the client matches it.
 constexpr std::string_view kAnyType = "*/*";
 
-/// 2 for the type itself, 1 for type/*, 0 for */*, -1 for no match.
+/// Returns 2 for the type itself, 1 for type/*, 0 for */* and -1 for no match.
 int specificity(std::string_view range, std::string_view offer) {
   if (equals_ignoring_case(range, offer)) return 2;
   if (range == "*/*") return 0;

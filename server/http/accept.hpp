@@ -7,12 +7,12 @@
 
 namespace fracture::http {
 
-/// Index of the offered media type that the client likes best (the earlier offer wins a tie); nothing when it
-/// accepts none. An empty field accepts everything; a more specific range overrides a wider one; malformed
-/// items are skipped.
+/// Returns the index of the offered media type that the client prefers, or nothing if it accepts none. The
+/// earlier offer wins a tie. An empty field accepts everything; a more specific range overrides a wider one;
+/// malformed items are skipped.
 std::optional<std::size_t> negotiate(std::string_view accept, std::span<const std::string_view> offers);
 
-/// A qvalue (RFC 9110, section 12.4.2) in thousandths: "0.5" is 500; -1 when malformed.
+/// Parses a qvalue (RFC 9110, section 12.4.2) into thousandths: "0.5" is 500. Returns -1 if malformed.
 int thousandths(std::string_view q);
 
 }  // namespace fracture::http

@@ -1,4 +1,4 @@
-// What is decided from the header alone, before any of the body is read.
+// Decisions made from the header alone, before any of the body is read.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -14,14 +14,14 @@
 namespace fracture::http {
 namespace {
 
-/// The Priority field (RFC 9218) makes a request realtime up to this urgency (0 is the most urgent, 3 the
-/// default).
+/// Requests whose Priority field (RFC 9218) has an urgency up to this are realtime. 0 is the most urgent, 3
+/// the default.
 constexpr int kRealtimeUrgency = 2;
 
 bool is_json(std::string_view content_type) { return media_type_of(content_type) == "application/json"; }
 
-/// The member u of the field, a dictionary such as "u=1, i"; nothing when it is absent or malformed, which
-/// RFC 9218 wants ignored.
+/// Returns the member u of the field, a dictionary such as "u=1, i". Returns nothing if it is absent or
+/// malformed, because RFC 9218 requires malformed values to be ignored.
 std::optional<int> urgency_of(std::string_view field) {
   while (!field.empty()) {
     std::string_view item = field.substr(0, field.find(','));
@@ -96,9 +96,10 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
   if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape.");
   admission.query = std::move(*query);
   if (carries == Carries::kQuery) {
-    // Its handler says what may stand there.
+    // The handler checks the query itself.
   } else if (carries != Carries::kNothing) {
-    // Parameters first: their errors are the most useful ones. Many of them are read on the pool, with the body.
+    // Check the parameters first, because their errors help the client most. A long query is parsed later, on
+    // the pool, with the body.
     if (head.query.size() <= kParseInline)
       if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
         return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
@@ -130,7 +131,7 @@ std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission
   const Carries carries = admission.route->carries;
   if (carries == Carries::kNothing || carries == Carries::kQuery) return std::nullopt;
   if (!head.has_body()) {
-    if (carries == Carries::kParameters) return std::nullopt;  // all of them have defaults
+    if (carries == Carries::kParameters) return std::nullopt;  // all parameters have defaults
     return to_problem({ErrorCode::kEmptyBody,
                        "The body is empty. Send the mesh file as the body, or as the part 'mesh' of a "
                        "multipart/form-data body.",
@@ -149,8 +150,8 @@ std::optional<Problem> Api::refuse_body(const RequestHead& head, const Admission
   return refuse_overload(head, admission, payer);
 }
 
-/// A large body is not read when it could not be worked on in time. A small one is: its answer may be there
-/// already.
+/// Refuses a large body that could not be processed in time, before it is read. A small body is always read,
+/// because its answer may already be cached.
 std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admission& admission,
                                             const Payer& payer) const {
   const std::uint64_t bytes = head.content_length.value_or(kSmallBody);
@@ -174,7 +175,7 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
   if (const std::optional<int> urgency = urgency_of(head.field("priority")))
     terms.priority = *urgency <= kRealtimeUrgency ? Priority::kRealtime : Priority::kBatch;
   if (payer.account && !payer.account->shares().realtime) terms.priority = Priority::kBatch;
-  // Nobody waits for a job as one waits for a collision: it has a class and a deadline of its own.
+  // Jobs are less urgent than requests that a client waits for, so they have their own class and deadline.
   const bool job = makes_job(route.operation, head);
   if (job) terms.priority = Priority::kBackground;
   terms.payer = payer;
@@ -204,7 +205,7 @@ OrProblem<Terms> Api::terms_of(const Request& request, const std::stop_token& go
   return terms;
 }
 
-/// A raw body whose format cannot be known is refused before it is read.
+/// Refuses a raw body of unknown format before it is read.
 std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Admission& admission) const {
   const std::string content_type = head.field("content-type"), type = media_type_of(content_type);
   if (type == "multipart/form-data") {

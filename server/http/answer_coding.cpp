@@ -1,5 +1,5 @@
-// Content-Encoding of answers: which one, and how it is made.
-#define ZSTD_STATIC_LINKING_ONLY  // for the name of ZSTD_c_stableInBuffer: the parameter is in every library
+// Content-Encoding of answers: chooses the coding and compresses.
+#define ZSTD_STATIC_LINKING_ONLY  // declares ZSTD_c_stableInBuffer, which every build of the library supports
 #include <zlib.h>
 #include <zstd.h>
 
@@ -18,8 +18,8 @@
 namespace fracture::http {
 namespace {
 
-/// Of an encoder's output between two polls: what it has taken in meanwhile is at most some MiB, of zeros. The
-/// input goes in as a whole: cut up, it would become other bytes.
+/// Bytes of encoder output between two polls. The encoder can consume some MiB of input for this, if it is
+/// all zeros. The input is passed whole, because splitting it would change the output bytes.
 constexpr std::size_t kCodedPiece = 1u << 10;
 
 std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body, const Execution& execution) {
@@ -58,7 +58,7 @@ std::vector<std::uint8_t> zstandard(std::span<const std::uint8_t> body, const Ex
       throw InternalError("zstd does not take a parameter");
   };
   set(ZSTD_c_compressionLevel, kLevel);
-  // Reads from where the body is, as it does in one piece: the same bytes as those.
+  // The encoder then reads the body in place, so the output bytes are those of one-shot compression.
   set(ZSTD_c_stableInBuffer, 1);
   if (ZSTD_isError(ZSTD_CCtx_setPledgedSrcSize(context.get(), body.size()))) throw std::bad_alloc();
   std::vector<std::uint8_t> out;
@@ -97,7 +97,7 @@ std::optional<ContentCoding> CodingWishes::best() const {
 CodingWishes coding_wishes(std::string_view accept_encoding) {
   CodingWishes wishes;
   bool gzip = false, zstd = false;
-  int others = -1;  // what '*' says
+  int others = -1;  // quality of '*'
   while (!accept_encoding.empty()) {
     const std::string_view item = accept_encoding.substr(0, accept_encoding.find(','));
     accept_encoding.remove_prefix(std::min(accept_encoding.size(), item.size() + 1));

@@ -1,4 +1,4 @@
-// The head of an answer: status line and the fields that every answer has.
+// The head of an answer: the status line and the fields that every answer has.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace fracture::http {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
-/// IMF-fixdate (RFC 9110, section 5.6.7) of now.
+/// Returns the current time as IMF-fixdate (RFC 9110, section 5.6.7).
 std::string http_date();
 
-/// `more` are fields beside the answer's own.
+/// `more`: fields in addition to those of the answer.
 template <class Body>
 beast::http::response<Body> begin_message(const Response& response, const std::string& id, const Fields& more,
                                           bool keep_alive) {

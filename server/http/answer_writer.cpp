@@ -27,7 +27,7 @@ asio::awaitable<bool> write_answer(TimedSocket& connection, const HttpLimits& li
 
   bhttp::response_serializer<Body> serializer(message);
   serializer.split(head_only);
-  serializer.limit(kMaxWritten);  // for a client with a large window the kernel would copy megabytes at once
+  serializer.limit(kMaxWritten);  // otherwise the kernel may copy megabytes at once
   const TimedSocket::Clock::time_point start = TimedSocket::Clock::now();
   std::uint64_t written = 0;
   while (head_only ? !serializer.is_header_done() : !serializer.is_done()) {

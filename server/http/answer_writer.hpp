@@ -1,4 +1,4 @@
-// Writes an answer whose bytes are all there, without a copy, at the pace that a client has to keep.
+// Writes a complete answer without copying it, and requires a minimum speed of the client.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace fracture::http {
 
-/// False when the client is gone, took nothing for write_stall, or after that took less than answer_rate on
-/// average. What waits in the socket counts as not taken.
+/// Writes an answer. Returns false if the client is gone, took nothing for write_stall, or took less than
+/// answer_rate on average after that time. Bytes that wait in the socket do not count as taken.
 asio::awaitable<bool> write_answer(TimedSocket& connection, const HttpLimits& limits,
                                    const Response& response, const std::string& id, const Fields& more,
                                    bool keep_alive, bool head_only);

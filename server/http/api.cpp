@@ -11,7 +11,7 @@
 namespace fracture::http {
 namespace {
 
-/// The fraction of the small bodies that is the same as of the large ones.
+/// Returns one client's share of the memory for small bodies: the same fraction as for large bodies.
 std::uint64_t small_share(const HttpLimits& limits) {
   const double fraction = static_cast<double>(limits.body_share()) /
                           static_cast<double>(std::max<std::uint64_t>(1, limits.max_bodies));
@@ -48,12 +48,12 @@ Api::~Api() { wait_idle(); }
 
 void Api::wait_idle() {
   jobs_.stop();
-  jobs_.flush();  // nothing is resumed any more
+  jobs_.flush();  // no job is resumed after this
   dispatcher_.wait_idle();
-  jobs_.flush();  // what that came to
-  // What is left are watchers of jobs that have finished, and keep-alives.
+  jobs_.flush();  // writes the results of the work that just ended
+  // Only watchers of finished jobs and keep-alive timers remain.
   jobs_.drop_watchers();
-  closing_ = true;  // a sweep that is at work puts no further one on the timer
+  closing_ = true;  // a running sweep does not schedule another one
   dispatcher_.timer().flush();
   dispatcher_.timer().clear();
 }
@@ -67,7 +67,8 @@ void Api::sweep_later() {
   constexpr std::chrono::seconds kInterval{10};
   if (closing_) return;
   dispatcher_.timer().at(Timer::Clock::now() + kInterval, [this] {
-    // What throws ends this sweep, not all later ones: the next one comes first, and again where there was no memory.
+    // An exception ends only this sweep, so the next one is scheduled first. If scheduling fails for lack of
+    // memory, it is tried again below.
     bool later = false;
     try {
       sweep_later();
@@ -101,7 +102,7 @@ void Api::answering(const Request& request, const Reply& reply,
   }
   try {
     reply(refusal(std::move(error), request.id));
-  } catch (...) {  // not even that: the client is left without an answer, the others are not
+  } catch (...) {  // only this client is left without an answer
   }
 }
 

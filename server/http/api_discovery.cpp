@@ -1,4 +1,4 @@
-// What may be asked, and how; and the probes.
+// Describes the interface: index, limits, patterns, OpenAPI and problem pages. Also the health probes.
 #include <algorithm>
 
 #include "common/pipeline/algorithm_version.hpp"
@@ -18,7 +18,7 @@ std::string escaped(std::string_view text) {
   return html;
 }
 
-/// Of text that lives as long as the server.
+/// Returns a response that refers to text which lives as long as the server.
 Response lasting(std::string_view text, std::string content_type = "application/json") {
   Response response;
   response.content_type = std::move(content_type);

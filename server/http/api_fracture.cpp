@@ -1,4 +1,4 @@
-// POST /fracture: a mesh and parameters in, fragments out.
+// POST /fracture: receives a mesh and parameters, and returns fragments.
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
@@ -12,7 +12,8 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   auto body = std::make_shared<Body>(Body{std::move(request->body), std::move(request->reservation)});
   const std::size_t size = body->bytes.size();
-  // Called once: when the request has gone on, nothing here holds its body, whoever answers it.
+  // Called once. It hands the body over to the continuation, so that the body is freed as soon as it is no
+  // longer needed.
   auto read = [this, request, body = std::move(body), terms = *terms,
                go_on = std::move(go_on)]() mutable -> Answered {
     std::shared_ptr<Body> own = std::move(body);
@@ -26,7 +27,7 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
     input->digest = digest_of(*input, here).hex();
     return go_on(std::move(*input), std::move(own), terms);
   };
-  // A form has parameters of its own, of any size.
+  // A form also contains parameters, of any size.
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";
   const bool few = request->head.query.size() <= kParseInline &&
                    service_.earlier_bytes(raw_parameters(request->admission.query)) <= kEarlierInline;
@@ -53,7 +54,7 @@ Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest 
   const std::size_t offered = request->admission.representation;
   asked.output = offered == kAsGltf ? OutputFormat::kGltf : OutputFormat::kGlb;
   if (preferences_of(request->head).respond_async) {
-    // The job keeps the place that its request has taken, which ends with the answer.
+    // The job takes over the request's seat, which would otherwise be freed with the answer.
     if (terms.seat) terms.seat = std::make_shared<tenants::Account::Seat>(std::move(*terms.seat));
     return start_job(request, std::move(asked), terms, reply);
   }

@@ -1,4 +1,4 @@
-// GET /jobs: what the client has asked for and not taken away, the newest first, in pages.
+// GET /jobs: lists the client's jobs that it has not deleted, newest first, in pages.
 #include <algorithm>
 #include <charconv>
 
@@ -8,9 +8,9 @@
 namespace fracture::http {
 namespace {
 
-/// A longer page than the usual one is written on the pool: a hundred jobs take half a millisecond.
+/// Pages longer than kUsualPage are written on the pool, because a hundred jobs take half a millisecond.
 constexpr std::size_t kUsualPage = 20, kLongestPage = 100;
-/// Of a job in the list.
+/// Estimated bytes per job in the list.
 constexpr std::uint64_t kJobBytes = 512;
 
 struct Page {
@@ -64,7 +64,7 @@ Answered Api::get_jobs(const std::shared_ptr<Request>& request, const std::stop_
   if (page->limit <= kUsualPage) return list();
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  terms->needs_seat = false;  // it computes nothing
+  terms->needs_seat = false;  // listing computes nothing
   return on_pool(expected_reading(kJobBytes * page->limit), request, *terms, reply,
                  [list](const Execution&) -> Answered { return list(); });
 }

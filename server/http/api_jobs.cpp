@@ -1,4 +1,5 @@
-// Jobs: fractures that nobody waits for on a connection (Prefer: respond-async, RFC 7240), or not for long.
+// Jobs: fractures that run without a waiting connection (Prefer: respond-async, RFC 7240), or with a short
+// wait.
 #include <atomic>
 #include <stop_token>
 
@@ -11,15 +12,15 @@
 namespace fracture::http {
 namespace {
 
-/// How long an event stream may be silent: proxies close connections that are idle for long, and a client
-/// that is gone is only noticed by writing to it.
+/// Longest silence of an event stream. Proxies close idle connections, and a client that is gone is only
+/// noticed by writing to it.
 constexpr std::chrono::seconds kKeepAlive{10};
 
-/// Server-sent events (WHATWG HTML, section 9.2): one for each change of the job, the last when it has
+/// Server-sent events (WHATWG HTML, section 9.2): one per change of the job, the last one when it has
 /// finished.
 class JobEvents final : public BodyStream {
  public:
-  /// `sees`: whether the reader may still see the job; asked before each event.
+  /// `sees`: returns whether the reader may still see the job; called before each event.
   using Sees = std::function<bool(const JobView&)>;
   JobEvents(Jobs& jobs, Timer& timer, std::string id, std::string request_id, Sees sees)
       : jobs_(jobs), timer_(timer), id_(std::move(id)) {
@@ -30,8 +31,8 @@ class JobEvents final : public BodyStream {
 
   void next(std::function<void(std::optional<std::string>)> ready) override {
     if (state_->ended) return ready(std::nullopt);
-    jobs_.unwatch(id_, watch_);  // of the last time, where a keep-alive came before a change
-    // Whichever comes first, the change or the time, answers; the other one finds the seal broken.
+    jobs_.unwatch(id_, watch_);  // the previous watch, if a keep-alive came before a change
+    // The change and the timer race. The first one answers; the other one finds `used` set and does nothing.
     struct Once {
       std::function<void(std::optional<std::string>)> ready;
       std::atomic<bool> used{false};
@@ -45,7 +46,7 @@ class JobEvents final : public BodyStream {
         jobs_.watch(id_, state_->seen, [state = state_, once, alarm, &timer = timer_](const JobView& job) {
           if (once->used.exchange(true)) return;
           timer.cancel(alarm);
-          // Nobody else touches the stream before ready() is called.
+          // This thread has the stream for itself until it calls ready().
           state->seen = job.version;
           const bool seen = state->sees(job);
           state->ended = job.finished() || !seen;
@@ -64,9 +65,10 @@ class JobEvents final : public BodyStream {
   Jobs& jobs_;
   Timer& timer_;
   const std::string id_;
-  // Of the last call of next(). Its answer may have come already, and the next call with it.
+  // The watch of the last next() call. Atomic, because its answer, and the following next() call, may already
+  // have come.
   std::atomic<Jobs::WatchId> watch_{0};
-  // Shared with the watcher, which may be called when the stream is gone with its session.
+  // Shared with the watcher, which may be called after the stream and its session are gone.
   struct State {
     std::string request_id;
     Sees sees;
@@ -106,12 +108,12 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
   const auto waited = [this, request, terms, reply, preferences, accepted](std::optional<JobView> job) {
     answering(*request, reply, [&]() -> Answered {
       if (!job) return tl::unexpected<Problem>(no_job());
-      // A client that has left finds it among its jobs.
+      // If the client has left, the job stays in its list.
       if (!job->finished() || request->client_left.stop_requested()) {
         accepted(*job);
         return std::nullopt;
       }
-      // The client has, or will have, all that there is: it is no job of its list.
+      // The client gets the complete answer now, so the job is removed from its list.
       jobs_.cancel(job->id);
       if (job->error) return refusal(*job->error, request->id);
       if (!job->answer)
@@ -149,7 +151,7 @@ Answered Api::get_job(const std::shared_ptr<Request>& request, const std::stop_t
   const auto job = find_job(*request);
   if (!job) return tl::unexpected<Problem>(no_job());
   Preferences preferences = preferences_of(request->head);
-  preferences.respond_async = false;  // there is nothing to start
+  preferences.respond_async = false;  // nothing to start
   if (!preferences.wait || job->finished() || request->admission.head_only)
     return job_response(*job, request->id, 200);
   wait_for_job(jobs_, dispatcher_.timer(), job->id, request->received + *preferences.wait, gone,

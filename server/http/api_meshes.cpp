@@ -1,5 +1,5 @@
-// Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing one of them, which is the path of a game
-// at the moment of a collision: a few bytes in, no mesh on the wire.
+// Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing a stored mesh. A game does the latter on a
+// collision: the request is a few bytes, and the mesh is not sent.
 #include <algorithm>
 #include <stop_token>
 
@@ -51,7 +51,7 @@ Response description_of(const StoredMesh& mesh, int status) {
 
 Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                        const Reply& reply) {
-  std::string wanted;  // empty: whatever the bytes have
+  std::string wanted;  // empty: accept any digest
   if (request->admission.route->operation == Operation::kPutMesh) {
     const auto digest = digest_in(request->admission.segment);
     if (!digest)
@@ -81,7 +81,8 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
             return store(*request, *asked, *prepared, *body);
           };
           if (WorkerPool::turn()) return stored();
-          // It was prepared before. It is compared with what is stored, and described: not on an io thread.
+          // The mesh is already prepared. Comparing it with the stored one and describing it is too slow for
+          // an io thread.
           Terms storing = terms;
           storing.needs_seat = false;
           return on_pool(expected_reading(asked->mesh.size()), request, storing, reply,
@@ -126,7 +127,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
                                             std::to_string(meshes_.config().quota_bytes) +
                                             " bytes for stored meshes. Try again after Retry-After.")
             .with("Retry-After", "2"));
-  // From here on the quota of the store counts the body that it keeps. One that it does not keep goes with
+  // From here on, the body is counted in the store's quota if the store keeps it. Otherwise it is freed with
   // its reservation.
   if (stored->owner == asked.owner) body.reservation = {};
   Response response = description_of(*stored, put == MeshStore::Put::kCreated ? 201 : 200);
@@ -150,7 +151,8 @@ Answered Api::get_mesh(const Request& request) {
 Answered Api::delete_mesh(const Request& request) {
   const auto digest = digest_in(request.admission.segment);
   const std::string owner = owner_of(request);
-  // Deletes the mesh of this owner first. An administrator deletes those of others next. Without tokens all clients are one.
+  // Deletes the mesh of this owner first. An administrator deletes those of others next. Without tokens, all
+  // clients are one owner.
   if (!digest || (!meshes_.erase(*digest, owner) && !meshes_.erase(*digest, owner, whose(request))))
     return tl::unexpected<Problem>(no_mesh());
   Response response;
@@ -171,7 +173,7 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
           if (!more) return tl::unexpected<Problem>(to_problem(std::move(more.error())));
           given.insert(given.end(), more->begin(), more->end());
         }
-        if (id.empty()) {  // POST /fracture: the body names the mesh with the parameters
+        if (id.empty()) {  // POST /fracture: the body contains "mesh" too
           const auto mesh = std::find_if(given.begin(), given.end(),
                                          [](const RawParameter& p) { return p.name == "mesh"; });
           if (mesh == given.end() || !mesh->value.is_string())
@@ -187,7 +189,8 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
           return tl::unexpected<Problem>(
               to_problem({ErrorCode::kBadParameter,
                           "The format of a stored mesh is already known: leave 'format' out.", "format"}));
-        // A request of two hundred bytes may name an answer whose parameters are a megabyte of points.
+        // Even a request of two hundred bytes may refer to an answer whose parameters are a megabyte of
+        // points.
         const std::uint64_t earlier = service_.earlier_bytes(given);
         return with_parameters(earlier, kEarlierInline, request, terms, reply,
                                [this, request, given = std::move(given), id = std::move(id), terms, reply] {
@@ -216,11 +219,12 @@ Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
   auto mesh = stored_mesh(*request, id);
   if (!mesh) return tl::unexpected<Problem>(std::move(mesh.error()));
 
-  // What it holds while it waits: of its own, what its body and the answer that it names bring with them.
+  // Held while the request waits: the stored mesh, and the memory of its body and of the earlier answer's
+  // parameters.
   struct Held {
     std::shared_ptr<const StoredMesh> mesh;
     MemoryBudget::Reservation parameters;
-    HeldBuffers::Hold part;  ///< of what requests may hold of the store: it cannot evict this mesh meanwhile
+    HeldBuffers::Hold part;  ///< counted, because the store cannot evict a mesh in use
   };
   if (const std::uint64_t earlier = service_.earlier_bytes(given); earlier > kParseInline)
     if (!request->reservation.grow_to(request->reservation.bytes() + earlier))

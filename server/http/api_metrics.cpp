@@ -1,5 +1,5 @@
-// What the Api and everything below it knows about itself, for /metrics. What each part of the memory holds
-// and may hold is said by the program (server/cli/memory_metrics.cpp).
+// Metrics of the Api and everything below it. The memory metrics are written by the program
+// (server/cli/memory_metrics.cpp).
 #include "common/pipeline/algorithm_version.hpp"
 #include "server/http/api.hpp"
 

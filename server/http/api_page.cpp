@@ -1,4 +1,4 @@
-// The files for a browser: the page, the documents, and the files that these load.
+// Files for browsers: the page, the documents, and the files that they load.
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/content_coding.hpp"
@@ -8,8 +8,8 @@
 namespace fracture::http {
 namespace {
 
-/// No script, style or picture but the server's own, no request to anybody else, in nobody's frame. WebAssembly is the
-/// physics of Play.
+/// Content security policy: scripts, styles and pictures only from this server, no requests to other servers,
+/// and no embedding in frames. WebAssembly is needed for the page's physics.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; worker-src 'self' blob:; "
     "img-src 'self' blob: data:; connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -35,15 +35,16 @@ Response page_response(const page::File& file, const RequestHead& head) {
   }
   response.headers.emplace_back("ETag", etag);
   response.headers.emplace_back("Cache-Control",
-                                "no-cache");  // asked for again, and mostly answered with 304
+                                "no-cache");  // browsers revalidate; the usual answer is 304
   response.headers.emplace_back("Vary", "Accept, Accept-Encoding");
   response.headers.emplace_back("Content-Security-Policy", kPolicy);
-  // Nobody else learns where somebody is. With "no-referrer" the page would be hidden from /docs, too, which leads back to it.
+  // Other sites do not learn which page a user came from. "no-referrer" would also hide it from /docs, which
+  // links back to the page.
   response.headers.emplace_back("Referrer-Policy", "same-origin");
   return response;
 }
 
-/// Of bytes that live as long as the server.
+/// Returns a response that refers to bytes which live as long as the server.
 Response sample_response(const std::string& bytes, std::string type) {
   Response response;
   response.content_type = std::move(type);

@@ -1,4 +1,4 @@
-// Results as resources: GET and HEAD /fractures/{id}; and how every result is sent.
+// Results as resources: GET and HEAD /fractures/{id}. Also sends the results of all other requests.
 #include <spdlog/spdlog.h>
 #include <algorithm>
 #include <charconv>
@@ -32,8 +32,8 @@ std::optional<std::uint64_t> digits(std::string_view text) {
   return value;
 }
 
-/// One range of bytes (RFC 9110, section 14.2). Several ranges, other units and malformed fields are answered
-/// with the whole, as that section allows.
+/// Parses one range of bytes (RFC 9110, section 14.2). Several ranges, other units and malformed fields are
+/// answered with the whole representation, as that section allows.
 RangeVerdict range_of(std::string_view field, std::size_t size, Range& range) {
   constexpr std::string_view kUnit = "bytes=";
   if (field.substr(0, kUnit.size()) != kUnit || field.find(',') != std::string_view::npos)
@@ -58,7 +58,7 @@ RangeVerdict range_of(std::string_view field, std::size_t size, Range& range) {
   return RangeVerdict::kPart;
 }
 
-/// The part that is asked for.
+/// Returns the requested part of the response.
 Answered ranged(const RequestHead& head, bool head_only, Response response) {
   const std::string if_range = head.field("if-range");
   const std::string_view etag = response.header("ETag");
@@ -88,14 +88,14 @@ Answered ranged(const RequestHead& head, bool head_only, Response response) {
 
 }  // namespace
 
-/// One who waits for a compressed answer. Lives in the flight's waiter.
+/// A request that waits for a compressed answer. Owned by the flight's waiter.
 struct Api::VariantWaiter : std::enable_shared_from_this<VariantWaiter> {
   using Made = std::shared_ptr<const FractureResult>;
   VariantWaiter(VariantFlights& its_flights, Timer& timer,
                 std::function<void(const Expected<Made>&)> its_reply)
       : flights(its_flights), reply(std::move(its_reply)), early(timer) {}
 
-  /// After join(). May leave, and so reply, before it returns.
+  /// Call after join(). May leave the flight, and so reply, before it returns.
   void arm(const VariantFlights::Seat& taken, const Terms& terms) {
     seat = taken;
     early.arm(weak_from_this(), terms);
@@ -112,7 +112,7 @@ struct Api::VariantWaiter : std::enable_shared_from_this<VariantWaiter> {
 
 Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                            const Reply& reply) {
-  // Nothing else is a result's name: the cache also holds what was made of results, by other names.
+  // Only digests name results: the cache also holds data derived from results, under other names.
   const std::optional<std::string> named = digest_in(request->admission.segment);
   if (!named || !may_see(*request, *named)) return tl::unexpected<Problem>(no_result());
   const std::string& key = *named;
@@ -121,7 +121,7 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
   if (const auto result = jobs_.find_result(key)) return found_result(request, result, "job; hit", reply);
   const auto bytes = service_.tiers().expected_bytes(key);
   if (!bytes) return tl::unexpected<Problem>(no_result());
-  // Reading blocks: not on this thread.
+  // Reading blocks, so it must not run on this thread.
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
   const auto read = [this, request, key, reply](const Execution& execution) -> Answered {
@@ -148,17 +148,17 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   if (variant || request->admission.head_only)
     return finish(result_response(result, representation, variant));
   using Made = std::shared_ptr<const FractureResult>;
-  // Jobs have no claim to that class: their answer is there, and somebody waits for it now.
+  // Jobs are in the background class, but here the result exists and a client waits for it.
   const Priority priority = std::min(terms.priority, Priority::kBatch);
-  // Each class has a flight of its own: nobody waits for the turn of a less urgent one.
+  // Each class has its own flight, so that no request waits for the turn of a less urgent one.
   const std::string flight_name = key + "." + std::to_string(static_cast<int>(priority));
-  // Each waits for as long as it may, whoever waits with it.
+  // Each waiter has its own deadline, independent of the others.
   const auto waiter = std::make_shared<VariantWaiter>(
       variants_, dispatcher_.timer(),
       [this, request, result, representation, reply, finish](const Expected<Made>& made) {
         answering(*request, reply, [&]() -> Answered {
           if (made) return finish(result_response(result, representation, *made));
-          // The answer is there all the same.
+          // The uncompressed answer is still available.
           if (const auto plain = as_it_is(request->head, *result, representation.figures))
             return finish(result_response(result, *plain, nullptr));
           return tl::unexpected<Problem>(
@@ -173,8 +173,7 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   const bool leads = seat.role == VariantFlights::Role::kLeader;
   try {
     waiter->arm(seat, terms);
-  } catch (
-      const std::exception&) {  // whatever happens, nobody waits for ever, and everybody is answered once
+  } catch (const std::exception&) {  // nobody may wait forever or be answered twice
     if (leads)
       variants_.land(seat.flight, not_made("There is not enough memory to wait for this answer now."));
     else if (variants_.leave(seat))
@@ -182,7 +181,8 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
     return std::nullopt;
   }
   if (!leads) return std::nullopt;
-  // For all who wait, whoever leaves. A job's own deadline is for its computation alone.
+  // The compression serves all waiters, so it continues if one of them leaves. A job's deadline applies only
+  // to its computation, so it is not used here.
   Terms compressing = terms;
   compressing.priority = priority;
   compressing.deadline = std::chrono::steady_clock::now() + limits_.deadline;
@@ -209,7 +209,7 @@ Answered Api::send_result(const std::shared_ptr<Request>& request,
   try {
     overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()),
                                compressing, compress, too_late);
-  } catch (const std::exception&) {  // whatever happens, nobody waits for ever
+  } catch (const std::exception&) {  // nobody may wait forever
     overload = Error{ErrorCode::kOverloaded, "There is not enough memory to compress this answer now."};
   }
   if (overload) variants_.land(seat.flight, not_made(std::move(overload->detail)));

@@ -1,5 +1,5 @@
-// Whose what is: a digest is no access token. What a name has not made or uploaded itself is not there for
-// it, whatever address it gives.
+// Ownership: a digest does not grant access. A name can only see what it has made or uploaded itself, even if
+// it knows the address of other resources.
 #include "server/http/api.hpp"
 #include "server/http/result_response.hpp"
 
@@ -43,7 +43,7 @@ void Api::resume_jobs(
     Terms terms;
     terms.payer.flow.name = "jobs of an earlier process";
     const auto account = owner.empty() ? nullptr : account_of(owner);
-    if (!account) return terms;  // the token file has this name no more: only an administrator sees the job
+    if (!account) return terms;  // the name is gone from the token file: only an administrator sees the job
     terms.payer = {account, {"name " + account->name(), account->shares().weight}};
     terms.answered = [this, owner, account](const FractureResult& result) {
       enter_in_ledger(*account, owner, result.key, result.file.size());

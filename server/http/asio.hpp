@@ -1,4 +1,4 @@
-// The parts of Boost.Asio and Boost.Beast that a server needs beside those of a client.
+// Parts of Boost.Asio and Boost.Beast that a server needs in addition to those of a client.
 #pragma once
 
 #include <boost/asio/buffer.hpp>

@@ -19,7 +19,7 @@ Problem unauthorized(std::string detail, const char* challenge) {
   return Problem(HttpProblem::kUnauthorized, std::move(detail)).with("WWW-Authenticate", challenge);
 }
 
-/// One of these opens the route; none of them: every name may.
+/// Returns the scopes that allow this operation; any one is enough. Empty: no scope is needed.
 Scopes needed(Operation operation, const RequestHead& head) {
   switch (operation) {
     case Operation::kGetIndex:
@@ -66,7 +66,7 @@ std::string names_of(Scopes scopes) {
   return names;
 }
 
-/// Null where the public listener has none.
+/// Returns null if the public listener has no such route.
 const Route* route_of(const RequestHead& head) {
   for (const Route& route : routes())
     if (route.listener == Listener::kPublic && match(route, head.path) &&
@@ -81,7 +81,8 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
                                        bool page) {
   if (accounts.open()) return AccountPointer();
   const Route* const route = route_of(head);
-  if (route && route->operation == Operation::kGetProblem) return AccountPointer();  // that of 401 among them
+  // The pages about problems are public, including the one about 401.
+  if (route && route->operation == Operation::kGetProblem) return AccountPointer();
   if (route && page && is_page(route->operation, head)) return AccountPointer();
   const std::string given = head.field("authorization");
   constexpr std::string_view kScheme = "Bearer ";
@@ -102,7 +103,7 @@ namespace {
 
 std::optional<Problem> refuse_scope(const tenants::Account& account, const RequestHead& head) {
   const Route* const route = route_of(head);
-  if (!route) return std::nullopt;  // refused as what it is
+  if (!route) return std::nullopt;  // refused later as not found
   const Scopes wanted = needed(route->operation, head);
   const std::string names = names_of(wanted);
   if (names.empty() || account.scopes().has_any(wanted)) return std::nullopt;

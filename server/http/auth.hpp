@@ -1,5 +1,5 @@
-// Bearer tokens (RFC 6750), optional: who asks, and whether that name may. What each may is in the token file
-// (server/tenants/token_file.hpp).
+// Optional bearer tokens (RFC 6750): identifies the caller and checks what it may do. The permissions are in
+// the token file (server/tenants/token_file.hpp).
 #pragma once
 
 #include <memory>
@@ -14,16 +14,16 @@ namespace fracture::http {
 
 using AccountPointer = std::shared_ptr<tenants::Account>;
 
-/// Null when nobody is asked for a token. 401 for who shows none, a wrong one or one that has expired. `page`: browsers
-/// get the page, which asks for the token itself.
+/// Returns the account of the request's token, or null if none is required. Returns 401 if the token is
+/// missing, wrong or expired. `page`: browsers get the page without a token, because the page asks for it.
 OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const RequestHead& head, bool page);
 
-/// Counts the request. 403 where the name's scopes do not hold what is asked (a path that is not there needs
-/// none), 429 over its requests a second.
+/// Counts the request and checks its limits. Returns 403 if the name's scopes do not allow it (unknown paths
+/// need none), and 429 if the name exceeds its requests per second.
 std::optional<Problem> refuse_caller(tenants::Account& account, const RequestHead& head);
 
-/// Of a request that was let in as this account's and is not over: why it would be let in no more, because its token
-/// was revoked, has expired, or has lost the scope meanwhile. Nothing: it may go on. Counts nothing.
+/// Checks again a request that was admitted for this account and has not ended. Returns the refusal if its
+/// token was revoked, has expired or has lost the scope, else nothing. Counts nothing.
 std::optional<Problem> refuse_by_now(const tenants::Accounts& accounts, const RequestHead& head,
                                      const AccountPointer& account);
 

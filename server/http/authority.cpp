@@ -6,7 +6,7 @@ namespace fracture::http {
 
 std::optional<Authority> authority_in(std::string_view text) {
   constexpr std::size_t kLongestPort = 5;
-  std::size_t end = 0;  // of the host
+  std::size_t end = 0;  // end of the host
   if (!text.empty() && text.front() == '[') {
     end = text.find(']');
     if (end == std::string_view::npos || end == 1) return std::nullopt;

@@ -1,6 +1,6 @@
-// "host[:port]", as it is written in a Host field, in an Origin and in a node of Forwarded. All of them are read
-// here: text that one reader takes for a host and another for a host with something behind it is how a stranger
-// passes for a neighbour ("[::1]evil.example").
+// Parses "host[:port]", as in a Host field, an Origin or a node of Forwarded. All of them are parsed here. If
+// one parser accepted a host that another one reads as a host plus more text ("[::1]evil.example"), an
+// attacker could pass for a trusted host.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ struct Authority {
   std::string_view port;  ///< without its colon; empty when there is none
 };
 
-/// Nothing for text of any other form: an empty host, brackets that are not closed or not at the ends of the host,
-/// a second colon, a port that is not one to five digits.
+/// Returns nothing if the text is malformed: an empty host, brackets that are not closed or not at the ends
+/// of the host, a second colon, or a port that is not one to five digits.
 std::optional<Authority> authority_in(std::string_view text);
 
 }  // namespace fracture::http

@@ -23,7 +23,7 @@ bool same_prefix(const Address& a, const Address& b, int bits) {
   return true;
 }
 
-/// The pieces of a list, quoted strings kept whole.
+/// Splits a list; quoted strings stay whole.
 std::vector<std::string_view> split(std::string_view list, char separator) {
   std::vector<std::string_view> pieces;
   bool quoted = false;
@@ -41,8 +41,8 @@ std::vector<std::string_view> split(std::string_view list, char separator) {
   return pieces;
 }
 
-/// Takes the last element of the list off it. It is read from its end, because that is what the nearest proxy has
-/// written: a quote that a client leaves open before that ends no later than with the words of the client.
+/// Removes the last element from the list and returns it. The list is read from its end, which the nearest
+/// proxy has written, so a quote that the client left open cannot extend beyond the client's own text.
 std::string_view take_last(std::string_view& list) {
   const auto is_escaped = [&list](std::size_t quote) {
     const std::size_t before = list.substr(0, quote).find_last_not_of('\\');
@@ -57,13 +57,13 @@ std::string_view take_last(std::string_view& list) {
   }
   const std::string_view element = list.substr(begin);
   list = list.substr(0, begin == 0 ? 0 : begin - 1);
-  return quoted ? std::string_view() : trimmed(element);  // a string without a beginning says nothing
+  return quoted ? std::string_view() : trimmed(element);  // an unopened quote: not valid
 }
 
-/// 192.0.2.1, "192.0.2.1:80", "[2001:db8::1]:80" or "[2001:db8::1]:_port".
+/// Parses 192.0.2.1, "192.0.2.1:80", "[2001:db8::1]:80" or "[2001:db8::1]:_port".
 std::optional<Address> address_of(std::string_view node) {
   if (node.size() >= 2 && node.front() == '"' && node.back() == '"') node = node.substr(1, node.size() - 2);
-  // RFC 7239, section 6.3: a port may be hidden behind a name.
+  // RFC 7239, section 6.3: a port may be replaced by an obfuscated name.
   if (const std::size_t hidden = node.rfind(":_"); hidden != std::string_view::npos)
     node = node.substr(0, hidden);
   const std::optional<Authority> authority = authority_in(node);
@@ -72,7 +72,8 @@ std::optional<Address> address_of(std::string_view node) {
   return parse_address(host.front() == '[' ? host.substr(1, host.size() - 2) : host);
 }
 
-/// The address of `for=` in one element; nothing for nodes that are none, and if it is said twice.
+/// Returns the address after `for=` in one element. Returns nothing if it is not an address or is given
+/// twice.
 std::optional<Address> node_of(std::string_view element) {
   std::optional<std::string_view> node;
   for (const std::string_view pair : split(element, ';')) {
@@ -158,7 +159,7 @@ std::string forwarded_client(const std::string& peer, std::string_view forwarded
 
 namespace {
 
-/// "PROXY TCP4 192.0.2.1 192.0.2.2 1234 80\r\n", at most 107 bytes.
+/// Parses "PROXY TCP4 192.0.2.1 192.0.2.2 1234 80\r\n", at most 107 bytes.
 ProxyHeader parse_text(std::string_view received) {
   constexpr std::size_t kLongest = 107;
   using enum ProxyHeader::State;
@@ -174,7 +175,7 @@ ProxyHeader parse_text(std::string_view received) {
   return header;
 }
 
-/// Signature, version and command, family, length; then addresses and what else the length holds.
+/// Parses the signature, version and command, family and length, then the addresses and any data after them.
 ProxyHeader parse_binary(std::string_view received) {
   using enum ProxyHeader::State;
   constexpr std::size_t kFixed = 16, kLongest = 4096;
@@ -185,7 +186,7 @@ ProxyHeader parse_binary(std::string_view received) {
   if (byte(12) >> 4 != 2 || command > 1 || size > kLongest) return {kMalformed, 0, ""};
   if (received.size() < size) return {kIncomplete, 0, ""};
   ProxyHeader header{kThere, size, ""};
-  if (command == 0 || family == 0 || family == 3) return header;  // LOCAL, unspecified, a Unix socket
+  if (command == 0 || family == 0 || family == 3) return header;  // LOCAL, unspecified, or a Unix socket
   if (family > 3 || size < kFixed + (family == 1 ? 12u : 36u)) return {kMalformed, 0, ""};
   Address source{};
   const auto begin = received.begin() + kFixed;

@@ -1,6 +1,6 @@
-// Who a request comes from when proxies stand in between. What they say of their clients, in Forwarded (RFC
-// 7239) or in the PROXY protocol (haproxy.org, versions 1 and 2), is believed only of those that the operator
-// named: anybody can send such a field.
+// Finds the client of a request that arrives through proxies. Forwarded (RFC 7239) and the PROXY protocol
+// (haproxy.org, versions 1 and 2) are only trusted from proxies that the operator has named, because any
+// client can send them.
 #pragma once
 
 #include <array>
@@ -12,21 +12,21 @@
 
 namespace fracture::http {
 
-/// An IPv4 or IPv6 address; IPv4 as IPv6 sees it (::ffff:a.b.c.d).
+/// An IPv4 or IPv6 address. IPv4 addresses are stored as ::ffff:a.b.c.d.
 using Address = std::array<std::uint8_t, 16>;
 
-/// Numeric forms only, without port or zone.
+/// Parses a numeric address without port or zone.
 std::optional<Address> parse_address(std::string_view text);
 std::string to_string(const Address& address);
 
-/// What counts as one client: an IPv4 address, or the /64 of an IPv6 one, which is what a single subscriber
-/// gets to choose its addresses from. Text that is no address is returned as it is.
+/// Returns what counts as one client: an IPv4 address, or the /64 of an IPv6 address, because a single
+/// subscriber can use all addresses in a /64. Text that is not an address is returned unchanged.
 std::string client_of(const std::string& address);
 
 /// Networks, as "192.0.2.0/24", "2001:db8::/32" or single addresses.
 class TrustedProxies {
  public:
-  /// False, and nothing changes, for what is no network (bits beyond the prefix must be 0).
+  /// Returns false and changes nothing if `cidr` is not a network; bits beyond the prefix must be 0.
   bool add(std::string_view cidr);
   bool contains(const std::string& address) const;
   bool empty() const { return networks_.empty(); }
@@ -39,19 +39,19 @@ class TrustedProxies {
   std::vector<Network> networks_;
 };
 
-/// The client of a request that came from `peer` with this Forwarded field (all its lines, joined by commas):
-/// each proxy adds who it was asked by, so the list is read and followed from its end as far as the proxies are
-/// trusted. What stands before that the client may have written: it changes nothing, whatever it leaves open. If a
-/// proxy says something that is no address ("unknown", "_hidden"), that proxy counts as the client.
+/// Returns the client of a request from `peer` with this Forwarded field (all its lines, joined by commas).
+/// Each proxy appends the address that called it, so the list is followed from its end for as long as the
+/// proxies are trusted. Earlier elements may be forged by the client and have no effect, even if they contain
+/// an open quote. If a proxy gives no address ("unknown", "_hidden"), that proxy counts as the client.
 std::string forwarded_client(const std::string& peer, std::string_view forwarded,
                              const TrustedProxies& proxies);
 
-/// The header of the PROXY protocol, at the beginning of a connection.
+/// The header of the PROXY protocol at the start of a connection.
 struct ProxyHeader {
   enum class State { kAbsent, kIncomplete, kMalformed, kThere };
   State state = State::kAbsent;
-  std::size_t size = 0;  ///< of the header, when it is there
-  std::string address;   ///< of the client; empty when the proxy speaks for itself (UNKNOWN, LOCAL)
+  std::size_t size = 0;  ///< size of the header if there is one
+  std::string address;   ///< of the client; empty if the proxy speaks for itself (UNKNOWN, LOCAL)
 };
 ProxyHeader parse_proxy_header(std::string_view received);
 

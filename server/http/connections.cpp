@@ -6,7 +6,7 @@
 namespace fracture::http {
 
 Connections::Arrival Connections::add(const std::string& client, OfClient limit) {
-  std::shared_ptr<Drainable> leaves;  // let go without the lock: it may be the last who holds the session
+  std::shared_ptr<Drainable> leaves;  // released after the unlock, because this may destroy the session
   const std::lock_guard lock(mutex_);
   const auto mine = clients_.try_emplace(client).first;
   Verdict verdict = Verdict::kWelcome;
@@ -52,17 +52,19 @@ void Connections::remove(Entries::iterator at) {
 }
 
 std::vector<std::shared_ptr<Drainable>> Connections::sessions() const {
-  std::vector<std::shared_ptr<Drainable>> alive;  // let go without the lock, too
+  std::vector<std::shared_ptr<Drainable>> alive;  // released after the unlock, too
   const std::lock_guard lock(mutex_);
   for (const Entry& entry : entries_)
     if (auto pointer = entry.alive.lock()) alive.push_back(std::move(pointer));
   return alive;
 }
 
-/// One that only waits for its client: of the client that has most, the longest waiting. Clients that have few count alike
-/// here, since what each of them uses is waited for the shortest. If none waits, the latest busy one of the client that has
-/// most, if that one keeps as many as the newcomer's then has. It is never one of a client with fewer, nor of the
-/// newcomer's own, which knows of them, unless it is many clients.
+/// Chooses the session that gives up its place. Prefers sessions that only wait for their client: from the
+/// client with the most places, the one that has waited longest. Clients with at most kFew places count as
+/// equal, so that the longest wait decides among them. If no session waits, chooses the latest busy one of
+/// the client with the most places, provided that this client keeps at least as many places as the newcomer's
+/// client then has. Never takes a place from a client with fewer places, and from the newcomer's own client
+/// only if that is a proxy.
 std::shared_ptr<Drainable> Connections::make_room_for(Clients::iterator client, OfClient limit) {
   if (leaving_ >= kMostLeaving) return nullptr;
   using Since = Drainable::Clock::time_point;
@@ -78,7 +80,7 @@ std::shared_ptr<Drainable> Connections::make_room_for(Clients::iterator client, 
                      : since ? places >= before
                              : places > before + 1;
     if (!may) continue;
-    // Those that are busy are equal in time, and the last in the list is the latest.
+    // Busy sessions have equal times, so the last one in the list wins, which is the latest.
     const std::tuple candidate(since.has_value(), places,
                                since ? -since->time_since_epoch() : Since::duration(0));
     if (chosen && (since ? candidate <= best : candidate < best)) continue;
@@ -87,7 +89,7 @@ std::shared_ptr<Drainable> Connections::make_room_for(Clients::iterator client, 
   }
   if (!chosen) return nullptr;
   std::shared_ptr<Drainable> session = chosen->alive.lock();
-  if (!session) return nullptr;  // it is closing by itself
+  if (!session) return nullptr;  // already closing
   session->give_way(std::get<0>(best) ? Drainable::Leave::kIfItWaits : Drainable::Leave::kAnyhow);
   count(*chosen, false);
   chosen->kind = Kind::kLeaving;

@@ -1,11 +1,12 @@
-// The open connections: whose each is, who may have a further one, and a handle on every session for the drain.
+// The open connections: which client owns each one, who may open another, and a handle on every session for
+// the drain.
 //
-// A connection has a place, which belongs to a client: an address, or the client for whom a trusted proxy says that it
-// asks. Each client has so many at most. When all places are taken, the client that has most makes room for a newcomer. So
-// that one finds a place, however many clients hold a little.
+// Each connection takes a place, which belongs to a client: an address, or the client that a trusted proxy
+// names. The number of places per client is limited. When all places are taken, the client with the most
+// places gives one up to a newcomer. So a newcomer finds a place even if many clients hold a few places each.
 //
-// A connection that is refused takes none of these places. A few at a time are told why, of one client fewer still, and
-// not for long; the others are closed at once.
+// Refused connections take no place. A few at a time, and even fewer per client, stay open for a short time
+// to receive the reason; the others are closed at once.
 #pragma once
 
 #include <atomic>
@@ -22,25 +23,25 @@
 
 namespace fracture::http {
 
-/// What the drain and a full listener do to a session, from any thread.
+/// Actions of the drain and of a full listener on a session. Callable from any thread.
 class Drainable {
  public:
   using Clock = std::chrono::steady_clock;
   virtual ~Drainable() = default;
   virtual void close_when_idle() = 0;
   virtual void cancel_job() = 0;
-  /// Other tokens are in force: it may have to stop what it delivers.
+  /// The tokens have changed: the session checks whether it may continue its delivery.
   virtual void tokens_changed() = 0;
 
   enum class Leave {
-    kIfItWaits,  ///< where it waits for its client no longer, it answers first
-    kAnyhow,     ///< what it computes is given up
+    kIfItWaits,  ///< only if it is still waiting for its client; otherwise it answers first
+    kAnyhow,     ///< even if it is computing: the work is abandoned
   };
-  /// It has lost its place, and closes.
+  /// The session has lost its place and must close.
   virtual void give_way(Leave how) = 0;
 
-  /// Since when it has only waited for its client: for a request, for the rest of one, for its taking an answer,
-  /// for the end of the connection. Nothing while it computes one.
+  /// Returns since when the session has only waited for its client: for a request, for the rest of one, for
+  /// the client to read an answer, or for the connection to end. Returns nothing while it computes an answer.
   std::optional<Clock::time_point> waiting_since() const {
     const Clock::rep since = waiting_since_;
     return since == 0 ? std::nullopt : std::optional(Clock::time_point(Clock::duration(since)));
@@ -53,29 +54,30 @@ class Drainable {
   std::atomic<Clock::rep> waiting_since_{Clock::now().time_since_epoch().count()};
 };
 
-/// Thread-safe. Outlives its places.
+/// Thread-safe. Must outlive its places.
 class Connections {
  public:
-  /// `most` places, of them `most_of_client` for one client.
+  /// `most`: number of places. `most_of_client`: number of places for one client.
   Connections(std::size_t most, std::size_t most_of_client) : most_(most), most_of_client_(most_of_client) {}
 
-  /// Connections beyond the places that are open at the same time to be told why they are refused; of one client.
+  /// Maximum number of connections without a place that are kept open to receive a refusal: in total, and per
+  /// client.
   static constexpr std::size_t kMostTold = 32, kMostToldOfClient = 4;
-  /// Places of a client that are no more than anybody's: a page and a game, say.
+  /// Clients with up to this many places count as equal. Enough for a page and a game, for example.
   static constexpr std::size_t kFew = 8;
-  /// Connections that have lost their place and are not closed yet.
+  /// Maximum number of connections that have lost their place but are not closed yet.
   static constexpr std::size_t kMostLeaving = 16;
-  /// All that may be open beyond the places.
+  /// Maximum number of open connections in addition to the places.
   static constexpr std::size_t kMostBeyond = kMostTold + kMostLeaving;
 
   enum class Verdict { kWelcome, kTooManyOfClient, kFull };
   enum class OfClient {
     kLimited,
-    kUnlimited,  ///< it is a proxy, and so many clients
+    kUnlimited,  ///< a proxy, which stands for many clients
   };
 
  private:
-  /// One client's places, connections that are being told why they have none, and all that are open.
+  /// Counts of one client: its places, connections that receive a refusal, and all open connections.
   struct Held {
     std::size_t places = 0, told = 0, open = 0;
   };
@@ -84,13 +86,13 @@ class Connections {
   struct Entry {
     Kind kind;
     Clients::iterator client;
-    const Drainable* session = nullptr;  ///< null before enroll()
+    const Drainable* session = nullptr;  ///< null until enroll()
     std::weak_ptr<Drainable> alive{};
   };
   using Entries = std::list<Entry>;  // oldest first
 
  public:
-  /// A connection that is counted, from its accept to the end of its session.
+  /// A counted connection, from its accept to the end of its session.
   class Place {
    public:
     Place() = default;
@@ -105,9 +107,10 @@ class Connections {
     }
     explicit operator bool() const { return all_ != nullptr; }
 
-    /// The session that has it. The place is a member of the session.
+    /// Sets the session that owns this place. The place is a member of the session.
     void enroll(const std::shared_ptr<Drainable>& session) { all_->enroll(at_, session); }
-    /// It is this client's from now on. False, and nothing changes, where that client has as many as it may.
+    /// Transfers the place to this client. Returns false and changes nothing if the client has reached its
+    /// limit.
     bool belongs_to(const std::string& client, OfClient limit) { return all_->move(at_, client, limit); }
 
    private:
@@ -119,18 +122,18 @@ class Connections {
 
   struct Arrival {
     Verdict verdict;
-    Place place{};  ///< none: it is to be closed at once
+    Place place{};  ///< empty: close the connection at once
   };
   Arrival add(const std::string& client, OfClient limit = OfClient::kLimited);
 
-  /// All that are open, refused ones too.
+  /// Number of all open connections, including refused ones.
   std::size_t count() const {
     const std::lock_guard lock(mutex_);
     return entries_.size();
   }
   std::vector<std::shared_ptr<Drainable>> sessions() const;
 
-  std::atomic<bool> stopping{false};  ///< the drain has begun: no connection is kept after its answer
+  std::atomic<bool> stopping{false};  ///< draining: connections close after their answer
   std::atomic<std::size_t> in_progress{
       0};  ///< sessions between the first byte of a request and the last of its answer
 
@@ -138,15 +141,15 @@ class Connections {
   void enroll(Entries::iterator at, const std::shared_ptr<Drainable>& session);
   bool move(Entries::iterator at, const std::string& client, OfClient limit);
   void remove(Entries::iterator at);
-  // With the lock.
-  /// Somebody loses a place to a client: the session, to be told so. Null: nobody does.
+  // The following functions need the lock.
+  /// Makes room for a client. Returns the session that lost its place, or null if there is none.
   std::shared_ptr<Drainable> make_room_for(Clients::iterator client, OfClient limit);
   void count(const Entry& entry, bool open);
   void forget_if_gone(Clients::iterator client);
 
   const std::size_t most_, most_of_client_;
   mutable std::mutex mutex_;
-  Clients clients_;  // none without connections
+  Clients clients_;  // only clients with open connections
   std::size_t places_ = 0, told_ = 0, leaving_ = 0;
   Entries entries_;
 };

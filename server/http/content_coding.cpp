@@ -15,9 +15,9 @@
 namespace fracture::http {
 namespace {
 
-/// Decoded bytes between two looks at the deadline.
+/// Number of decoded bytes between two checks of the deadline.
 constexpr std::size_t kBlock = 256u << 10;
-/// 8 MiB: what RFC 9659 bounds a window of this coding to.
+/// 8 MiB, the maximum window size for this coding in RFC 9659.
 constexpr int kMaxWindowLog = 23;
 
 enum class Outcome { kWhole, kDamaged, kStopped, kWindow };
@@ -74,7 +74,7 @@ Outcome each_zstd_block(std::string_view body, Sink sink) {
   return Outcome::kWhole;
 }
 
-/// `sink(piece)`, of nothing too where a step of the decoder made nothing; false: no further ones.
+/// Calls `sink(piece)` until it returns false. Pieces can be empty if a step of the decoder produced nothing.
 template <class Sink>
 Outcome each_block(std::string_view body, ContentCoding coding, Sink sink) {
   const auto counted = [&sink](std::string_view block) {
@@ -97,8 +97,9 @@ OrProblem<ContentCoding> content_coding(std::string_view field) {
           .with("Accept-Encoding", "gzip, zstd"));
 }
 
-/// Bytes that one byte can decode to: deflate writes at most 258 bytes for two bits (RFC 1951, section 3.2.5), zstd a block of
-/// 128 KiB for four bytes (RFC 8878, section 3.1.1.2). A body that announces more is damaged.
+/// Maximum number of bytes that one byte can decode to. Deflate writes at most 258 bytes per two bits (RFC
+/// 1951, section 3.2.5), and zstd a block of 128 KiB per four bytes (RFC 8878, section 3.1.1.2). A body that
+/// announces more is damaged.
 constexpr std::uint64_t kMostOfDeflate = 1'032, kMostOfZstd = 32'768;
 
 std::uint64_t announced_size(std::string_view body, ContentCoding coding) {
@@ -107,7 +108,7 @@ std::uint64_t announced_size(std::string_view body, ContentCoding coding) {
     if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return 0;
     return std::min<std::uint64_t>(size, kMostOfZstd * body.size());
   }
-  std::uint64_t size = 0;  // ISIZE (RFC 1952, section 2.3.1), of the last member
+  std::uint64_t size = 0;  // ISIZE (RFC 1952, section 2.3.1) of the last member
   if (coding == ContentCoding::kGzip && body.size() >= 18)
     for (std::size_t k = 1; k <= 4; ++k) size = size << 8 | static_cast<unsigned char>(body[body.size() - k]);
   return std::min<std::uint64_t>(size, kMostOfDeflate * body.size());

@@ -14,15 +14,15 @@ namespace {
 struct Announced {
   std::string_view name;
   DigestAlgorithm algorithm;
-  std::string_view value;  ///< a byte sequence of RFC 8941, ":<base64>:"; empty: none
+  std::string_view value;  ///< a byte sequence (RFC 8941), ":<base64>:"; empty: none
 };
 
 }  // namespace
 
 std::optional<Problem> check_content_digest(std::string_view field, std::string_view body,
                                             const Execution& execution) {
-  // Of a name that is repeated the last value counts (RFC 8941, section 4.2.2): the body is read once for
-  // each algorithm, however long the field is.
+  // If a name is repeated, the last value counts (RFC 8941, section 4.2.2). So the body is hashed at most
+  // once per algorithm, however long the field is.
   std::array<Announced, 2> known{
       {{"sha-256", DigestAlgorithm::kSha256, {}}, {"sha-512", DigestAlgorithm::kSha512, {}}}};
   while (!field.empty()) {

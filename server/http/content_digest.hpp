@@ -1,4 +1,4 @@
-// Content-Digest of requests (RFC 9530): what the client says its body hashes to.
+// Content-Digest of requests (RFC 9530): the hash that the client gives for its body.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace fracture::http {
 
-/// Compares the body, as it was sent, with the sha-256 and sha-512 of the field; other algorithms are ignored,
-/// as that standard wants. Throws Interrupted. Refuses a mismatch (400 content-digest-mismatch) and a field that is no
-/// dictionary of byte sequences (RFC 8941).
+/// Compares the body, as it was sent, with the sha-256 and sha-512 values in the field. Other algorithms are
+/// ignored, as the standard requires. Refuses a mismatch (400 content-digest-mismatch) and a field that is
+/// not a dictionary of byte sequences (RFC 8941). Throws Interrupted.
 std::optional<Problem> check_content_digest(std::string_view field, std::string_view body,
                                             const Execution& execution = kUninterrupted);
 

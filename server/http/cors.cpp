@@ -13,7 +13,7 @@ constexpr const char* kExposedFields =
     "Accept-Ranges, Cache-Status, Content-Location, Content-Range, ETag, Fracture-Algorithm, Link, "
     "Location, Preference-Applied, RateLimit, RateLimit-Policy, Repr-Digest, Retry-After, Server-Timing, "
     "X-Request-Id";
-/// Two hours: no browser keeps the answer to a preflight longer.
+/// Two hours, the longest time that any browser caches the answer to a preflight.
 constexpr const char* kMaxAge = "7200";
 
 }  // namespace
@@ -27,7 +27,7 @@ bool CorsPolicy::allows(const std::string& origin) const {
 std::vector<std::pair<std::string, std::string>> CorsPolicy::fields(const RequestHead& head) const {
   std::vector<std::pair<std::string, std::string>> fields;
   if (origins_.empty()) return fields;
-  // What is kept in a shared cache must not be handed to another origin.
+  // A shared cache must not give the answer to another origin.
   if (!any()) fields.emplace_back("Vary", "Origin");
   const std::string origin = head.field("origin");
   if (!allows(origin)) return fields;

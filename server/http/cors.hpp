@@ -1,4 +1,4 @@
-// Cross-origin requests of web pages (the Fetch standard's CORS protocol), off by default.
+// Cross-origin requests from web pages (the CORS protocol of the Fetch standard). Off by default.
 #pragma once
 
 #include <optional>
@@ -13,17 +13,17 @@ namespace fracture::http {
 class CorsPolicy {
  public:
   CorsPolicy() = default;
-  /// Origins as browsers send them, or "*" for every page.
+  /// `origins`: origins as browsers send them, or "*" for all pages.
   explicit CorsPolicy(std::vector<std::string> origins) : origins_(std::move(origins)) {}
 
-  /// The answer to a preflight (OPTIONS with Origin and Access-Control-Request-Method): 204, with permission
-  /// only for an allowed origin. Nothing for every other request, and when no origin is configured.
+  /// Answers a preflight (OPTIONS with Origin and Access-Control-Request-Method) with 204; only an allowed
+  /// origin gets permission. Returns nothing for other requests and if no origin is configured.
   std::optional<Response> preflight(const RequestHead& head) const;
 
-  /// The fields that let the page of this request's Origin read the answer, whatever its status.
+  /// Returns the fields that let the page with this request's Origin read the answer, whatever its status.
   std::vector<std::pair<std::string, std::string>> fields(const RequestHead& head) const;
 
-  /// Is this page's origin one of those that may ask?
+  /// Returns whether pages of this origin may send requests.
   bool allows(const std::string& origin) const;
 
  private:

@@ -28,7 +28,7 @@ def plain(text):
     text = re.sub(r"<!--.*?-->\n*", "", text, flags=re.S)
     text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)
     text = re.sub(r"\[([^\]]*)\]\((?!https?:)[^)]*\)", r"\1", text)
-    return re.sub(r"^\| +\|", "|", text, flags=re.M)  # the empty cells of pictures
+    return re.sub(r"^\| +\|", "|", text, flags=re.M)  # empty cells where pictures were
 
 
 def operations(document):

@@ -10,7 +10,7 @@ namespace {
 
 using Clock = TimedSocket::Clock;
 
-/// Whoever asks on the admin listener is near and quick.
+/// Clients of the admin listener are nearby and fast.
 constexpr std::chrono::milliseconds kAdminPatience{5'000};
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Reads the header of the next request from a connection, in the time there is for it.
+// Reads the header of the next request from a connection, within the time limits.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@
 
 namespace fracture::http {
 
-/// Reads until a whole header is at the front of `buffer`, `head_size` bytes long. Nothing: the client closed
-/// or stayed idle without having sent a byte, or `leave` (told whether a byte has come) says that it is not
-/// waited for any longer. Calls `begun` at its first byte.
+/// Reads until `buffer` begins with a complete header, whose size is stored in `head_size`. Calls `begun` at
+/// the first byte. Returns nothing if the client closed the connection or sent no byte in time, or if `leave`
+/// returns true. The argument of `leave` says whether a byte has arrived.
 asio::awaitable<OrProblem<std::optional<RequestHead>>> read_head(
     TimedSocket& connection, beast::flat_buffer& buffer, const HttpLimits& limits, Listener listener,
     std::size_t& head_size, std::function<bool(bool started)> leave, std::function<void()> begun);

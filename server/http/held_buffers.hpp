@@ -1,5 +1,6 @@
-// Buffers that a cache or a store shares with requests: answers that slow clients read, stored meshes that are computed on. To
-// evict such a buffer frees nothing while somebody still uses it. So what each client uses is counted and limited here.
+// Counts buffers that a cache or store shares with requests: answers that slow clients read, and stored
+// meshes in use by computations. Evicting such a buffer frees no memory while it is in use. So the use of
+// each client is counted and limited here.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +15,16 @@
 
 namespace fracture::http {
 
-/// Thread-safe; outlives its holds. A buffer that many requests use is held once.
+/// Thread-safe. Must outlive its holds. A buffer in use by several requests is counted once.
 class HeldBuffers {
  public:
   enum class Refusal { kFull, kOverShare };
 
-  /// `share`: what one client may hold when it is the only one (FairShare). A buffer that is the only one of all
-  /// may be larger than the capacity.
+  /// `share`: bytes that one client may hold if it is the only one (FairShare). If no other buffer is held, a
+  /// buffer may be larger than the capacity.
   HeldBuffers(std::uint64_t capacity, std::uint64_t share) : fair_{capacity, share} {}
 
-  /// Counted from now until it is destroyed.
+  /// A held buffer, which is counted until this object is destroyed.
   class Hold {
    public:
     Hold() = default;
@@ -48,7 +49,7 @@ class HeldBuffers {
     const void* buffer_ = nullptr;
   };
 
-  /// Fills `hold`, or says why not.
+  /// Fills `hold`, or returns the reason for the refusal.
   std::optional<Refusal> take(const std::string& client, const void* buffer, std::uint64_t bytes,
                               Hold& hold) {
     const std::lock_guard lock(mutex_);

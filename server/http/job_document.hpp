@@ -1,4 +1,4 @@
-// A job as JSON.
+// Jobs as JSON.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,12 @@
 
 namespace fracture::http {
 
-/// The schema Job of proto/openapi.yaml.
+/// Returns the job in the schema Job of proto/openapi.yaml.
 nlohmann::ordered_json describe(const JobView& job, std::string_view request_id);
 
-/// RFC 3339 in UTC, with all of its microseconds.
+/// Formats a time as RFC 3339 in UTC, with microseconds.
 std::string time_text(std::chrono::sys_time<std::chrono::microseconds> time);
-/// What time_text() wrote; nothing for anything else.
+/// Parses the output of time_text(). Returns nothing for any other text.
 std::optional<std::chrono::sys_time<std::chrono::microseconds>> time_in(std::string_view text);
 
 }  // namespace fracture::http

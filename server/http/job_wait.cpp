@@ -8,7 +8,7 @@
 namespace fracture::http {
 namespace {
 
-/// Alive for as long as the timer or the job knows of it: both let it go at the end.
+/// Kept alive by the timer and the job's watch, which both release it at the end.
 class Wait : public std::enable_shared_from_this<Wait> {
  public:
   Wait(Jobs& jobs, Timer& timer, std::string id, std::function<void(std::optional<JobView>)> then)
@@ -22,7 +22,7 @@ class Wait : public std::enable_shared_from_this<Wait> {
       const std::lock_guard lock(mutex_);
       alarm_ = alarm;
     }
-    if (ended_) timer_.cancel(alarm);  // meanwhile, and did not see it
+    if (ended_) timer_.cancel(alarm);  // the wait ended in between and did not see the alarm
     gone_.emplace(gone, [weak = weak_from_this()] {
       if (const auto self = weak.lock()) self->end();
     });

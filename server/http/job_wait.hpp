@@ -1,4 +1,4 @@
-// Waiting for the end of a job, on no thread.
+// Waits for the end of a job without occupying a thread.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,9 @@
 
 namespace fracture::http {
 
-/// Calls `then` once, now or later from any thread, with the job as it is when it has finished, when `until`
-/// is there or when `gone` is stopped, whichever comes first; with nothing where it is not known (any more).
+/// Calls `then` exactly once, now or later, from any thread: when the job has finished, at `until`, or when
+/// `gone` is stopped, whichever comes first. Passes the job in its current state, or nothing if the job is
+/// not known (any more).
 void wait_for_job(Jobs& jobs, Timer& timer, const std::string& id, Timer::Clock::time_point until,
                   const std::stop_token& gone, std::function<void(std::optional<JobView>)> then);
 

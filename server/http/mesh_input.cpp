@@ -10,9 +10,9 @@
 namespace fracture::http {
 namespace {
 
-constexpr std::size_t kMaxField = 16u << 10;  // bytes of a parameter as a field of its own
+constexpr std::size_t kMaxField = 16u << 10;  // maximum bytes of a parameter in its own form field
 
-/// A filename as an asset would write it: forward slashes, no leading "./".
+/// Normalizes a filename as assets write it: forward slashes, no leading "./".
 std::string file_name(std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   while (name.substr(0, 2) == "./") name.erase(0, 2);
@@ -80,7 +80,7 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
                       "A form field without a filename has more than the limit of " +
                           std::to_string(kMaxField) + " bytes.");
       } else {
-        given.push_back({part.name, std::string(part.body), true});  // a field of its own: sites=50
+        given.push_back({part.name, std::string(part.body), true});  // one parameter: sites=50
       }
     }
     if (!found)

@@ -1,4 +1,4 @@
-// The mesh and the parameters out of the body of a request: raw, or a multipart form.
+// Reads the mesh and the parameters from a request body: raw, or a multipart form.
 #pragma once
 
 #include <memory>
@@ -13,22 +13,23 @@
 
 namespace fracture::http {
 
-/// The body of a request, shared by all who still need its bytes; its reservation goes with it.
+/// The body of a request with its memory reservation. Shared by everything that still needs the bytes.
 struct Body {
   std::string bytes;
   MemoryBudget::Reservation reservation;
 };
 
-/// What is asked, with the bytes borrowed from (and owned by) the body. Parameters of the query, of the part
-/// `params` and of form fields are taken together; `of` names only what the caller may see.
+/// Reads the requested fracture. Its bytes are borrowed from the body, which it keeps alive. The parameters
+/// in the query, the part `params` and the form fields are combined. `of` may only refer to answers that the
+/// caller may see.
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
                                            FractureService& service,
                                            const FractureService::MaySee& may_see = {});
 
-/// 415 with the list of what is read; `given` is what the client said, may be empty.
+/// Returns 415 with the list of supported formats. `given`: the format that the client gave; may be empty.
 Problem unknown_format(const FormatSet& formats, std::string_view given);
 
-/// The query as the parameter table wants it.
+/// Converts a query for the parameter table.
 std::vector<RawParameter> raw_parameters(const std::vector<std::pair<std::string, std::string>>& query);
 
 }  // namespace fracture::http

@@ -8,7 +8,8 @@
 namespace fracture::http {
 namespace {
 
-/// The parameter `name` of a field value such as `form-data; name="mesh"; filename="a.glb"`; quoted or not.
+/// Returns the parameter `name` of a field value such as `form-data; name="mesh"; filename="a.glb"`, quoted
+/// or not.
 std::optional<std::string> parameter_of(std::string_view value, std::string_view name) {
   std::size_t at = value.find(';');
   while (at < value.size()) {
@@ -24,7 +25,7 @@ std::optional<std::string> parameter_of(std::string_view value, std::string_view
         if (value[at] == '\\' && at + 1 < value.size()) ++at;
         text += value[at];
       }
-      if (at >= value.size()) return std::nullopt;  // the quote is never closed
+      if (at >= value.size()) return std::nullopt;  // the quote is not closed
       at = value.find(';', at);
     } else {
       const std::size_t end = std::min(value.find(';', at), value.size());

@@ -10,7 +10,7 @@
 namespace fracture::http {
 namespace {
 
-/// Takes what stands before the next comma outside of quotes off the list.
+/// Removes the text before the next comma outside quotes from the list and returns it.
 std::string_view next_item(std::string_view& list) {
   bool quoted = false;
   std::size_t end = 0;
@@ -25,7 +25,7 @@ std::string_view next_item(std::string_view& list) {
   return item;
 }
 
-/// delta-seconds, as a token or in quotes.
+/// Parses delta-seconds, as a token or in quotes.
 std::optional<std::chrono::seconds> seconds_of(std::string_view value) {
   value = trimmed(value);
   if (value.size() >= 2 && value.front() == '"' && value.back() == '"')

@@ -1,4 +1,4 @@
-// What a client would rather have (Prefer, RFC 7240).
+// Preferences of a client (Prefer, RFC 7240).
 #pragma once
 
 #include <chrono>
@@ -8,18 +8,20 @@
 
 namespace fracture::http {
 
-/// Longer waits count as this: proxies close connections on which nothing happens for longer.
+/// Longest wait; longer ones are shortened to this, because proxies close connections that are idle for
+/// longer.
 inline constexpr std::chrono::seconds kLongestWait{60};
 
 struct Preferences {
-  bool respond_async = false;                ///< do not keep the connection waiting for the end of the work
-  std::optional<std::chrono::seconds> wait;  ///< but so long; at most kLongestWait
+  bool respond_async = false;                ///< answer before the work has ended
+  std::optional<std::chrono::seconds> wait;  ///< but wait this long first; at most kLongestWait
 };
 
-/// What is malformed or unknown is ignored, as that RFC wants; of what is given twice, the first counts.
+/// Parses the field. Malformed and unknown preferences are ignored, as the RFC requires; of duplicates, the
+/// first counts.
 Preferences preferences_of(const RequestHead& head);
 
-/// The field Preference-Applied; empty where none was.
+/// Returns the field Preference-Applied, or an empty string if none was applied.
 std::string applied(const Preferences& preferences);
 
 }  // namespace fracture::http

@@ -1,6 +1,6 @@
-// From the complete request to its handler: what its body needs (a digest, a Content-Encoding) is done in one
-// step on the pool where it is more than an io thread may do, in the class and under the deadline of the
-// request.
+// Prepares the body of a complete request for its handler: checks its digest and decodes its
+// Content-Encoding. If this is too much for an io thread, it is done in one step on the pool, in the
+// request's class and under its deadline.
 #include <algorithm>
 #include <stop_token>
 
@@ -11,7 +11,8 @@
 namespace fracture::http {
 namespace {
 
-/// What is admitted for a body that says nothing of its size, and how much more when that was too little.
+/// Assumed ratio of decoded to encoded size if a body does not announce its size, and the growth factor if
+/// that is too little.
 constexpr std::uint64_t kUsualRatio = 8, kMore = 4;
 
 void release_body(Request& request) {
@@ -20,7 +21,7 @@ void release_body(Request& request) {
   request.reservation = {};
 }
 
-/// The pieces go one after the other: at no time are there two of the whole body.
+/// Joins the pieces of the body. Each piece is freed as it is appended, so the body is never in memory twice.
 void join_pieces(Request& request) {
   if (request.pieces.empty()) return;
   std::string whole;
@@ -38,7 +39,7 @@ void join_pieces(Request& request) {
 
 Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& request, const Terms& terms,
                       const Reply& reply, Step step) {
-  Terms mine = terms;  // of a job, too, the client waits for what says that it was accepted
+  Terms mine = terms;  // even for a job, the client waits for the 202
   mine.priority = std::min(mine.priority, Priority::kBatch);
   std::optional<Error> overload = dispatcher_.run(
       work, mine,
@@ -70,7 +71,7 @@ void Api::start(std::shared_ptr<Request> request, std::stop_token gone, Reply re
   request->received = std::chrono::steady_clock::now();
   if (request->payer.account) {
     request->seat = std::make_shared<tenants::Account::Seat>();
-    // Free before the client can ask again.
+    // Free the seat before the client can send its next request.
     reply = [seat = request->seat, reply = std::move(reply)](Response response) {
       *seat = {};
       reply(std::move(response));
@@ -118,7 +119,7 @@ Answered Api::prepare_body(const std::shared_ptr<Request>& request, const Prepar
 
 Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Preparation& preparation,
                             const Execution& execution, const std::stop_token& gone, const Reply& reply) {
-  // Where less than a mesh is expected, the limit holds before and after decoding.
+  // If the route takes less than a mesh, its limit applies to the encoded and the decoded body.
   const std::uint64_t limit =
       request->admission.max_body < limits_.max_body ? request->admission.max_body : limits_.max_decoded_body;
   const auto refused = [&](Problem problem) {
@@ -126,7 +127,7 @@ Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Prepa
     return tl::unexpected<Problem>(std::move(problem));
   };
   try {
-    execution.poll();  // it may have waited for long
+    execution.poll();  // the wait for this turn may have been long
     join_pieces(*request);
     if (!preparation.digest.empty())
       if (auto wrong = check_content_digest(preparation.digest, request->body, execution))

@@ -7,7 +7,7 @@
 namespace fracture::http {
 namespace {
 
-// Filled in the order of problems.def: the codes of the libraries first, then the HTTP ones.
+// In the order of problems.def: the error codes of the libraries first, then the HTTP problems.
 const std::array kTable = {
 #define FRACTURE_STATUS(code, status, advice) \
   ProblemType{slug(ErrorCode::code), title(ErrorCode::code), status, advice},
@@ -33,7 +33,7 @@ const ProblemType& at(Row row) { return kTable[static_cast<std::size_t>(row)]; }
 }  // namespace
 
 const ProblemType& problem_type(ErrorCode code) {
-  // No default: a code that is added to error_codes.def without a status is a compiler warning here.
+  // There is no default case, so that the compiler warns if a code in error_codes.def has no status.
   switch (code) {
 #define FRACTURE_STATUS(name, status, advice) \
   case ErrorCode::name:                       \
@@ -46,7 +46,7 @@ const ProblemType& problem_type(ErrorCode code) {
 #define FRACTURE_LOCAL_ERROR(name, slug, title) case ErrorCode::name:
 #include "common/base/error_codes.def"
 #undef FRACTURE_ERROR
-    break;  // of the side that asks: here a bug
+    break;  // client-side errors: a bug if they occur here
   }
   return at(Row::kInternal);
 }
@@ -95,7 +95,7 @@ nlohmann::ordered_json Problem::document(std::string_view request_id) const {
 }
 
 std::string Problem::body(std::string_view request_id) const {
-  // Details may quote what the client sent: bytes that are no UTF-8 are replaced, never an exception.
+  // Details may quote input of the client, so invalid UTF-8 is replaced instead of throwing an exception.
   return json_text(document(request_id), 2) + "\n";
 }
 

@@ -1,6 +1,6 @@
-// Every error a client can see, as RFC 9457 problem details. The one table (problems.def) maps the libraries'
-// error codes to statuses and adds what only HTTP can refuse; proto/openapi.yaml lists the same slugs and a
-// test compares.
+// Every error that a client can see, as problem details (RFC 9457). The only table (problems.def) maps the
+// libraries' error codes to statuses and adds the refusals of HTTP itself. proto/openapi.yaml lists the same
+// slugs, and a test compares them.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -27,15 +27,15 @@ struct ProblemType {
   std::string_view slug;
   std::string_view title;
   int status;
-  std::string_view advice;  ///< what it means and what to do, for people
+  std::string_view advice;  ///< meaning and remedy, for people
 };
 
 const ProblemType& problem_type(ErrorCode code);
 const ProblemType& problem_type(HttpProblem problem);
-/// The whole table.
+/// Returns the whole table.
 std::span<const ProblemType> problem_types();
 
-/// One refusal: its type, what was wrong in this request, and header fields that belong to it (Allow,
+/// A refusal: its type, what is wrong with this request, and the header fields to send with it (Allow,
 /// Retry-After, …).
 struct Problem {
   const ProblemType* type;
@@ -54,13 +54,13 @@ struct Problem {
     return std::move(*this);
   }
 
-  /// type (/problems/<slug>), title, status, detail, request_id, parameter, extras.
+  /// Returns the members type (/problems/<slug>), title, status, detail, request_id, parameter, and `extra`.
   nlohmann::ordered_json document(std::string_view request_id) const;
-  /// The same as an application/problem+json body.
+  /// Returns document() as an application/problem+json body.
   std::string body(std::string_view request_id) const;
 };
 
-/// What an error is over HTTP, with the header fields that belong to it.
+/// Converts an error to a problem, with the header fields to send with it.
 Problem to_problem(Error error);
 
 template <class T>

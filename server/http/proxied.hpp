@@ -1,4 +1,4 @@
-// The PROXY protocol on a connection: whom a trusted proxy speaks for, before its first request.
+// Reads the PROXY protocol, in which a trusted proxy names its client before the first request.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@
 
 namespace fracture::http {
 
-/// Reads the header, where there is one, and takes it out of `buffer`; what came after it stays there. The
-/// client's address; empty where the proxy says none. 400 for a malformed one, nothing when the connection is
-/// closed or silent for too long.
+/// Reads the header, if there is one, and removes it from `buffer`; later bytes stay there. Returns the
+/// client's address, which is empty if the proxy gives none. Returns 400 if the header is malformed, and
+/// nothing if the connection is closed or silent for too long.
 asio::awaitable<std::optional<OrProblem<std::string>>> read_proxy_header(TimedSocket& connection,
                                                                          beast::flat_buffer& buffer,
                                                                          const HttpLimits& limits);

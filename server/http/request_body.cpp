@@ -12,18 +12,18 @@ using Clock = TimedSocket::Clock;
 namespace bhttp = beast::http;
 using Parser = bhttp::request_parser<bhttp::string_body>;
 
-/// A chunked body may take so many bytes on the wire for each of its own that have come, on top of a fixed
-/// allowance: chunks of three bytes ("3\r\nabc\r\n", 8 bytes) pass whatever they add up to, smaller ones and
-/// extensions for a while.
+/// Limits the framing overhead of a chunked body: bytes on the wire per byte of content, plus a fixed
+/// allowance. Chunks of three bytes ("3\r\nabc\r\n", 8 bytes) always pass; smaller chunks and extensions only
+/// pass until the allowance is used up.
 constexpr std::uint64_t kMaxWireFactor = 3;
 constexpr std::uint64_t kWireAllowance = 1u << 20;
 
-/// Of one read, where the buffer has no more room already.
+/// Minimum size of one read.
 constexpr std::size_t kPiece = 16u << 10;
-/// Chunks, or parts of them, that are taken apart before others are served: 0.1 ms.
+/// Number of chunks, or parts of chunks, parsed in one turn: 0.1 ms.
 constexpr int kPartsInTurn = 200;
 
-/// Bytes of a chunked body that stand in one string.
+/// Maximum bytes of a chunked body that are kept in one string.
 constexpr std::size_t kBodyPiece = 256u << 10;
 
 Problem over_limit(const Admission& admission) {
@@ -31,7 +31,7 @@ Problem over_limit(const Admission& admission) {
                  "The body is larger than the limit of " + std::to_string(admission.max_body) + " bytes.");
 }
 
-/// What an error of the parser or of the socket means; nothing: the client is gone.
+/// Explains an error of the parser or the socket. Returns nothing if the client is gone.
 std::optional<Problem> explain(error_code ec, const Admission& admission) {
   if (ec == bhttp::error::body_limit) return over_limit(admission);
   if (ec == bhttp::error::buffer_overflow)
@@ -68,10 +68,11 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
     co_return refused(
         Problem(HttpProblem::kMalformedRequest, "The header cannot be parsed (" + ec.message() + ")."));
   buffer.consume(head_size);
-  request.reservation = api.bodies().begin(address);  // also of what a request without a body brings with it
+  request.reservation = api.bodies().begin(address);  // also covers parameters of a request without a body
   if (parser.is_done()) co_return outcome;
 
-  // What follows the last chunk is taken in as a whole, and is not used: its fields are as few as those of a header.
+  // The trailer section after the last chunk is read whole and ignored. Its number of fields is limited like
+  // that of a header.
   auto refuse_long_trailer = [&buffer](std::uint64_t size, beast::string_view extensions, error_code& wrong) {
     if (size > 0) return;
     const auto* const end = static_cast<const char*>(buffer.cdata().data()) + buffer.size();
@@ -97,13 +98,14 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   const Clock::time_point end = start + limits.body_timeout;
   std::uint64_t in_pieces = 0;
   for (;;) {
-    // A chunked body does not say how long it will be: a string that grew by itself would copy megabytes at once.
+    // The length of a chunked body is not known in advance. Collect it in pieces, because a growing string
+    // would copy megabytes at once.
     if (std::string& body = parser.get().body(); request.head.chunked && body.size() >= kBodyPiece) {
       request.pieces.emplace_back().swap(body);
       body.reserve(kBodyPiece + kReadBuffer);
       in_pieces += request.pieces.back().size();
     }
-    // All that is there is taken apart at once: a chunk of few bytes costs no turn of the event loop.
+    // Parse all received data at once, so that small chunks do not cost one turn of the event loop each.
     for (int parts = 0; !parser.is_done() && buffer.size() > 0; ++parts) {
       if (parts == kPartsInTurn) {
         parts = 0;
@@ -135,7 +137,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
 
     const auto earned =
         std::chrono::milliseconds(1000 * received / std::max<std::uint64_t>(1, limits.body_rate));
-    // What a fast start has earned is not to be spent on one long silence.
+    // Limit each single wait too: time earned by a fast start must not allow one long silence.
     const Clock::time_point late =
         std::min(start + limits.body_grace + earned, Clock::now() + limits.write_stall);
     connection.set_deadline(std::min(late, end));
@@ -156,7 +158,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   connection.clear_deadline();
   request.body = std::move(parser.get().body());
   const Carries carries = admission.route->carries;
-  // Only chunked bodies are found empty this late.
+  // Bodies with a Content-Length of 0 were refused earlier; this is only reached by empty chunked bodies.
   if ((carries == Carries::kMesh || carries == Carries::kMeshOrName) && request.body_bytes() == 0)
     co_return refused(to_problem(Error{ErrorCode::kEmptyBody, "The body is empty.", "mesh"}));
   co_return outcome;

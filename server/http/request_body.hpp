@@ -1,5 +1,5 @@
-// Reads one request's body from the connection, under every limit there is: size, rate, memory, and what the
-// framing may cost.
+// Reads the body of one request from the connection and enforces all limits: size, rate, memory and framing
+// overhead.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 namespace fracture::http {
 
 struct BodyOutcome {
-  bool closed = false;  ///< the client went away: there is nobody to answer
+  bool closed = false;  ///< the client left: there is nobody to answer
   std::optional<Problem> problem{};
-  std::uint64_t wire_bytes = 0;  ///< as received, framing included
+  std::uint64_t wire_bytes = 0;  ///< as received, including framing
 };
 
-/// `buffer` begins with the request's header of `head_size` bytes, which the guard has approved; it is
-/// consumed, and so is the body, which ends in request.body. The header goes through Beast's parser too: two
-/// opinions that must agree.
-/// The memory it takes is the address's, charged as the bytes arrive: what is only announced holds nothing.
+/// Reads the body into request.body. `buffer` begins with the request's header of `head_size` bytes, which
+/// the framing guard has approved. The header and the body are consumed. Beast's parser reads the header too,
+/// and both parsers must agree. The memory is charged to `address` as the bytes arrive, so that merely
+/// announcing a large body reserves nothing.
 asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buffer& buffer,
                                        std::size_t head_size, Api& api, Request& request,
                                        const std::string& address);

@@ -7,7 +7,7 @@
 namespace fracture::http {
 namespace {
 
-/// RFC 9110, section 5.6.2.
+/// Returns whether `c` is a tchar (RFC 9110, section 5.6.2).
 bool is_token_char(char c) {
   if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')) return true;
   return std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
@@ -15,7 +15,8 @@ bool is_token_char(char c) {
 
 bool is_token(std::string_view s) { return !s.empty() && std::all_of(s.begin(), s.end(), is_token_char); }
 
-/// A field value: visible characters, spaces, tabs and bytes above 0x7f.
+/// Returns whether all characters are allowed in a field value: visible ones, spaces, tabs and bytes above
+/// 0x7f.
 bool is_field_value(std::string_view s) {
   return std::all_of(s.begin(), s.end(), [](char c) {
     const auto u = static_cast<unsigned char>(c);
@@ -36,7 +37,8 @@ int hex_value(char c) {
   return -1;
 }
 
-/// Decoded it would divide the path into other segments than whoever routed the request saw.
+/// Returns whether the path contains an escaped '/'. Decoding it would split the path into other segments
+/// than a proxy saw when it routed the request.
 bool has_escaped_slash(std::string_view path) {
   for (std::size_t at = path.find("%2"); at != std::string_view::npos; at = path.find("%2", at + 1))
     if (at + 2 < path.size() && lower(path[at + 2]) == 'f') return true;
@@ -141,7 +143,7 @@ OrProblem<bool> decide_framing(RequestHead& head) {
   }
 
   const std::string connection = head.field("connection");
-  bool close = head.minor_version == 0;  // HTTP/1.0 persistence is not worth its ambiguities
+  bool close = head.minor_version == 0;  // persistence in HTTP/1.0 is too ambiguous
   for (std::size_t at = 0; at <= connection.size();) {
     const std::size_t comma = std::min(connection.find(',', at), connection.size());
     if (equals_ignoring_case(trimmed(std::string_view(connection).substr(at, comma - at)), "close"))
@@ -213,7 +215,7 @@ OrProblem<std::optional<std::size_t>> find_head_end(std::string_view received, s
 OrProblem<RequestHead> parse_head(std::string_view head, const HttpLimits& limits) {
   if (head.size() < 4 || head.substr(head.size() - 4) != "\r\n\r\n")
     return malformed_request("The header does not end with an empty line.");
-  head.remove_suffix(2);  // each remaining line ends in CRLF
+  head.remove_suffix(2);  // so that each remaining line ends in CRLF
   const std::size_t end = head.find("\r\n");
   RequestHead result;
   if (auto line = parse_request_line(head.substr(0, end), result, limits); !line)

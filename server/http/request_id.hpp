@@ -1,4 +1,4 @@
-// How a request is named in logs and answers.
+// Ids of requests for logs and answers.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace fracture::http {
 
-/// 16 hex digits that no other request of this process has.
+/// Returns 16 hex digits that are unique in this process.
 std::string new_request_id();
 
-/// The client's own X-Request-Id when it is harmless to log and to send back (1 to 64 letters, digits or
-/// "-_."), else a new one.
+/// Returns the client's X-Request-Id if it is safe to log and to send back (1 to 64 letters, digits or
+/// "-_."), else a new id.
 std::string request_id(const RequestHead& head);
 
-/// W3C Trace Context: the trace that a request belongs to, and the span of whoever sent it.
+/// W3C Trace Context: the trace that the request belongs to, and the sender's span.
 struct TraceContext {
-  std::string trace_id;   ///< 32 hex digits; empty when the request has no well-formed traceparent
+  std::string trace_id;   ///< 32 hex digits; empty if there is no well-formed traceparent
   std::string parent_id;  ///< 16 hex digits
 };
 TraceContext trace_context(const RequestHead& head);

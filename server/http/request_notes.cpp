@@ -8,14 +8,14 @@
 namespace fracture::http {
 namespace {
 
-/// The value of the first field of this name; empty when there is none.
+/// Returns the value of the first field with this name, or an empty string.
 std::string field_of(const Response& response, std::string_view name) {
   for (const auto& [key, value] : response.headers)
     if (equals_ignoring_case(key, name)) return value;
   return "";
 }
 
-/// The mesh digest's first digits, with which the name of every result begins.
+/// Returns the first digits of the mesh digest, with which the name of every result begins.
 std::string mesh_of(const Response& response) {
   constexpr std::string_view kResults = "/fractures/sha256:";
   const std::string location = field_of(response, "content-location");

@@ -1,4 +1,4 @@
-// What the log says of a request and of its answer.
+// Fills the log record of a request and its answer.
 #pragma once
 
 #include "server/http/message.hpp"
@@ -6,10 +6,10 @@
 
 namespace fracture::http {
 
-/// Method, path and trace.
+/// Notes the method, path and trace.
 void note_request(ops::RequestRecord& record, const RequestHead& head);
 
-/// Status, bytes, caches, and the mesh of a result.
+/// Notes the status, bytes, cache use, and the mesh of a result.
 void note_answer(ops::RequestRecord& record, const Response& response);
 
 }  // namespace fracture::http

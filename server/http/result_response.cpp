@@ -9,7 +9,7 @@
 namespace fracture::http {
 namespace {
 
-/// Smaller ones are not worth it, larger ones would hold a thread for long.
+/// Smaller answers are not worth compressing; larger ones would occupy a thread for too long.
 constexpr std::size_t kLeastCompressed = 1u << 10, kMostCompressed = 64u << 20;
 
 std::string milliseconds(double ms) {
@@ -116,7 +116,7 @@ Response result_response(const std::shared_ptr<const FractureResult>& result,
   response.headers.emplace_back("Vary", "Accept, Accept-Encoding");
   response.headers.emplace_back("Fracture-Algorithm", std::to_string(kAlgorithmVersion));
   if (!plain) response.headers.emplace_back("Content-Encoding", name_of(representation.coding));
-  // RFC 9530: of the representation with its coding, whatever range of it is sent.
+  // RFC 9530: the digest of the encoded representation, even if only a range of it is sent.
   const Digest* digest = nullptr;
   if (plain) {
     response.body = plain_bytes(*result, figures);

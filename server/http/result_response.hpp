@@ -1,4 +1,4 @@
-// A result as an HTTP answer.
+// Results as HTTP answers.
 #pragma once
 
 #include <memory>
@@ -13,50 +13,52 @@
 
 namespace fracture::http {
 
-/// What of a result is sent, and how: decided from the request's header and the result, before anything is
-/// made.
+/// The part and the encoding of a result to send. Decided from the request's header and the result, before
+/// anything is compressed.
 struct Representation {
-  bool figures = false;  ///< the extras.fracture object alone
+  bool figures = false;  ///< only the extras.fracture object
   ContentCoding coding = ContentCoding::kIdentity;
-  std::string etag;  ///< with its quotes; each representation has its own
+  std::string etag;  ///< including its quotes; each representation has its own
 };
 
-/// By Accept-Encoding; a Range is one of the identity, where that is acceptable. Refuses (406) when the field
-/// excludes all there is.
+/// Chooses the representation by Accept-Encoding. A Range request gets identity if that is acceptable.
+/// Returns 406 if the field excludes all available codings.
 OrProblem<Representation> represent(const RequestHead& head, const FractureResult& result, bool figures);
 
-/// Without coding, where the client takes that: what every answer can be sent as.
+/// Returns the identity representation if the client accepts it. It is available for every answer.
 std::optional<Representation> as_it_is(const RequestHead& head, const FractureResult& result, bool figures);
 
-/// The bytes that the coding is applied to.
+/// Returns the bytes to which the coding is applied.
 std::span<const std::uint8_t> plain_bytes(const FractureResult& result, bool figures);
 
-/// The name in the result cache of what `represent` asks for, where that is compressed.
+/// Returns the key of a compressed representation in the result cache.
 std::string variant_key(const FractureResult& result, const Representation& representation);
 
-/// All names in the result cache under which the answer of this key may be: its own, and those of variants.
+/// Returns all keys in the result cache that may hold the answer with this key: its own, and those of its
+/// variants.
 std::vector<std::string> kept_names_of(const std::string& key);
 
-/// Compresses; to be kept under variant_key(). Throws Interrupted.
+/// Compresses a result, to be cached under variant_key(). Throws Interrupted.
 std::shared_ptr<const FractureResult> make_variant(const FractureResult& result,
                                                    const Representation& representation,
                                                    const Execution& execution);
 
-/// The answer with the headers that depend on the result only. `variant` holds the bytes where they are
-/// compressed; null: the answer to a HEAD of what nobody has compressed yet.
+/// Builds the answer with the headers that depend only on the result. `variant`: the compressed bytes if the
+/// representation is compressed. Null is allowed for a HEAD request if they do not exist yet.
 Response result_response(const std::shared_ptr<const FractureResult>& result,
                          const Representation& representation,
                          const std::shared_ptr<const FractureResult>& variant);
 
-/// If-Match compares strongly, If-None-Match weakly (RFC 9110, sections 8.8.3.2, 13.1.1 and 13.1.2).
+/// Comparison of entity tags: strong for If-Match, weak for If-None-Match (RFC 9110, sections 8.8.3.2, 13.1.1
+/// and 13.1.2).
 enum class Comparison { kStrong, kWeak };
-/// Whether the list of such a field names this entity tag, or is '*'.
+/// Returns whether the list in such a field contains this entity tag or is '*'.
 bool names_etag(std::string_view field, std::string_view etag, Comparison comparison);
 
-/// RFC 9211: the caches in the order the request meets them, nearest to the computation first.
+/// Returns Cache-Status (RFC 9211): the caches in the order in which the request meets them, innermost first.
 std::string cache_status(const FractureAnswer& answer);
 
-/// Milliseconds in the queue and of each stage, those that did not run as 0.
+/// Returns the milliseconds in the queue and of each stage; stages that did not run are 0.
 std::string server_timing(const FractureAnswer& answer);
 
 }  // namespace fracture::http

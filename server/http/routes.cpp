@@ -11,7 +11,7 @@ constexpr std::string_view kEventTypes[] = {"text/event-stream"};
 constexpr std::string_view kTextTypes[] = {"text/plain"};
 constexpr std::string_view kPageTypes[] = {"text/plain", "text/html"};
 constexpr std::string_view kHtmlTypes[] = {"text/html"};
-/// The name of a page's file decides its type, whatever the element or script that loads it accepts.
+/// The type of a page's file depends on its name, whatever the Accept field of the loading element says.
 constexpr std::string_view kAnyTypes[] = {"*/*"};
 
 using enum Operation;

@@ -21,15 +21,16 @@
 namespace fracture::http {
 namespace {
 
-/// File descriptors that are not connections: logs, listeners, event queues, what the libraries open for a
-/// moment.
+/// File descriptors reserved for purposes other than connections: logs, listeners, event queues, and files
+/// that libraries open briefly.
 constexpr std::size_t kReservedDescriptors = 64;
-/// Of them, connections of the admin listener, which all may be one client's.
+/// Number of these for connections of the admin listener, which may all belong to one client.
 constexpr std::size_t kAdminConnections = 16;
-/// Open files beside the places of the public listener: each of the two has more connections for a moment.
+/// File descriptors needed in addition to the public listener's places. Each listener can exceed its places
+/// for a moment.
 constexpr std::size_t kBeside = kReservedDescriptors + 2 * Connections::kMostBeyond;
-/// Pause after a failed accept. Without it, a process at its descriptor limit spins: the listening socket
-/// stays readable.
+/// Pause after a failed accept. Without it, a process at its descriptor limit would spin, because the
+/// listening socket stays readable.
 constexpr std::chrono::milliseconds kAcceptBackOff{75};
 
 std::size_t connection_limit(std::size_t wanted) {
@@ -47,8 +48,8 @@ std::size_t connection_limit(std::size_t wanted) {
   return std::min(wanted, usable);
 }
 
-/// io_context::run() with a last line of defence: an exception out of a handler is logged, and the loop goes
-/// on. `turned` is called after each turn.
+/// Runs io_context::run(). As a last resort, exceptions from handlers are logged and the loop continues.
+/// Calls `turned` after each turn.
 template <class Turned>
 void run_forever(asio::io_context& context, Turned turned) {
   for (;;) {
@@ -63,7 +64,7 @@ void run_forever(asio::io_context& context, Turned turned) {
   }
 }
 
-/// Of the public listener: everybody waits for it, so what it does in a turn is measured and limited.
+/// Runs the public listener. All clients share its threads, so the work in each turn is measured and limited.
 void run_public(asio::io_context& context, ops::Metrics& metrics, BulkLimit& bulk) {
   limit_bulk(&bulk);
   double before = processor_seconds_of_this_thread();
@@ -96,7 +97,7 @@ void count(ops::Metrics& metrics, Connections::Verdict verdict) {
     metrics.count_refused_connection(ops::Metrics::Refusal::kTooManyOfAddress);
 }
 
-/// Until the acceptor is closed.
+/// Accepts connections until the acceptor is closed.
 asio::awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_context& context,
                                          SessionContext shared) {
   asio::steady_timer pause(acceptor.get_executor());
@@ -106,7 +107,7 @@ asio::awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_conte
     co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, ec));
     if (ec == asio::error::operation_aborted || !acceptor.is_open()) co_return;
     if (ec) {
-      if (ec == asio::error::connection_aborted) continue;  // the client gave up in the queue
+      if (ec == asio::error::connection_aborted) continue;  // the client left while it was queued
       spdlog::warn("accept failed: {}", ec.message());
       pause.expires_after(kAcceptBackOff);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
@@ -123,7 +124,7 @@ asio::awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_conte
   }
 }
 
-/// Whatever one connection fails for (no memory for its session), the next one is accepted.
+/// Keeps accepting: an error with one connection (no memory for its session) does not affect the next one.
 asio::awaitable<void> accept_loop(tcp::acceptor& acceptor, asio::io_context& context, SessionContext shared) {
   asio::steady_timer pause(acceptor.get_executor());
   while (acceptor.is_open()) {
@@ -194,7 +195,7 @@ class HttpServer::Impl {
     context_.stop();
     admin_context_.stop();
     for (std::thread& thread : threads_) thread.join();
-    // No handler runs any more, so nothing can be submitted; what was submitted still uses sessions and
+    // No handler can run or submit work any more. Work that was submitted may still use sessions and
     // contexts.
     api_.wait_idle();
     api_.metrics().remove_source(metrics_source_);
@@ -216,7 +217,8 @@ class HttpServer::Impl {
   Api& api_;
   Policy policy_;
   std::size_t max_connections_;
-  // Sessions live in handlers of the contexts and use the connections: destroyed after the contexts.
+  // Handlers of the contexts own sessions, which use the connections, so the contexts must be destroyed
+  // first.
   Connections connections_, admin_connections_;
   asio::io_context context_, admin_context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()},

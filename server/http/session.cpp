@@ -25,15 +25,15 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// The time that a connection has left that is told only that it is refused, or that it has lost its place.
+/// Time left for a connection that only receives a refusal, or that has lost its place.
 constexpr std::chrono::seconds kLastWords{2};
 
 double milliseconds_since(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
 }
 
-/// Where the pool hands a finished answer back to the session. Shared, since either side may outlive the
-/// other.
+/// A request and its answer, which the pool passes to the session. Shared, because either side may outlive
+/// the other.
 struct Exchange {
   Request request;
   Response response;
@@ -79,7 +79,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     asio::post(executor(), [self = shared_from_this()] {
       self->closing_ = true;
       if (!self->busy_) self->connection_->abort();
-      self->work_->wake();  // a stream of events ends
+      self->work_->wake();  // ends an event stream
     });
   }
 
@@ -90,7 +90,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       self->giving_way_ = true;
       self->connection_->end_by(steady_clock::now() + kLastWords);
       self->work_->cancel();
-      self->work_->wake();  // a stream of events ends
+      self->work_->wake();  // ends an event stream
       self->connection_->abort();
     });
   }
@@ -99,7 +99,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     asio::post(executor(), [self = shared_from_this()] { self->work_->cancel(); });
   }
 
-  void tokens_changed() override {  // a stream of events looks again
+  void tokens_changed() override {  // an event stream checks its permission again
     asio::post(executor(), [self = shared_from_this()] { self->work_->wake(); });
   }
 
@@ -120,7 +120,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     if (verdict_ != Connections::Verdict::kWelcome) {
       begin_record(new_request_id());
       connection_->end_by(start_ + kLastWords);
-      const Problem refusal = turned_away();  // named: g++ 12 destroys such a temporary twice
+      const Problem refusal = turned_away();  // a variable: g++ 12 destroys such a temporary twice
       co_await refuse_and_close(refusal);
       co_return;
     }
@@ -138,23 +138,25 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     for (;;) {
       set_busy(false);
       set_waiting(true);
-      exchange_ = std::make_shared<Exchange>();  // an idle connection keeps no result alive
+      exchange_ = std::make_shared<Exchange>();  // an idle connection must not keep a result alive
       begin_record(new_request_id());
-      if (proxied_) place_.belongs_to(client_key_, context_.policy.limit_of(client_));  // until somebody asks
+      // Until the next request, the place counts for the proxy, or for the client in its PROXY header.
+      if (proxied_) place_.belongs_to(client_key_, context_.policy.limit_of(client_));
       OrProblem<std::optional<RequestHead>> head = co_await read_head();
       start_ = steady_clock::now();
       if (!head) {
         co_await refuse_and_close(head.error());
         co_return;
       }
-      if (!*head) co_return;  // closed or idle between requests
+      if (!*head) co_return;  // closed, or idle for too long between requests
       set_waiting(true);      // for the body
       exchange_->request.head = std::move(**head);
       if (!co_await answer()) co_return;
     }
   }
 
-  /// One request, from its header in exchange_ to the last byte of its answer. False when the connection is over.
+  /// Handles one request, from its header in exchange_ to the last byte of its answer. Returns false if the
+  /// connection must end.
   asio::awaitable<bool> answer() {
     Request& request = exchange_->request;
     const RequestHead& head = request.head;
@@ -163,7 +165,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     note_request(record_, head);
     record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
     client_key_ = client_of(record_.address);
-    // A proxy's connection is the client's for whom it asks.
+    // A connection from a proxy counts for the client that the proxy names.
     if (proxied_ && !place_.belongs_to(client_key_, context_.policy.limit_of(record_.address))) {
       const Problem refusal = too_many_connections();
       co_await refuse_and_close(refusal);
@@ -226,7 +228,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         co_await refuse_and_close(gone);
         co_return false;
       }
-      // A job may have been waited for: what is read is not read for longer than the token is good.
+      // The request may have waited for a job, so check again whether the token still permits reading.
       if (waited_ && head.method == "GET")
         if (const std::optional<Problem> revoked =
                 refuse_by_now(context_.policy.accounts, head, request.payer.account)) {
@@ -236,7 +238,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       record_.queue_milliseconds = exchange_->response.queue_milliseconds;
     }
 
-    // A client of HTTP/1.0 knows no chunks: a stream ends with its connection.
+    // HTTP/1.0 has no chunks, so the end of the connection marks the end of a stream.
     const bool endless = exchange_->response.stream && head.minor_version < 1;
     const bool keep = head.keep_alive && !closing() && !endless;
     const bool written = co_await write(exchange_->response, keep, request.admission.head_only);
@@ -245,7 +247,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     co_return written&& keep;
   }
 
-  /// The request is this name's from here on. Nothing, or why it is refused.
+  /// Assigns the request to this account. Returns the refusal, if any.
   std::optional<Problem> enter(AccountPointer account, const RequestHead& head) {
     if (!account) return std::nullopt;
     record_.client = account->name();
@@ -284,7 +286,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         [this](bool started) { return giving_way_ || (closing() && !started); }, [this] { set_busy(true); });
   }
 
-  /// Fills exchange_->response. False: the client has left, and what it asked for was stopped.
+  /// Fills exchange_->response. Returns false if the client has left and its work was stopped.
   asio::awaitable<bool> compute() {
     const std::shared_ptr<Exchange> exchange = exchange_;
     Request& request = exchange->request;
@@ -307,8 +309,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     co_return false;
   }
 
-  /// Counts the answer as on its way, from `hold` on; where there is no room for it, a refusal takes its
-  /// place.
+  /// Counts the answer as held by this client until `hold` is destroyed. If there is no memory for it,
+  /// replaces the answer with a refusal.
   void count_answer(Response& response, bool head_only, HeldBuffers::Hold& hold) {
     const std::uint64_t held = std::max<std::uint64_t>(response.body.size(), response.owner_bytes);
     if (!response.owner || head_only || held <= kSmallAnswer) return;
@@ -324,7 +326,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         id_);
   }
 
-  /// False when the client is gone or takes the answer too slowly.
+  /// Returns false if the client is gone or reads the answer too slowly.
   asio::awaitable<bool> write(Response& response, bool keep_alive, bool head_only) {
     if (response.stream) {
       const Request& request = exchange_->request;
@@ -373,19 +375,19 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   const Connections::Verdict verdict_;
   Connections::Place place_;
   const std::string address_;  // of the peer
-  std::string client_;         // whom the peer speaks for, by the PROXY protocol
-  const bool proxied_;         // the peer may speak for others
-  std::string client_key_;     // who shares with whom: client_of() of who asks
+  std::string client_;         // the client named by the PROXY protocol, else the peer
+  const bool proxied_;         // the peer is a trusted proxy
+  std::string client_key_;     // client_of() of the requesting address, for shared limits
   std::shared_ptr<Exchange> exchange_ = std::make_shared<Exchange>();
-  std::string id_;        // of the request in progress
-  Fields policy_fields_;  // CORS and the shares of the name
+  std::string id_;        // of the current request
+  Fields policy_fields_;  // CORS and rate limit fields
   ops::RequestRecord record_;
   steady_clock::time_point start_{};
   std::size_t head_size_ = 0;
   bool busy_ = false;    // a request is in progress
-  bool waited_ = false;  // for the answer: it was not there at once
+  bool waited_ = false;  // the answer was not ready at once
   bool giving_way_ = false;
-  bool closing_ = false;  // answer what is in progress, then close: the drain, or it has lost its place
+  bool closing_ = false;  // close after the current answer: draining, or the place is lost
 };
 
 }  // namespace

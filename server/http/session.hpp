@@ -1,4 +1,4 @@
-// One connection: reads requests one after another, hands them to the Api, writes the answers.
+// One connection: reads requests one after another, passes them to the Api and writes the answers.
 #pragma once
 
 #include "server/http/api.hpp"
@@ -11,20 +11,20 @@
 
 namespace fracture::http {
 
-/// Who may ask on the public listener.
+/// Access rules of the public listener.
 struct Policy {
   tenants::Accounts accounts;
   TrustedProxies proxies;
   CorsPolicy cors;
-  SitePolicy sites;  ///< asked where no token is required
+  SitePolicy sites;  ///< applied if no token is required
 
-  /// A proxy's connections are those of many clients.
+  /// A proxy's connections belong to many clients.
   Connections::OfClient limit_of(const std::string& address) const {
     return proxies.contains(address) ? Connections::OfClient::kUnlimited : Connections::OfClient::kLimited;
   }
 };
 
-/// What the sessions of a listener share; the references outlive them.
+/// Data shared by the sessions of a listener. The references outlive the sessions.
 struct SessionContext {
   Listener listener;
   Api& api;
@@ -32,8 +32,8 @@ struct SessionContext {
   const Policy& policy;
 };
 
-/// Starts a session that owns the socket, on the socket's executor (a strand), and its place among the connections. A
-/// verdict other than kWelcome makes it answer one refusal and close.
+/// Starts a session, which owns the socket and its place among the connections. It runs on the socket's
+/// executor (a strand). With a verdict other than kWelcome, it sends one refusal and closes.
 void start_session(tcp::socket socket, const SessionContext& context, Connections::Arrival arrival,
                    const std::string& address);
 

@@ -10,8 +10,8 @@
 namespace fracture::http {
 namespace {
 
-/// The name in "name[:port]" or "[address][:port]", the latter with its brackets, without a final dot; nothing for
-/// text that has neither form.
+/// Returns the host in "name[:port]" or "[address][:port]", the latter with its brackets, without a final
+/// dot. Returns nothing if the text has neither form.
 std::optional<std::string_view> name_in(std::string_view text) {
   const std::optional<Authority> authority = authority_in(text);
   if (!authority) return std::nullopt;
@@ -20,7 +20,8 @@ std::optional<std::string_view> name_in(std::string_view text) {
   return name;
 }
 
-/// No name leads from one address to another: what is asked for by address is not rebound.
+/// Returns whether the name is an address. Addresses are safe, because only names can be rebound to another
+/// address.
 bool is_address(std::string_view name) {
   in6_addr parsed{};
   if (name.size() > 2 && name.front() == '[' && name.back() == ']')
@@ -32,7 +33,7 @@ bool is_loopback_address(std::string_view name) {
   return name == "[::1]" || (is_address(name) && name.substr(0, 4) == "127.");
 }
 
-/// RFC 6761, section 6.3: such names lead to this machine.
+/// RFC 6761, section 6.3: these names always resolve to this machine.
 bool is_localhost(std::string_view name) {
   constexpr std::string_view kName = "localhost", kBelow = ".localhost";
   return equals_ignoring_case(name, kName) ||

@@ -1,7 +1,7 @@
-// Which web pages may reach a server that asks for no token. A browser is a way into the machine it runs on
-// and the network around it: a page of any site may post a form to 127.0.0.1, and by DNS rebinding (Jackson
-// et al., "Protecting Browsers from DNS Rebinding Attacks", 2007) even read the answer, since its own name
-// then leads here. A browser cannot lie about Host and Origin, so these two are held to names that are ours.
+// Decides which web pages may reach a server that requires no token. A browser gives pages access to its
+// machine and network: any page can post a form to 127.0.0.1. With DNS rebinding (Jackson et al., "Protecting
+// Browsers from DNS Rebinding Attacks", 2007) a page can even read the answer, because its own host name then
+// resolves to this server. A page cannot forge Host and Origin, so both are checked.
 #pragma once
 
 #include <optional>
@@ -17,13 +17,13 @@ namespace fracture::http {
 class SitePolicy {
  public:
   SitePolicy() = default;
-  /// `hosts`: names without port by which clients call this server, or "*": any.
+  /// `hosts`: names without port under which clients reach this server; "*" allows all.
   SitePolicy(std::vector<std::string> hosts, CorsPolicy cors)
       : hosts_(std::move(hosts)), cors_(std::move(cors)) {}
 
-  /// 403 for a Host that is neither an address, nor a name of this machine, nor an allowed one; and for an
-  /// Origin that is none of these, nor the Host itself, nor one that CORS allows. A request without these
-  /// fields comes from no browser.
+  /// Returns 403 if Host is not an address, a name of this machine or an allowed name. Also returns 403 if
+  /// Origin is none of these, differs from Host, and is not allowed by CORS. Requests without these fields do
+  /// not come from a browser.
   std::optional<Problem> refuse(const RequestHead& head) const;
 
  private:

@@ -9,13 +9,14 @@ namespace {
 using std::chrono::steady_clock;
 namespace bhttp = beast::http;
 
-/// What a stream has delivered. Shared, since either side may outlive the other.
+/// Data from the stream. Shared, because either side may outlive the other.
 struct Next {
   bool there = false;
-  std::optional<std::string> bytes;  // nothing: the stream has ended
+  std::optional<std::string> bytes;  // empty: the stream has ended
 };
 
-/// Nothing in it: the client is gone or the server drains.
+/// Waits for the next data. Returns an empty Next if the client is gone, the server drains or reading is not
+/// allowed.
 asio::awaitable<std::shared_ptr<Next>> next_of(BodyStream& stream, const StreamTarget& target) {
   const auto next = std::make_shared<Next>();
   target.wait->begin();
@@ -54,7 +55,7 @@ asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& r
     const bool last = !next->there || !next->bytes;
     if (last && !chunked) break;
     target.connection.set_deadline(steady_clock::now() + target.limits.write_stall);
-    // Chunks have names: g++ 12 destroys a temporary twice that is an argument of what is awaited.
+    // The chunks are variables: g++ 12 destroys a temporary in the arguments of an awaited call twice.
     if (last) {
       const auto end = bhttp::make_chunk_last();
       co_await asio::async_write(socket, end, into_ec());

@@ -1,4 +1,4 @@
-// Writes an answer whose bytes come while it is written.
+// Writes an answer whose data arrives while it is being written.
 #pragma once
 
 #include <functional>
@@ -11,18 +11,18 @@
 
 namespace fracture::http {
 
-/// What one streamed answer needs of its connection. It and what it refers to outlive the writing.
+/// The objects that a streamed answer needs. They must outlive the writing.
 struct StreamTarget {
   TimedSocket& connection;
   std::shared_ptr<WorkWait> wait;
   const HttpLimits& limits;
-  std::function<bool()> draining;  ///< the server stops: the stream ends here
-  std::function<bool()> allowed;   ///< false: its reader may read no more: the stream is cut off
+  std::function<bool()> draining;  ///< true if the server is stopping: the stream ends normally
+  std::function<bool()> allowed;   ///< false if the reader lost its permission: the stream is cut off
 };
 
-/// What the stream delivers, until it ends, the server drains or its reader may read no more; in chunks, or (a client of HTTP/1.0 knows none)
-/// as it is: then the answer ends with the connection. False when the client is gone, takes it too slowly or
-/// may read no more: then nothing is sent that would end the answer.
+/// Writes the stream until it ends, the server drains, or the reader is no longer allowed to read. The data
+/// is sent in chunks or, for HTTP/1.0, unframed, and the answer then ends with the connection. Returns false
+/// if the client is gone, reads too slowly or lost its permission; the answer is then left without its end.
 asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& response,
                                    const std::string& id, const Fields& more, bool chunked, bool keep_alive,
                                    bool head_only);

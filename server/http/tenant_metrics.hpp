@@ -1,4 +1,4 @@
-// Usage by name, for /metrics.
+// Usage per name, for /metrics.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace fracture::http {
 
-/// So many names have figures of their own; what the others used is summed under this, which no name can be:
-/// names have no spaces.
+/// Number of names with their own metrics. The usage of all others is summed under kOtherNames, which cannot
+/// be a name because it contains a space.
 inline constexpr std::size_t kNamesInMetrics = 100;
 inline constexpr const char* kOtherNames = "all others";
 
-/// Bytes that a name holds: of stored meshes, of answers that it can fetch again.
+/// Bytes that a name holds: in stored meshes, and in answers that it can fetch again.
 struct Holdings {
   std::uint64_t stored = 0, cached = 0;
 };
 
-/// Nothing without tokens.
+/// Writes the metrics; none without tokens.
 void write_tenant_metrics(const tenants::Accounts& accounts,
                           const std::function<Holdings(const std::string& name)>& holdings,
                           ops::MetricWriter& writer);

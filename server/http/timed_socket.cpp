@@ -68,7 +68,7 @@ bool TimedSocket::is_reset() {
 }
 
 bool TimedSocket::read_ahead(beast::flat_buffer& buffer) {
-  constexpr std::size_t kAtOnce = 16u << 10;  // little enough that other connections get their turn
+  constexpr std::size_t kAtOnce = 16u << 10;  // small enough for other connections to get their turn
   const auto room = buffer.prepare(std::min(kAtOnce, buffer.max_size() - buffer.size()));
   const ssize_t n = ::recv(socket_.native_handle(), room.data(), room.size(), MSG_DONTWAIT);
   if (n > 0) buffer.commit(static_cast<std::size_t>(n));

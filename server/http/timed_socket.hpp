@@ -1,4 +1,4 @@
-// A socket whose operations end at a deadline.
+// A socket whose operations have deadlines.
 #pragma once
 
 #include <chrono>
@@ -9,8 +9,8 @@
 
 namespace fracture::http {
 
-/// Used from the socket's strand only. Held by shared_ptr: the timer's handler may run after its owner has
-/// gone.
+/// Use only from the socket's strand. Held by shared_ptr, because the timer's handler may run after the owner
+/// is gone.
 class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
  public:
   using Clock = std::chrono::steady_clock;
@@ -19,28 +19,27 @@ class TimedSocket : public std::enable_shared_from_this<TimedSocket> {
 
   tcp::socket& socket() { return socket_; }
 
-  /// From now on every operation ends at `when`, with timed_out(). A later call replaces it.
+  /// Ends every operation at `when`; timed_out() is then true. A later call replaces the deadline.
   void set_deadline(Clock::time_point when);
   void clear_deadline();
   bool timed_out() const { return timed_out_; }
 
-  /// No operation goes on beyond this, whatever deadline is set from now on.
+  /// Sets a final end for all operations, whatever deadlines are set later.
   void end_by(Clock::time_point when);
 
   /// Ends every operation in progress.
   void abort();
-  /// Bytes that the kernel holds because the client has not taken them.
+  /// Returns the number of bytes in the kernel that the client has not taken yet.
   std::uint64_t unsent();
-  /// The connection was reset; urgent data, which wakes the same wait, is none.
+  /// Returns whether the connection was reset. Urgent data, which ends the same wait, does not count.
   bool is_reset();
-  /// Takes what the client has sent into the buffer, which must have room. False: the client has closed its side, or
-  /// the connection was reset.
+  /// Reads data that the client has sent into the buffer, which must have room. Returns false if the client
+  /// has closed its side or the connection was reset.
   bool read_ahead(beast::flat_buffer& buffer);
-  /// Takes a byte of urgent data, which no request has a use for. False where there is none.
+  /// Reads and drops one byte of urgent data, which no request uses. Returns false if there is none.
   bool take_urgent_byte();
-  /// After an answer that ends the connection, what the client still sends is read and thrown away for a
-  /// while: closing a socket with unread data makes the kernel send a reset that can destroy the answer
-  /// before the client has read it.
+  /// Reads and drops data from the client for a short time after the last answer. If a socket is closed with
+  /// unread data, the kernel sends a reset, which can destroy the answer before the client has read it.
   asio::awaitable<void> linger();
 
  private:

@@ -47,10 +47,10 @@ void WorkWait::watch() {
 }
 
 void WorkWait::look(error_code ec, bool reads) {
-  if (ec == asio::error::operation_aborted) return watch();  // it was the watch of the wait before
+  if (ec == asio::error::operation_aborted) return watch();  // it belonged to the previous wait
   if (ec) return;
   if (reads ? connection_->read_ahead(ahead_) : !connection_->is_reset()) {
-    // While an urgent byte waits to be taken, a new watch for errors ends at once.
+    // An urgent byte must be read first. Otherwise a new wait for errors would end at once.
     if (reads || connection_->take_urgent_byte()) watch();
     return;
   }

@@ -1,4 +1,4 @@
-// How a connection waits for work that is done elsewhere, and learns that its client is gone.
+// Lets a connection wait for work that is done elsewhere, and notices if its client leaves.
 #pragma once
 
 #include <functional>
@@ -10,45 +10,48 @@
 
 namespace fracture::http {
 
-/// What it means that a client closes its side of the connection while it waits.
+/// Meaning of a client closing its side of the connection while it waits.
 enum class HalfClose {
-  kIsGone,      ///< it takes its request back
-  kStillReads,  ///< nothing: it has said that it would (Half-Close: yes)
+  kIsGone,      ///< it cancels its request
+  kStillReads,  ///< nothing: it has announced this (Half-Close: yes)
 };
 
-/// What a client is told that has taken its request back and reads all the same.
+/// The problem for a client that has cancelled its request but still reads.
 Problem client_closed();
 
-/// Used from the connection's strand only. Held by shared_ptr: the watch on the socket may outlive the wait.
+/// Use only from the connection's strand. Held by shared_ptr, because the watch on the socket may outlive the
+/// wait.
 ///
-/// An end of the stream is behind all that was sent before it. So what a client sends while it waits (pipelined
-/// requests) is read, as far as the buffer has room. Behind more than that only a reset is seen: bytes that are not
-/// read make every wait for an end of the stream return at once.
+/// The end of a stream can only be seen after all data before it was read. So data that a client sends while
+/// it waits (pipelined requests) is read while the buffer has room. When the buffer is full, only a reset is
+/// noticed, because with unread data every wait for the end of the stream would return at once.
 class WorkWait : public std::enable_shared_from_this<WorkWait> {
  public:
-  /// `ahead` gets what is read meanwhile. It outlives every wait, and nothing else uses it during one.
+  /// `ahead` receives the data read during a wait. It must outlive every wait, and nothing else may use it
+  /// then.
   WorkWait(std::shared_ptr<TimedSocket> connection, beast::flat_buffer& ahead);
 
-  /// Of the next request on this connection.
+  /// Sets the meaning of a half-close for the next request on this connection.
   void expect(HalfClose half_close) { half_close_ = half_close; }
-  /// Before the work starts. The token is asked to stop when the client leaves, or by cancel().
+  /// Call before the work starts. The returned token is stopped when the client leaves, or by cancel().
   std::stop_token begin();
-  /// Is asked to stop by cancel() alone.
+  /// Returns a token that is only stopped by cancel().
   std::stop_token cancelled() const { return cancel_.get_token(); }
-  /// Looks again whether what is waited for is there.
+  /// Checks again whether the work is done.
   void wake() { woken_.cancel(); }
-  /// Also of all that begins later.
+  /// Cancels the current work and all later work.
   void cancel() {
     cancel_.request_stop();
     stop_.request_stop();
   }
 
-  /// Waits until `done`, which is asked again after each wake(). A client that leaves wakes, too. `done` outlives the
-  /// wait and has a name: g++ 12 destroys a temporary twice that is an argument of what is awaited.
+  /// Waits until `done` returns true; it is called again after each wake(). A client that leaves also wakes
+  /// the wait. `done` must outlive the wait and be a variable: g++ 12 destroys a temporary in the arguments
+  /// of an awaited call twice.
   asio::awaitable<void> until(const std::function<bool()>& done);
 
   bool stopped() const { return stop_.stop_requested(); }
-  /// The client closed its side, or reset the connection, during the wait.
+  /// Returns whether the client closed its side or reset the connection during the wait.
   bool client_left() const { return left_; }
 
  private:
@@ -57,11 +60,11 @@ class WorkWait : public std::enable_shared_from_this<WorkWait> {
 
   const std::shared_ptr<TimedSocket> connection_;
   beast::flat_buffer& ahead_;
-  asio::steady_timer woken_;  // never expires: cancelled to wake
+  asio::steady_timer woken_;  // never expires; cancelled to wake the wait
   std::stop_source stop_, cancel_;
   HalfClose half_close_ = HalfClose::kIsGone;
   bool left_ = false, watching_ = false;
-  bool armed_ = false;  // the socket has a watch, perhaps of the wait before
+  bool armed_ = false;  // the socket has a watch, possibly one of the previous wait
 };
 
 }  // namespace fracture::http

@@ -1,7 +1,7 @@
-// What blocks on a disk, on a few threads of its own. Each client has a line of calls, which are made one after the other
-// in the order in which they were asked for. Whose disk has been used least goes next (service/fair_queue.hpp), and a
-// client has one thread at most: what it writes keeps others from a thread only if as many clients write at once as
-// there may be threads.
+// Runs blocking disk operations on a few threads of their own. Each client has a queue of calls, which run
+// one after the other in the order in which they were added. The client that has used the disk least comes
+// next (service/fair_queue.hpp), and each client uses at most one thread. So one client's writes cannot
+// occupy all threads.
 #pragma once
 
 #include <spdlog/spdlog.h>
@@ -22,14 +22,15 @@
 
 namespace fracture {
 
-/// Thread-safe. Starts threads when they are needed. What throws is logged, and the next call is made.
+/// Thread-safe. Starts threads when they are needed. Exceptions from calls are logged, and the next call
+/// runs.
 class DiskWork {
  public:
-  /// Disks do little more at the same time.
+  /// Disks gain little from more parallel operations.
   static constexpr std::size_t kMostThreads = 8;
 
   DiskWork() = default;
-  /// Does all that was asked for.
+  /// Runs all remaining calls first.
   ~DiskWork() {
     {
       const std::lock_guard lock(mutex_);
@@ -50,7 +51,7 @@ class DiskWork {
     }
     changed_.notify_all();
   }
-  /// Returns when all that was asked for before is done.
+  /// Returns when all calls that were added before have ended.
   void flush() {
     std::unique_lock lock(mutex_);
     const std::uint64_t end = next_;
@@ -66,7 +67,7 @@ class DiskWork {
     std::function<void()> call;
   };
   using Queue = FairQueue<Call>;
-  static constexpr Priority kClass = Priority::kBatch;  // there is one
+  static constexpr Priority kClass = Priority::kBatch;  // only one class is used
 
   static bool may_begin(const Queue::Client& client, Priority) { return client.running == 0; }
   void start_thread() {
@@ -74,7 +75,7 @@ class DiskWork {
     try {
       threads_.emplace_back([this] { work(); });
       ++free_;
-    } catch (const std::exception&) {  // those that there are do it
+    } catch (const std::exception&) {  // the existing threads do the work
       if (threads_.empty()) throw;
     }
   }
@@ -97,7 +98,7 @@ class DiskWork {
       } catch (const std::exception& e) {
         spdlog::error("work for the disk was given up: {}", e.what());
       }
-      call.call = nullptr;  // what it held is freed without the lock
+      call.call = nullptr;  // destroys what the call captured, without the lock
       const std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin;
       lock.lock();
       ++free_;

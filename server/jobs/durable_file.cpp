@@ -25,7 +25,7 @@ bool write_flushed(const std::string& path, std::string_view head,
   return ::fsync(file.get()) == 0;
 }
 
-/// A file that was renamed is only under its new name for good when the folder is on the disk, too.
+/// Flushes the folder. Without this, the new name of a renamed file may be lost on a power failure.
 bool flush_folder_of(const std::string& path) {
   const Descriptor folder = opened(path.substr(0, path.rfind('/')), O_RDONLY | O_DIRECTORY);
   return folder && ::fsync(folder.get()) == 0;

@@ -1,4 +1,4 @@
-// Files that are on the disk when the call returns.
+// Files that are completely on disk when the call returns.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,13 @@
 
 namespace fracture {
 
-/// Writes `head` and the parts to `temporary`, flushes it to the disk, renames it to `path` and flushes the
-/// folder of that. False with errno set; then neither file is there.
+/// Writes `head` and the parts to `temporary`, flushes it to disk, renames it to `path`, and flushes the
+/// folder of `path`. Returns false and sets errno on failure; `temporary` is then deleted.
 bool write_durably(const std::string& temporary, const std::string& path, std::string_view head,
                    std::span<const std::span<const std::byte>> parts);
 
-/// The whole file. Nothing with errno set; EFBIG when it has more than `most` bytes, of which none is read.
+/// Reads a whole file. On failure returns nothing and sets errno, which is EFBIG if the file has more than
+/// `most` bytes.
 std::optional<std::vector<std::uint8_t>> read_whole(const std::string& path, std::uint64_t most);
 
 }  // namespace fracture

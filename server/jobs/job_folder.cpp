@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 constexpr const char* kRecords = "records";
 constexpr const char* kMeshes = "meshes";
 constexpr const char* kBegun = "begun";
-/// Of a record: some thousand points and what is said of them.
+/// Maximum size of a record: the parameters can contain thousands of points.
 constexpr std::uint64_t kMostOfRecord = 4u << 20;
-/// What a small file takes on a disk.
+/// Disk space that even a small file takes.
 constexpr std::uint64_t kLeastBytes = 4096;
 constexpr std::size_t kMaxQuarantined = 16;
 
@@ -78,7 +78,8 @@ std::vector<JobFolder::Found> JobFolder::restore() {
       known.insert(id);
       const bool open = record->state == JobState::kQueued;
       if (open) {
-        // What the disk has counts, not what the record says of it. A larger one could only be refused again and again.
+        // The size on disk counts, not the size in the record. A larger mesh is set aside, because its job
+        // would be refused again and again.
         record->mesh_bytes = size_of(path(kMeshes, record->digest));
         if (record->mesh_bytes > config_.max_bytes) {
           put_aside(kMeshes, record->digest);
@@ -94,7 +95,7 @@ std::vector<JobFolder::Found> JobFolder::restore() {
       record->parameters = nlohmann::json::object();
       found.push_back({std::move(*record), size_of(path(kBegun, id))});
     }
-    if (all) {  // else it may be needed by a job that stays for a later start
+    if (all) {  // otherwise jobs left for a later start may need the files
       for (const std::string& digest : names_in(config_.folder + "/" + kMeshes))
         if (!needed.contains(digest)) ::unlink(path(kMeshes, digest).c_str());
       for (const std::string& id : names_in(config_.folder + "/" + kBegun))
@@ -109,7 +110,7 @@ std::vector<JobFolder::Found> JobFolder::restore() {
   return found;
 }
 
-// -- places
+// -- space
 
 JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share, const std::string& client) {
   std::uint64_t own = 0;
@@ -168,7 +169,7 @@ void JobFolder::let_mesh_go(Place& place) {
   const auto needed = mesh->second.needed.find(place.owner);
   if (needed != mesh->second.needed.end() && --needed->second == 0) mesh->second.needed.erase(needed);
   if (!mesh->second.needed.empty()) return;
-  // With the lock: whoever needs it from now on writes it again.
+  // Under the lock: a job that needs this mesh later writes it again.
   if (mesh->second.written) ::unlink(path(kMeshes, mesh->first).c_str());
   figures_.bytes -= mesh->second.bytes;
   meshes_.erase(mesh);
@@ -214,7 +215,7 @@ bool JobFolder::put_record(const JobRecord& record) {
   std::string bytes;
   try {
     bytes = encode_record(record);
-  } catch (const nlohmann::json::exception&) {  // what it came to is no UTF-8
+  } catch (const nlohmann::json::exception&) {  // some text is not UTF-8
     return false;
   }
   if (!config_.keys.empty())
@@ -251,7 +252,7 @@ bool JobFolder::write(const JobRecord& record, const FractureRequest& request) {
     const std::lock_guard lock(mutex_);
     if (const auto mesh = meshes_.find(record.digest); mesh != meshes_.end()) mesh->second.written = true;
   }
-  return put_record(record);  // last: a record whose mesh is not there would be a promise that is not kept
+  return put_record(record);  // last, because a record without its mesh would be useless
 }
 
 bool JobFolder::write_end(const JobRecord& record) {
@@ -263,7 +264,7 @@ bool JobFolder::write_end(const JobRecord& record) {
 }
 
 void JobFolder::remove(const std::string& id) {
-  // The record first: a mark without a record means nothing.
+  // Delete the record first: a mark without a record has no meaning.
   ::unlink(path(kRecords, id).c_str());
   ::unlink(path(kBegun, id).c_str());
   const std::lock_guard lock(mutex_);
@@ -282,7 +283,7 @@ std::optional<KeptMesh> JobFolder::read_mesh(const std::string& digest) {
     if (mesh == meshes_.end()) return std::nullopt;
     size = mesh->second.bytes;
   }
-  // Its head comes on top of what was charged.
+  // The file's header is not included in the charged size.
   if (auto bytes = read_whole(path(kMeshes, digest), size + kMostOfRecord)) {
     auto mesh = decode_mesh(std::make_shared<const std::vector<std::uint8_t>>(std::move(*bytes)), 0, digest);
     if (mesh) return mesh;
@@ -309,7 +310,7 @@ void JobFolder::put_aside(const char* kind, const std::string& name) {
 void JobFolder::begun(const std::string& id) noexcept {
   const int file = ::open(path(kBegun, id).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file < 0) return;
-  if (::write(file, "x", 1) != 1) errno = 0;  // then this attempt does not count
+  if (::write(file, "x", 1) != 1) errno = 0;  // on failure, this attempt is not counted
   ::close(file);
 }
 

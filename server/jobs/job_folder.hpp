@@ -1,13 +1,13 @@
-// Jobs on the disk, so that they outlive the process. A file appears under its name only when it is whole and
-// on the disk (written beside, fsync, rename, fsync of the folder), and is believed only when its digest says
-// so; what is not is put aside.
+// Stores jobs on disk, so that they outlive the process. A file appears under its name only when it is
+// complete and on disk (written to a temporary file, fsync, rename, fsync of the folder). It is only used if
+// its digest matches; damaged files are moved to quarantine.
 //
 //   <folder>/lock               held by the one server that uses the folder
-//   <folder>/records/<job id>   a job: what is asked while it is to be computed, what it came to afterwards
-//   <folder>/meshes/<digest>    a mesh with its files, for as long as a job that is to be computed needs it
-//   <folder>/begun/<job id>     one byte for each process that began to compute it and did not end it
-//   <folder>/tmp/...            being written; emptied at the start
-//   <folder>/quarantine/...     what was found damaged, a few of them, to look at
+//   <folder>/records/<job id>   a job: its request while it is unfinished, its outcome afterwards
+//   <folder>/meshes/<digest>    a mesh with its files, kept while an unfinished job needs it
+//   <folder>/begun/<job id>     one byte for each process that ended while it computed the job
+//   <folder>/tmp/...            files being written; emptied at the start
+//   <folder>/quarantine/...     a few damaged files, for inspection
 #pragma once
 
 #include <cstddef>
@@ -30,69 +30,72 @@ namespace fracture {
 
 struct JobFolderConfig {
   std::string folder;
-  std::uint64_t max_bytes = 1ull << 30;  ///< of records and meshes together
-  /// With keys every record is signed, and one that is not counts as damaged. Meshes are named by their
-  /// digest.
+  std::uint64_t max_bytes = 1ull << 30;  ///< for records and meshes together
+  /// If there are keys, every record is signed, and an unsigned record counts as damaged. Meshes are checked
+  /// by their digest.
   FarmKeys keys{};
-  std::size_t max_jobs = 1000;  ///< that restore() takes; further ones stay where they are, for a later start
+  std::size_t max_jobs = 1000;  ///< limit for restore(); further jobs remain on disk for a later start
 };
 
 struct JobFolderFigures {
   std::size_t jobs = 0;
   std::uint64_t bytes = 0, writes = 0;
-  std::uint64_t failures = 0;     ///< reads or writes that the system refused
-  std::uint64_t quarantined = 0;  ///< files that were found damaged
+  std::uint64_t failures = 0;     ///< reads and writes that failed
+  std::uint64_t quarantined = 0;  ///< damaged files
 };
 
-/// Invariant: the bytes of all jobs that have a place are at most max_bytes, where a mesh that several jobs
-/// need counts once; those of one owner, counted for itself, were at most its share when it got the place, and those of
-/// one client at most its part.
-/// Thread-safe; what is said to block blocks for as long as the disk takes.
+/// Invariant: all jobs with a place take at most max_bytes, counting a mesh that several jobs need only once.
+/// When a job gets its place, its owner's jobs take at most the owner's share, and its client's jobs at most
+/// the client's part. Thread-safe. Functions that are said to block do so for the duration of the disk
+/// operations.
 class JobFolder {
  public:
-  /// The folder is not touched before take().
+  /// Does not access the folder before take().
   explicit JobFolder(JobFolderConfig config) : config_(std::move(config)) {}
   JobFolder(const JobFolder&) = delete;
   JobFolder& operator=(const JobFolder&) = delete;
 
-  /// Takes the folder over: makes it, removes what an earlier process left half-written. False while another
-  /// server has it: to be called again, before all else. kFileAccess when the folder cannot be used. Blocks.
+  /// Takes over the folder: creates it and deletes incomplete files of an earlier process. Returns false
+  /// while another server holds it; call again before using other functions. Returns kFileAccess if the
+  /// folder cannot be used. Blocks.
   Expected<bool> take();
 
-  /// A job that is there from an earlier process.
+  /// A job of an earlier process.
   struct Found {
     JobRecord record;
-    std::uint64_t begun = 0;  ///< in how many processes it was being computed when they ended
+    std::uint64_t begun = 0;  ///< number of processes that ended while they computed it
   };
-  /// What is there, each with its place, the oldest first; without parameters, which read() has, and with the size that
-  /// its mesh has on the disk. After take(), before all else. Blocks.
+  /// Loads the jobs in the folder, oldest first, and gives each a place. Their parameters are left out;
+  /// read() returns them. Their mesh sizes are those of the files. Call after take() and before all other
+  /// functions. Blocks.
   std::vector<Found> restore();
 
   enum class Room {
     kThere,
-    kFull,       ///< other jobs have it
-    kOverShare,  ///< this owner's other jobs have its share
-    kOverPart,  ///< this client's other jobs have its part, whatever its share (FairShare: half, when it is alone)
-    kTooLarge,  ///< for the folder or the share, were they empty
-    kUnfit,     ///< it cannot be written down: a text of it is not UTF-8
+    kFull,       ///< other jobs use the space
+    kOverShare,  ///< the owner's other jobs use up its share
+    kOverPart,   ///< the client's other jobs use up its part (FairShare: half, if it is the only client)
+    kTooLarge,   ///< larger than the folder or the share, even if they were empty
+    kUnfit,      ///< cannot be stored: a text in it is not UTF-8, or it is too large
   };
-  /// A place for a job, until remove(). It counts as the client's; nobody in particular ("") has no part. Does not touch
-  /// the disk.
+  /// Reserves a place for a job until remove(). It is charged to the client; an empty client has no part.
+  /// Does not access the disk.
   Room reserve(const JobRecord& record, std::uint64_t share, const std::string& client = "");
-  /// Mesh and record. False when they could not be written. Blocks.
+  /// Writes the mesh and the record of a job. Returns false on failure. Blocks.
   bool write(const JobRecord& record, const FractureRequest& request);
-  /// What write() wrote of a job that is to be computed. Nothing where it is gone or damaged (which puts it
-  /// aside). Blocks.
+  /// Reads the record of an unfinished job, as write() stored it. Returns nothing if it is missing or
+  /// damaged; a damaged file is moved to quarantine. Blocks.
   std::optional<JobRecord> read(const std::string& id) { return get_record(id); }
-  /// The record of a job that has ended, in place of what was to be computed. Blocks.
+  /// Replaces the record by that of an ended job. Blocks.
   bool write_end(const JobRecord& record);
-  /// Record, mark and place, and the mesh where no other job needs it. Blocks.
+  /// Deletes the record, the mark and the place, and also the mesh if no other job needs it. Blocks.
   void remove(const std::string& id);
-  /// Nothing where it is gone or damaged (which puts it aside). Blocks.
+  /// Reads a mesh. Returns nothing if it is missing or damaged; a damaged file is moved to quarantine.
+  /// Blocks.
   std::optional<KeptMesh> read_mesh(const std::string& digest);
 
-  /// Leaves the mark that this process computes the job, or takes it away. It outlives the process but not
-  /// the machine: what takes the power away was not the job.
+  /// Adds or removes the mark that this process computes the job. The mark survives the process, but is not
+  /// flushed to disk, because a power failure is not the job's fault.
   void begun(const std::string& id) noexcept;
   void not_begun(const std::string& id) noexcept;
 
@@ -102,13 +105,13 @@ class JobFolder {
  private:
   struct Place {
     std::string owner, client;
-    std::string digest;  ///< of the mesh that it needs; empty: none (any more)
+    std::string digest;  ///< of the mesh that it needs; empty: no longer needed
     std::uint64_t bytes = 0;
   };
   struct Mesh {
     std::uint64_t bytes = 0;
     bool written = false;
-    std::map<std::string, std::size_t> needed;  ///< by how many jobs of each owner
+    std::map<std::string, std::size_t> needed;  ///< number of jobs per owner that need it
   };
 
   std::string path(const char* kind, const std::string& name) const {
@@ -118,12 +121,13 @@ class JobFolder {
            std::span<const std::span<const std::byte>> parts);
   SignedAs signed_as(std::string_view id) const { return {"jobs", id, 0}; }
   bool put_record(const JobRecord& record);
-  /// Nothing where it is damaged or not signed, which puts it aside.
+  /// Returns nothing if the record is damaged or not signed, and moves it to quarantine.
   std::optional<JobRecord> get_record(const std::string& id);
   void put_aside(const char* kind, const std::string& name);
-  // With the lock.
+  // The following functions need the lock.
   void take_place(const JobRecord& record, std::uint64_t record_bytes, const std::string& client);
-  /// What this client's jobs take, each mesh once; `with` is a mesh that one more of them needs.
+  /// Returns the bytes of this client's jobs, counting each mesh once, including the mesh of the new job
+  /// `with`.
   std::uint64_t bytes_of_client(const std::string& client, const JobRecord& with) const;
   void let_mesh_go(Place& place);
   std::uint64_t bytes_of_locked(const std::string& owner) const;

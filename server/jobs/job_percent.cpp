@@ -5,7 +5,7 @@
 namespace fracture {
 namespace {
 
-/// What a pass takes of the time that clip and what follows take.
+/// Duration of the clip stage and the following stages, in multiples of a relaxation pass.
 constexpr double kClipOverPass = 1.5;
 
 int ends(Stage stage) { return kStages[index_of(stage)].ends_at; }

@@ -1,4 +1,4 @@
-// How far a job is as one number, from the stage that it is in and how far that is.
+// Computes the progress of a job in percent from its stage and the progress of that stage.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace fracture {
 
-/// The percent at which clip begins in a job with so many passes of relaxation (`lloyd`): each
-/// tetrahedralizes and clips once more, with less behind it.
+/// Returns the percent at which clip begins in a job with `passes` relaxation passes (`lloyd`). Each pass
+/// tetrahedralizes and clips once more, without the stages that follow.
 int clip_begins(std::uint32_t passes);
 
-/// `fraction` of that stage done, in [0, 1].
+/// `fraction`: the part of the stage that is done, in [0, 1].
 int percent_of(Stage stage, double fraction, int clip_begins);
 
 }  // namespace fracture

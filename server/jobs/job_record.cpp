@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr std::string_view kRecord = "fracture job 1\n", kMesh = "fracture mesh 1\n";
 constexpr std::size_t kHex = 64;
-/// More than any request may have.
+/// More files than any request may have.
 constexpr std::uint64_t kMostFiles = 1u << 16;
 
 bool is_hex(std::string_view text) {
@@ -25,33 +25,34 @@ bool is_hex(std::string_view text) {
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
-// A record is read as a request is: by one reader, with limits. Whoever can write to the folder may have made one whose sum
-// is right.
+// A record is parsed as strictly as a request, with limits, because anyone with write access to the folder
+// can create one with a valid checksum.
 
-/// Around the parameters, which have kParameterDepth: the record. The figures of an error are no deeper.
+/// One level deeper than the parameters (kParameterDepth), because the record contains them. Error data is
+/// not deeper.
 constexpr JsonLimits kLimits{.depth = kParameterDepth + 1, .bytes = kOfKept.held};
-/// The end of the year 9999, which is the last that a time's text can say.
+/// The end of the year 9999, the last time that the text format can represent.
 constexpr std::int64_t kLastTime = 253'402'300'799'999'999;
-/// A day: the longest deadline that can be set.
+/// One day in milliseconds, the longest deadline that can be set.
 constexpr std::int64_t kMostPatience = 86'400'000;
-/// As much as any body may be told to have (--max-body).
+/// The largest value of --max-body.
 constexpr std::uint64_t kMostMeshBytes = 1ull << 40;
-/// A name of a token file has 64 bytes, the detail of an error some sentences.
+/// A name in a token file has at most 64 bytes; the detail of an error has a few sentences.
 constexpr std::size_t kMostOwner = 1024, kMostDetail = 64u << 10;
 
-/// Thrown for what encode_record() does not write.
+/// Thrown for input that encode_record() never writes.
 struct Unlikely {};
 
 void require(bool likely) {
   if (!likely) throw Unlikely();
 }
 
-/// A whole number within a range.
+/// Reads a whole number in a range.
 template <class Number>
 Number number_at(const json& object, const char* name, Number least, Number most) {
   const json& value = object.at(name);
   require(value.is_number_integer());
-  // A number over 2^63 would come out negative.
+  // A number above 2^63 would become negative.
   require(std::is_unsigned_v<Number> ? value.is_number_unsigned()
                                      : !value.is_number_unsigned() ||
                                            value.get<std::uint64_t>() <= static_cast<std::uint64_t>(most));
@@ -110,7 +111,7 @@ JobRecord record_of(const json& j) {
   return r;
 }
 
-/// Reads numbers and texts off the front of bytes; false, for good, where they are not there.
+/// Reads numbers and texts from the front of the bytes. After the first mismatch, all reads fail.
 class Reader {
  public:
   Reader(const std::vector<std::uint8_t>& bytes, std::size_t at) : bytes_(bytes), at_(at) {}
@@ -118,7 +119,7 @@ class Reader {
     const auto found = take(text.size());
     return found && *found == text;
   }
-  /// In decimal digits, and the character behind them.
+  /// Reads decimal digits and the character after them.
   std::optional<std::uint64_t> number(char end) {
     const char* const first = text() + at_;
     std::uint64_t value = 0;
@@ -168,7 +169,8 @@ std::string encode_record(const JobRecord& r) {
                   {"detail", r.error->detail},
                   {"pointer", r.error->pointer},
                   {"extra", *r.error->extra}};
-  // Throws for what is no UTF-8, which would be read back as something else: such a job is refused (Room::kUnfit).
+  // Throws if a text is not UTF-8, because it would not be read back unchanged. Such a job is refused
+  // (Room::kUnfit).
   const std::string text = j.dump() + "\n";
   return std::string(kRecord) + sha256(text).hex() + "\n" + text;
 }
@@ -184,7 +186,7 @@ std::optional<JobRecord> decode_record(std::string_view bytes) {
   try {
     return record_of(read->value);
   } catch (const Unlikely&) {
-  } catch (const json::exception&) {  // a member is missing, or of another type
+  } catch (const json::exception&) {  // a member is missing or has another type
   }
   return std::nullopt;
 }
@@ -192,7 +194,7 @@ std::optional<JobRecord> decode_record(std::string_view bytes) {
 std::string encode_mesh_head(const FractureRequest& request) {
   std::string head = std::string(kMesh) + std::to_string(request.mesh.size()) + " " +
                      std::to_string(request.files.size()) + "\n";
-  for (const ImportFile& file : request.files)  // the length keeps names with line breaks apart
+  for (const ImportFile& file : request.files)  // the length allows names with line breaks
     head += std::to_string(file.name.size()) + " " + std::to_string(file.bytes.size()) + " " + file.name;
   return head;
 }

@@ -1,6 +1,6 @@
-// What of a job is on the disk, and as which bytes. A record is a line that names its kind and version, a
-// line with the SHA-256 of what follows, and JSON; a mesh is its files behind a list of their sizes, and is
-// believed when it has the digest that it is named by.
+// Formats of a job's files on disk. A record is a line with its kind and version, a line with the SHA-256 of
+// the rest, and JSON. A mesh file is a list of sizes followed by the mesh and its files; it is only valid if
+// its digest matches its name.
 #pragma once
 
 #include <chrono>
@@ -21,38 +21,38 @@ namespace fracture {
 
 struct JobRecord {
   std::string id, owner;
-  JobState state = JobState::kQueued;  ///< queued: to be computed, as far as the disk knows
+  JobState state = JobState::kQueued;  ///< kQueued: not finished, as far as the disk knows
   std::chrono::sys_time<std::chrono::microseconds> created{};
   std::optional<std::chrono::sys_time<std::chrono::microseconds>> finished_at{};
-  std::chrono::milliseconds patience{0};  ///< its deadline, from when it is computed
+  std::chrono::milliseconds patience{0};  ///< its deadline, counted from the first attempt in a process
   std::string digest;                     ///< of the mesh
-  std::uint64_t mesh_bytes = 0;           ///< of it and its files, names included
+  std::uint64_t mesh_bytes = 0;           ///< of the mesh and its files, including their names
   MeshFormat format = MeshFormat::kGlb;
   OutputFormat output = OutputFormat::kGlb;
-  std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
-  nlohmann::json parameters =
-      nlohmann::json::object();  ///< canonical_parameters(), while it is to be computed
+  std::uint64_t triangles = 0;                           ///< of the solid, if already counted
+  nlohmann::json parameters = nlohmann::json::object();  ///< canonical_parameters(), while unfinished
   std::string result_key;
-  std::optional<Error> error;  ///< of a job that failed or was cancelled
+  std::optional<Error> error;  ///< if it failed or was cancelled
 };
 
-/// 16 hex digits, a hyphen, 16 hex digits: nothing else is a job's id, or becomes the name of a file.
+/// Returns whether the text is 16 hex digits, a hyphen and 16 hex digits. Only such ids are used as file
+/// names.
 bool is_job_id(std::string_view id);
 
-/// Throws nlohmann::json::exception for text that is not UTF-8.
+/// Throws nlohmann::json::exception if a text is not UTF-8.
 std::string encode_record(const JobRecord& record);
-/// Nothing for anything that encode_record() does not write: limits of depth and size, types and ranges are checked.
+/// Returns nothing if encode_record() could not have written it. Checks depth, size, types and ranges.
 std::optional<JobRecord> decode_record(std::string_view bytes);
 
-/// A mesh with its further files, out of one buffer.
+/// A mesh with its further files. All of them refer to one buffer.
 struct KeptMesh {
   std::shared_ptr<const std::vector<std::uint8_t>> owner;
   std::span<const std::byte> mesh;
   std::vector<ImportFile> files;
 };
-/// What stands before the bytes of the mesh and those of its files, one after the other.
+/// Returns the header of a mesh file. The bytes of the mesh and of its files follow it.
 std::string encode_mesh_head(const FractureRequest& request);
-/// `bytes` begins with the head at `at`. Nothing unless its digest is this one.
+/// Parses a mesh file, whose header starts at `at`. Returns nothing if its digest is not `digest`.
 std::optional<KeptMesh> decode_mesh(std::shared_ptr<const std::vector<std::uint8_t>> bytes, std::size_t at,
                                     std::string_view digest);
 

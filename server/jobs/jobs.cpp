@@ -1,5 +1,5 @@
-// The life of a job in this process. What is written down of it: jobs_disk.cpp; what comes from an earlier one:
-// jobs_resume.cpp; who looks on: jobs_watch.cpp.
+// The life of a job in this process. Related files: jobs_disk.cpp stores jobs, jobs_resume.cpp continues
+// those of an earlier process, and jobs_watch.cpp shows them to clients.
 #include "server/jobs/jobs.hpp"
 
 #include <algorithm>
@@ -78,7 +78,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
         begin(job, std::move(request), std::move(terms), owner, std::move(accepted));
     if (refused) not_started();
     return refused;
-  } catch (const std::exception&) {  // no memory: nobody was told of the job, and so nobody waits for it
+  } catch (const std::exception&) {  // out of memory: the client was not told of the job
     job->stop.request_stop();
     not_started();
     throw;
@@ -87,7 +87,7 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
 
 std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Terms terms, const Owner& owner,
                                  std::function<void(const JobView&)> accepted) {
-  std::shared_ptr<const FractureRequest> written;  // keeps the bytes until they are on the disk
+  std::shared_ptr<const FractureRequest> written;  // keeps the bytes alive until they are on disk
   if (folder_ready_) {
     JobRecord& kept = job->record;
     kept.patience = std::max(std::chrono::milliseconds(1),
@@ -105,7 +105,7 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
   job->terms = terms;
   job->terms->seat.reset();
   job->deadline = terms.deadline;
-  job->request = request;  // until it is on the disk
+  job->request = request;  // until it is on disk
   if (auto overload = submit(job, std::move(request), std::move(terms))) return overload;
   if (!written) {
     accepted(look_at(*job));
@@ -114,7 +114,7 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
   disk_.run(job->client, [this, job, written = std::move(written), accepted = std::move(accepted)] {
     try {
       persist(job, *written);
-    } catch (const std::exception&) {  // no memory for its record: computed all the same
+    } catch (const std::exception&) {  // out of memory for the record: compute the job anyway
       not_durable(job);
     }
     accepted(look_at(*job));
@@ -152,7 +152,7 @@ std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, 
           .retry_after = std::chrono::seconds(10)};
     case JobFolder::Room::kTooLarge:
     case JobFolder::Room::kUnfit:
-      break;  // computed all the same; that it would not survive stands in the answer
+      break;  // compute the job anyway; the answer says that it is not durable
   }
   return std::nullopt;
 }
@@ -174,7 +174,8 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
   {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
-    if (view.finished() || job->suspended) return;  // what others still wait for is not told to it
+    // The computation may continue for other waiters after this job has ended.
+    if (view.finished() || job->suspended) return;
     const int percent = std::max(view.percent, percent_of(stage, fraction, job->clip_begins));
     const bool new_stage = view.stage != name_of(stage);
     begins = view.state != JobState::kRunning;
@@ -185,8 +186,8 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
     if (new_stage) view.stage = name_of(stage);
     calls = change(job);
   }
-  // Here, and not as work for the disk: the mark is there before anything is computed that could be the end
-  // of the process.
+  // Done here and not by the disk threads, so that the mark exists before any computation that could crash
+  // the process.
   if (begins) mark_begun(job);
   for (const auto& call : calls) call();
 }
@@ -195,7 +196,7 @@ void Jobs::mark_begun(const Shared& job) {
   folder_->begun(job->view.id);
   const std::lock_guard lock(mutex_);
   job->marked = job->view.state == JobState::kRunning;
-  // Whoever stopped or ended it meanwhile found no mark to take back.
+  // If the job was stopped or ended in between, that code has found no mark to remove.
   if (!job->marked) disk_.run(job->client, [this, id = job->view.id] { folder_->not_begun(id); });
 }
 
@@ -211,11 +212,11 @@ void Jobs::finish(const Shared& job, Expected<FractureAnswer> answer) {
     const std::lock_guard lock(mutex_);
     JobView& view = job->view;
     job->computing = false;
-    if (view.finished()) return;  // its computation ended though pump() could not go on with it
+    if (view.finished()) return;  // its computation ended although pump() failed to resume it
     if (!answer && begins_again(job, answer.error())) {
       view.state = JobState::kQueued;
       view.stage.clear();
-      if (std::exchange(job->marked, false))  // the marks of processes that died stay
+      if (std::exchange(job->marked, false))  // marks of crashed processes remain
         disk_.run(job->client, [this, id = view.id] { folder_->not_begun(id); });
     } else if (!answer) {
       fail_locked(job, std::move(answer.error()));
@@ -245,7 +246,7 @@ void Jobs::ended(const Shared& job) {
   disk_.run(job->client, [this, job, answer = job->view.answer] { persist_end(job, answer); });
 }
 
-// -- the end of jobs
+// -- ending jobs
 
 bool Jobs::cancel(const std::string& id) {
   Shared job;
@@ -264,7 +265,7 @@ bool Jobs::cancel(const std::string& id) {
     }
   }
   for (const auto& call : calls) call();
-  job->stop.request_stop();  // finishes it, here or where it is being finished just now
+  job->stop.request_stop();  // ends the job, unless it is finishing right now
   return true;
 }
 
@@ -306,7 +307,7 @@ void Jobs::sweep() {
 }
 
 void Jobs::flush() {
-  disk_.flush();  // which also begins again what waits for memory, folder or not
+  disk_.flush();  // also restarts jobs that wait for memory, even without a folder
 }
 
 JobFigures Jobs::figures() const {

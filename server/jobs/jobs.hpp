@@ -1,13 +1,14 @@
-// Fractures that nobody waits for on a connection: started, watched, cancelled, fetched later. A job is one
-// more waiter of the dispatcher, so that it shares its computation with whoever asks for the same.
+// Fractures that run without a waiting connection: they are started, watched, cancelled, and fetched later. A
+// job is an ordinary waiter of the dispatcher, so it shares its computation with other requests for the same
+// result.
 //
 //   start ──> queued ──> running ──> done | failed | cancelled ──ttl──> forgotten
 //     │                     │
 //     └─ on the disk ───────┴─ the server ends ──> queued again, by the next server on the same folder
 //
-// Where there is a folder (job_folder.hpp), mesh and request are on the disk before the job is accepted.
-// Everything that touches the disk happens on threads of its own (disk_work.hpp), in order for each client,
-// but for the mark that a job has begun (JobFolder::begun), which its computing thread leaves.
+// If there is a folder (job_folder.hpp), the mesh and the request are on disk before the job is accepted. All
+// disk operations run on their own threads (disk_work.hpp), in order for each client. The exception is the
+// mark that a job has begun (JobFolder::begun), which is written by the computing thread.
 #pragma once
 
 #include <atomic>
@@ -36,101 +37,105 @@
 namespace fracture {
 
 struct JobsConfig {
-  std::size_t max_jobs = 1000;                    ///< known at the same time, finished ones included
-  std::uint64_t max_result_bytes = 512ull << 20;  ///< of results that are kept for their jobs
-  std::chrono::milliseconds ttl{600'000};         ///< a finished job is forgotten after this
-  /// From the moment a job is asked for, or first goes on after a restart, to its end, whether it computes or
-  /// waits.
+  std::size_t max_jobs = 1000;                    ///< jobs known at the same time, including finished ones
+  std::uint64_t max_result_bytes = 512ull << 20;  ///< for results that are kept for jobs
+  std::chrono::milliseconds ttl{600'000};         ///< time after which a finished job is forgotten
+  /// Maximum time from the request for a job to its end, whether it computes or waits. After a restart, the
+  /// time starts again when the job first resumes.
   std::chrono::milliseconds deadline{1'800'000};
-  std::string folder;                         ///< of what survives the process; empty: nothing does
+  std::string folder;                         ///< where jobs survive the process; empty: nowhere
   std::uint64_t max_disk_bytes = 1ull << 30;  ///< of that folder
-  FarmKeys keys{};                            ///< sign what is in that folder
+  FarmKeys keys{};                            ///< to sign the records in that folder
 };
 
 struct JobFigures {
   std::uint64_t started = 0, expired = 0, evicted = 0, resumed = 0;
-  std::uint64_t results_evicted = 0;  ///< of jobs that are known all the same
+  std::uint64_t results_evicted = 0;  ///< results dropped although their jobs are still known
   std::size_t jobs = 0, unfinished = 0;
-  std::size_t waiting = 0;  ///< of the unfinished: on the disk, and not being computed
-  std::size_t durable = 0;  ///< of the unfinished: those on the disk
+  std::size_t waiting = 0;  ///< unfinished jobs that are on disk and not being computed
+  std::size_t durable = 0;  ///< unfinished jobs that are on disk
   std::uint64_t result_bytes = 0;
 };
 
-/// Thread-safe. A job counts as its holder's, the client that pays for it, whoever may see it. A holder that wants more
-/// than there is room for gives up its own, and never takes what others have that have no more.
+/// Thread-safe. A job is charged to its holder, the client that pays for it, whoever may see it. If a holder
+/// exceeds the available room, its own jobs make way; jobs of holders with no more jobs than it are never
+/// removed.
 class Jobs {
  public:
-  /// Learns what the folder has, unless another server has the folder. Nothing of that is computed before resume().
+  /// Loads the jobs from the folder, unless another server holds the folder. They are not computed before
+  /// resume().
   Jobs(Dispatcher& dispatcher, const JobsConfig& config);
   ~Jobs();
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 
-  /// Whose it is, and how much of the folder its owner may have.
+  /// The owner of a job, and how much of the folder its jobs may use.
   struct Owner {
     std::string name{};
     std::uint64_t share = UINT64_MAX;  ///< bytes
   };
-  /// `accepted` is called once with the job as it is by then (it may even be done and forgotten), when it is
-  /// on the disk where it can be: now, or later from any thread. Its id: the first 16 hex digits of the mesh
-  /// digest (for routing by proxies), a hyphen, 16 random ones. `terms.gone` and `terms.progress` are the
-  /// job's own. Refused: `accepted` is dropped uncalled.
+  /// Starts a job. `accepted` is called once, now or later from any thread, when the job is on disk if it can
+  /// be stored. It receives the job's current state; the job may even be done and forgotten by then. The id
+  /// is the first 16 hex digits of the mesh digest (for routing by proxies), a hyphen, and 16 random digits.
+  /// `terms.gone` and `terms.progress` are replaced. If the job is refused, `accepted` is not called.
   std::optional<Error> start(FractureRequest request, Terms terms, const Owner& owner,
                              std::function<void(const JobView&)> accepted);
 
-  /// What belongs to the jobs of an owner: whom they are charged to, who is told of their answers.
+  /// Returns the terms for an owner's jobs: whom they are charged to, and who is told of their answers.
   using TermsOf = std::function<Terms(const std::string& owner)>;
-  /// From now on what the folder had is computed, little by little. `terms_of` is called from any thread, and
-  /// not any more after stop(). `known` is told of each that was done before, now or by take_folder(): its owner may see
-  /// the result.
+  /// Starts computing the jobs from the folder, a few at a time. `terms_of` is called from any thread, but
+  /// not after stop(). `known` is called for each job that was already done, now or in take_folder(), because
+  /// its owner may see the result.
   void resume(TermsOf terms_of, std::function<void(const JobView&)> known);
 
-  /// What of that has not begun stays as it is.
+  /// Leaves restored jobs that have not begun for the next process.
   void stop_resuming();
 
-  /// Takes the folder when the other server has let it go: from then on its jobs are known here, and go on. False while
-  /// it has not, and until the disk tier has its folder (ResultTiers::take_folder). By one thread at a time.
+  /// Takes over the folder once the other server has released it. Its jobs are then known here and continue.
+  /// Returns false while that server holds it, and until the disk tier has its folder
+  /// (ResultTiers::take_folder). Call from one thread at a time.
   Expected<bool> take_folder();
-  /// Another server has the folder: what is asked about its jobs cannot be said here.
+  /// Returns whether another server holds the folder. Until it is released, its jobs are unknown here.
   bool waits_for_folder() const { return folder_ && !folder_ready_; }
 
-  /// Nothing when it is not known (any more).
+  /// Returns nothing if the job is not known (any more).
   std::optional<JobView> find(const std::string& id);
   struct Filter {
-    std::function<bool(const std::string& owner)> sees;  ///< empty: every owner's
+    std::function<bool(const std::string& owner)> sees;  ///< empty: jobs of all owners
     std::optional<JobState> state{};
-    /// Only jobs that were created before this.
+    /// Only jobs created before this time.
     std::chrono::sys_time<std::chrono::microseconds> before =
         std::chrono::sys_time<std::chrono::microseconds>::max();
   };
-  /// The newest first, `limit` at most.
+  /// Returns at most `limit` jobs, newest first.
   std::vector<JobView> list(const Filter& filter, std::size_t limit);
 
   using WatchId = std::uint64_t;
-  /// Calls `changed` once, with the first state whose version is over `seen`: now (then the id is 0), or
-  /// later from any thread. Nothing when the job is not known.
+  /// Calls `changed` once, with the first state whose version is greater than `seen`: now (the returned id is
+  /// then 0), or later from any thread. Returns nothing if the job is not known.
   std::optional<WatchId> watch(const std::string& id, std::uint64_t seen,
                                std::function<void(const JobView&)> changed);
-  /// Drops it uncalled, unless it has been or is being called.
+  /// Removes a watch without calling it. A call that is in progress is not affected.
   void unwatch(const std::string& id, WatchId watch);
-  /// Stops an unfinished job and forgets a finished one. False when it is not known.
+  /// Stops an unfinished job or forgets a finished one. Returns false if the job is not known.
   bool cancel(const std::string& id);
-  /// A result that is kept for a job, by its key; null when there is none.
+  /// Returns a result that is kept for a job, by its key, or null.
   std::shared_ptr<const FractureResult> find_result(const std::string& key);
 
-  /// Forgets what has expired, and tries again what could not be resumed.
+  /// Forgets expired jobs and retries those that could not be resumed.
   void sweep();
-  /// The end: no further job is taken; unfinished ones stop. Those on the disk stay there, as if they had
-  /// never begun; the others are cancelled. Returns at once.
+  /// Stops everything: no further job is accepted, and unfinished ones stop. Jobs on disk stay there as if
+  /// they had never begun; the others are cancelled. Returns at once.
   void stop();
-  /// Drops everybody who watches, uncalled.
+  /// Removes all watches without calling them.
   void drop_watchers();
-  /// Returns when everything that has happened so far is on the disk, and what waited and could begin has
-  /// been submitted.
+  /// Returns when everything that has happened so far is on disk, and waiting jobs that could begin have been
+  /// submitted.
   void flush();
 
   JobFigures figures() const;
-  /// Nothing: there is no folder, or it is not ours (folder_unusable() and waits_for_folder() say why).
+  /// Returns nothing if there is no folder or it is not ours; folder_unusable() and waits_for_folder() say
+  /// why.
   std::optional<JobFolderFigures> disk_figures() const;
   std::uint64_t disk_bytes_of(const std::string& owner) const;
   const std::optional<Error>& folder_unusable() const { return folder_unusable_; }
@@ -144,32 +149,32 @@ class Jobs {
   };
   struct Job {
     JobView view;
-    std::string client{};  ///< whose turn its work for the disk takes, from its first to its last
-    std::string holder{};  ///< whose it counts as: the flow that pays for it
-    /// What of it is or would be on the disk, but for its parameters: they may be a megabyte, and nobody pays for
-    /// a job's share of the memory. They are in `request`, or on the disk.
+    std::string client{};  ///< the client in DiskWork under which all its disk work runs
+    std::string holder{};  ///< the flow that pays for it
+    /// The record that is or would be on disk, but without the parameters. Those can be a megabyte, and the
+    /// memory for them is not charged to the job. They are in `request` or on disk.
     JobRecord record;
     std::stop_source stop;
-    int clip_begins = 0;  ///< of its percent
+    int clip_begins = 0;  ///< percent at which clip begins
     std::vector<Watcher> watchers;
     Clock::time_point finished = Clock::time_point::max();
-    std::uint64_t begun = 0;          ///< processes that ended while they computed it
-    std::uint64_t resumed_bytes = 0;  ///< of its mesh, read from the disk
-    bool kept = false;                ///< the folder has a place for it
-    bool written_end = false;  ///< what it came to is on the disk; known to the work for the disk alone
-    bool marked = false;       ///< the folder has this process's mark that it was begun
-    bool waiting = false;      ///< for pump(): from an earlier process, or crowded out of memory in this one
-    bool computing = false;    ///< submitted by pump()
-    /// What it is computed from, where that is not on the disk; with it the memory that it has taken already.
+    std::uint64_t begun = 0;          ///< number of processes that ended while they computed it
+    std::uint64_t resumed_bytes = 0;  ///< of its mesh, read from disk
+    bool kept = false;                ///< has a place in the folder
+    bool written_end = false;         ///< the outcome is on disk; used only by disk work
+    bool marked = false;              ///< the folder has this process's mark
+    bool waiting = false;             ///< for pump(): from an earlier process, or stopped for lack of memory
+    bool computing = false;           ///< submitted by pump()
+    /// The request while it is not on disk, together with the memory that it has reserved.
     std::optional<FractureRequest> request;
-    std::optional<Terms> terms;  ///< with which it was submitted in this process; nothing: never yet
-    /// Runs from its first attempt in this process on, whether it computes or waits.
+    std::optional<Terms> terms;  ///< terms of its last submission in this process; empty: not submitted
+    /// Counted from the first attempt in this process, whether the job computes or waits.
     std::optional<Clock::time_point> deadline;
-    std::uint64_t refused_in = 0;   ///< the last pass of pump() that could not begin it
-    std::uint64_t least_bytes = 0;  ///< of working memory: set when it was crowded out
-    bool suspended = false;         ///< stopped by stop(), to go on later
+    std::uint64_t refused_in = 0;   ///< last pass of pump() in which it was refused
+    std::uint64_t least_bytes = 0;  ///< working memory that it needs; set when it ran out of memory
+    bool suspended = false;         ///< stopped by stop(), to continue later
   };
-  /// What one holder has.
+  /// Counts of one holder.
   struct Held {
     std::size_t jobs = 0, unfinished = 0;
     std::uint64_t result_bytes = 0;
@@ -179,57 +184,58 @@ class Jobs {
   using Calls = std::vector<std::function<void()>>;
 
   Shared get(const std::string& id);
-  /// Takes the lock.
+  /// Acquires the lock.
   JobView look_at(const Job& job);
-  /// Says of those that are queued how many go before them. Without the lock.
+  /// Fills in the queue positions of queued jobs. Call without the lock.
   void place(std::vector<JobView>& views);
-  /// What start() does once the job has its place.
+  /// The part of start() after the job was inserted.
   std::optional<Error> begin(const Shared& job, FractureRequest request, Terms terms, const Owner& owner,
                              std::function<void(const JobView&)> accepted);
   std::optional<Error> submit(const Shared& job, FractureRequest request, Terms terms);
   void progress(const Shared& job, Stage stage, double fraction);
-  /// Leaves the mark on the disk. Whoever finds `marked` takes it back.
+  /// Writes the mark to disk. Code that resets `marked` must also remove the mark.
   void mark_begun(const Shared& job);
   void finish(const Shared& job, Expected<FractureAnswer> answer);
-  /// Writes the job's mesh and request. As work for the disk.
+  /// Writes the job's mesh and request. Runs as disk work.
   void persist(const Shared& job, const FractureRequest& request);
-  /// What it wrote, or could not write, is gone; the job is computed all the same. As work for the disk.
+  /// Removes the job from the folder after writing failed; the job is computed anyway. Runs as disk work.
   void not_durable(const Shared& job);
-  /// Writes what the job came to. As work for the disk.
+  /// Writes the outcome of the job. Runs as disk work.
   void persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer);
   bool write_end(const Shared& job, const JobRecord& record,
                  const std::shared_ptr<const FractureAnswer>& answer);
-  /// Submits what can be of those that wait. As work for the disk.
+  /// Submits as many waiting jobs as possible. Runs as disk work.
   void pump();
   void pump_later();
-  /// An error: it is refused now, and waits on.
+  /// Returns an error if the job is refused now; it then continues to wait.
   std::optional<Error> resume_one(const Shared& job);
-  /// Would the dispatcher refuse it whatever its mesh? Asked before that is read, for who is refused is tried
-  /// again often. Takes its place among the computations of its name.
+  /// Returns an error if the dispatcher would refuse the job whatever its mesh. Called before the mesh is
+  /// read, because refused jobs are retried often. Takes a seat among the computations of the job's name.
   std::optional<Error> refuses(Terms& terms);
   void restore();
-  /// Lets restored jobs begin, and tells of those that were done.
+  /// Lets restored jobs begin, and reports those that were already done.
   void go_on();
   std::optional<Error> room_for(const Shared& job, const JobRecord& record, std::uint64_t share);
-  // All of these with the lock.
+  // The following functions need the lock.
   Calls change(const Shared& job);
   void ended(const Shared& job);
-  /// No failure of its own ended it: stop() did, and the next process goes on; or others held the memory that
-  /// it turned out to need, and it waits until as much is free, or for the next process (stop_resuming).
+  /// Returns whether the job runs again, because it did not fail by itself. Either stop() interrupted it, and
+  /// the next process continues it. Or other work held the memory that it needs, and it waits for memory or
+  /// for the next process (stop_resuming).
   bool begins_again(const Shared& job, const Error& error);
-  /// Of those that wait fails whose deadline has passed and who were cancelled.
+  /// Fails waiting jobs that were cancelled or whose deadline has passed.
   Calls end_waits();
-  /// Null: nobody may begin now. Not of those payers, and who was refused in this pass is not tried again.
+  /// Returns null if no job may begin now. Skips the holders in `over_share`, and jobs refused in this pass.
   Shared next_to_submit(const std::set<std::string>& over_share);
   bool can_be_submitted(const Job& job) const { return job.waiting && (job.request || terms_of_); }
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);
   void make_room();
-  /// A place for one more job of this holder, or why there is none.
+  /// Makes room for one more job of this holder, or returns an error.
   std::optional<Error> make_place_for(const std::string& holder);
-  /// Of this holder the oldest that is finished, or has a result.
+  /// Returns this holder's oldest job for which `wanted` is true.
   std::list<Shared>::iterator oldest_of(const std::string& holder, bool (*wanted)(const Job&));
-  /// In the order of their creation.
+  /// Inserts the job in order of creation.
   void insert(const Shared& job);
   void count(const Job& job, bool held);
   void hand_over(Job& job, const std::string& holder);
@@ -238,11 +244,11 @@ class Jobs {
   const JobsConfig config_;
   std::optional<Error> folder_unusable_;
   std::unique_ptr<JobFolder> folder_;
-  std::atomic<bool> folder_ready_{false};  ///< what it had is known; from then on it is written to
+  std::atomic<bool> folder_ready_{false};  ///< its jobs are known, and new ones are written to it
   mutable std::mutex mutex_;
   std::list<Shared> jobs_;  // oldest first
   std::unordered_map<std::string, std::list<Shared>::iterator> index_;
-  std::map<std::string, Held> held_;  // by holder; none without jobs
+  std::map<std::string, Held> held_;  // by holder; only holders with jobs
   JobFigures figures_;
   WatchId next_watch_ = 1;
   std::chrono::sys_time<std::chrono::microseconds> last_created_{};
@@ -250,11 +256,11 @@ class Jobs {
   std::function<void(const JobView&)> known_;  ///< see resume()
   bool stopping_ = false;
   bool pump_queued_ = false;
-  std::uint64_t pass_ = 0;  ///< of pump()
-  DiskWork disk_;           // last: it uses everything above
+  std::uint64_t pass_ = 0;  ///< number of pump() passes
+  DiskWork disk_;           // last, because it uses everything above
 };
 
-/// While a job that is known changes, it is not counted.
+/// Removes a known job from the counts while it changes, and adds it again afterwards.
 class Jobs::Counted {
  public:
   Counted(Jobs& jobs, const Job& job) : jobs_(jobs), job_(job), known_(jobs.index_.contains(job.view.id)) {

@@ -1,4 +1,4 @@
-// What of a job is written down, as work for the disk: its mesh and request, and what it came to.
+// Writes jobs to disk, as disk work: the mesh and the request, and the outcome.
 #include "server/jobs/jobs.hpp"
 
 namespace fracture {
@@ -8,12 +8,12 @@ void Jobs::persist(const Shared& job, const FractureRequest& request) {
   std::shared_ptr<const FractureAnswer> answer;
   {
     const std::lock_guard lock(mutex_);
-    if (!job->kept) return;  // cancelled and forgotten by now
+    if (!job->kept) return;  // already cancelled and forgotten
     if (job->view.finished() && !job->view.answer) return;
     record = job->record;
     answer = job->view.answer;
   }
-  // Done already: what it came to is all that has to be there, unless that cannot be.
+  // If the job is already done, only its outcome is written. If that fails, the request is written instead.
   bool there = answer && write_end(job, record, answer);
   if (!there) {
     record.state = JobState::kQueued;
@@ -44,8 +44,8 @@ void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAn
     record = job->record;
     marked = std::exchange(job->marked, false);
   }
-  // Where the disk tier has no room for the answer, the job stays as what is to be computed: after a restart
-  // it is computed again.
+  // If the disk tier has no room for the answer, the request stays on disk, and the job is computed again
+  // after a restart.
   if (!write_end(job, record, answer)) {
     if (marked) folder_->not_begun(record.id);
     return;

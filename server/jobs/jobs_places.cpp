@@ -1,4 +1,4 @@
-// Holders of jobs: how much each has, and whose jobs leave for others.
+// Holders of jobs: counts their jobs and decides which jobs are removed for new ones.
 #include <algorithm>
 #include <new>
 #include <utility>
@@ -9,8 +9,9 @@
 namespace fracture {
 namespace {
 
-/// Unfinished jobs of clients that have more than one: half of all that may be known, three quarters of them for a client
-/// that is the only one. The other half is for the first of each client.
+/// Limits on the unfinished jobs of clients that have more than one. Together, these clients may use half of
+/// all jobs, and a single client three quarters of that half. The other half is reserved for the first job of
+/// each client.
 FairShare unfinished_share(std::size_t max_jobs) {
   const std::size_t half = max_jobs - max_jobs / 2;
   return {half, half - half / 4};
@@ -67,8 +68,8 @@ std::list<Jobs::Shared>::iterator Jobs::oldest_of(const std::string& holder, boo
                       [&](const Shared& job) { return job->holder == holder && wanted(*job); });
 }
 
-/// Expired ones leave. Where the results do not fit, whoever holds most gives up its oldest: that job stays what it is,
-/// done, with a result that a tier may have, or that can be asked for again.
+/// Forgets expired jobs. While the results exceed their limit, the holder with the most bytes loses its
+/// oldest result. That job stays done: its result may be in a tier, or can be requested again.
 void Jobs::make_room() {
   const Clock::time_point time = Clock::now();
   for (auto at = jobs_.begin(); at != jobs_.end();) {
@@ -90,8 +91,9 @@ void Jobs::make_room() {
   }
 }
 
-/// The oldest finished one of whoever has most leaves for it, and never one of somebody who has no more than it will
-/// have. What is unfinished stays, and so nobody may have more of that than leaves room for others.
+/// Removes the oldest finished job of the holder with the most jobs, but never one of a holder that has no
+/// more jobs than the new holder will have. Unfinished jobs are not removed, so their number is limited for
+/// each client.
 std::optional<Error> Jobs::make_place_for(const std::string& holder) {
   const auto mine = held_.find(holder);
   const Held own = mine == held_.end() ? Held{} : mine->second;

@@ -1,8 +1,8 @@
-// What others' memory crowded out begins again, and what an earlier process left on the disk goes on: a few
-// at a time, so that a server that starts does not read all their meshes at once. A job that was being
-// computed when that process ended is a suspect: it may have been the end of it. Suspects come last of what
-// that process left, and one by one, so that whoever ends the server again is alone when it happens; the
-// second time it has failed.
+// Resumes jobs that were stopped for lack of memory, and jobs that an earlier process left on disk. Only a
+// few run at a time, so that a starting server does not read all meshes at once. A job that was being
+// computed when that process ended is a suspect, because it may have crashed the process. Suspects run last
+// and one at a time: if the server crashes again, only the guilty one was running. After kMostEnds crashes, a
+// job fails.
 #include <algorithm>
 #include <map>
 #include <new>
@@ -16,17 +16,17 @@
 namespace fracture {
 namespace {
 
-/// Processes that may end while they compute a job.
+/// A job fails after this many processes have ended while they computed it.
 constexpr std::uint64_t kMostEnds = 2;
-/// The client in whose line it is looked which job can begin.
+/// Client in DiskWork for calls of pump().
 const std::string kNobody;
-/// No further mesh is read from the disk while those of resumed jobs hold more than this.
+/// No further mesh is read from disk while the meshes of resumed jobs take more than this.
 constexpr std::uint64_t kMostBytes = 64u << 20;
-/// The first one of a holder goes on though others have that many, up to so many times as much in all.
+/// The first job of a holder may exceed the limits on the number and bytes of resumed jobs by this factor.
 constexpr std::size_t kForFirst = 4;
 
-/// Whose share the jobs of this owner count for. The owner's own, if its terms cannot be had now: the attempt to go on with a
-/// job says why.
+/// Returns the holder for this owner's jobs. If the terms are not available now, returns the owner; the later
+/// attempt to resume a job reports why.
 std::string holder_of(const std::string& owner, const Jobs::TermsOf& terms_of) {
   try {
     return terms_of(owner).payer.flow.name;
@@ -44,7 +44,7 @@ Terms without_seat(Terms terms) {
 
 Expected<bool> Jobs::take_folder() {
   if (!folder_ || folder_ready_) return true;
-  // A job that is done is only known with its result, which the disk tier has.
+  // A finished job can only be shown with its result, which is in the disk tier.
   if (dispatcher_.service().tiers().waits_for_folder()) return false;
   const Expected<bool> taken = folder_->take();
   if (!taken || !*taken) return taken;
@@ -59,7 +59,7 @@ void Jobs::restore() {
   std::vector<JobFolder::Found> all = folder_->restore();
   const std::lock_guard lock(mutex_);
   for (JobFolder::Found& found : all) {
-    if (index_.contains(found.record.id)) continue;  // there was no memory for the next one the last time
+    if (index_.contains(found.record.id)) continue;  // loaded by an earlier attempt that ran out of memory
     const auto job = std::make_shared<Job>();
     job->record = std::move(found.record);
     const JobRecord& record = job->record;
@@ -76,10 +76,11 @@ void Jobs::restore() {
     view.durable = job->kept = true;
     job->begun = found.begun;
     job->client = record.owner;
-    // Of a clock that was wrong, or of a stranger, it says nothing about the jobs to come.
+    // Ignore a time in the future (a wrong clock or a forged record): it must not affect the times of new
+    // jobs.
     if (record.created <= now) last_created_ = std::max(last_created_, record.created);
     if (record.state == JobState::kDone && !dispatcher_.service().tiers().on_disk(record.result_key)) {
-      folder_->remove(record.id);  // evicted meanwhile: nothing is left that could be fetched
+      folder_->remove(record.id);  // the result was evicted, so there is nothing to fetch
       continue;
     }
     insert(job);
@@ -148,8 +149,9 @@ bool Jobs::begins_again(const Shared& job, const Error& error) {
   if (job->suspended) return crowded_out || error.code == ErrorCode::kCancelled;
   if (!crowded_out || stopping_ || job->stop.stop_requested() || !(job->request || job->kept)) return false;
   if (lacked_memory) {
-    // That much was not enough. Half as much more makes attempts few. Three quarters of all leave others some room. If
-    // these were not enough either, each attempt halves what is missing to all.
+    // The memory was not enough. Ask for half as much more, so that few attempts are needed, up to three
+    // quarters of all memory, which leaves some for others. Beyond that, each attempt halves the distance to
+    // all memory.
     const auto bytes = needed->get<std::uint64_t>();
     const std::uint64_t all = dispatcher_.working().capacity(), most = all / 4 * 3;
     const std::uint64_t next =
@@ -161,7 +163,7 @@ bool Jobs::begins_again(const Shared& job, const Error& error) {
 }
 
 void Jobs::pump_later() {
-  if (pump_queued_) return;  // one will look at all that has changed until it begins
+  if (pump_queued_) return;  // the queued call handles all changes until it begins
   if (std::none_of(jobs_.begin(), jobs_.end(), [this](const Shared& job) { return can_be_submitted(*job); }))
     return;
   disk_.run(kNobody, [this] { pump(); });
@@ -172,7 +174,7 @@ Jobs::Calls Jobs::end_waits() {
   Calls calls;
   for (const Shared& job : jobs_) {
     if (!job->waiting || job->suspended) continue;
-    const bool cancelled = job->stop.stop_requested();  // while it was submitted, and that was refused
+    const bool cancelled = job->stop.stop_requested();  // cancelled while being submitted, then refused
     if (!cancelled && !(job->deadline && Clock::now() > *job->deadline)) continue;
     fail_locked(job, to_error(Interrupted{cancelled ? ErrorCode::kCancelled : ErrorCode::kDeadlineExceeded}));
     for (auto& call : change(job)) calls.push_back(std::move(call));
@@ -184,7 +186,7 @@ Jobs::Shared Jobs::next_to_submit(const std::set<std::string>& over_share) {
   std::size_t computing = 0;
   std::uint64_t bytes = 0;
   bool suspect_computes = false;
-  std::set<std::string_view> compute;  // holders
+  std::set<std::string_view> compute;  // holders of jobs being computed
   for (const Shared& job : jobs_) {
     if (!job->computing) continue;
     ++computing;
@@ -205,14 +207,14 @@ Jobs::Shared Jobs::next_to_submit(const std::set<std::string>& over_share) {
     if (job->begun > 0) {
       if (!suspect) suspect = job;
     } else if (job->terms || !suspect_computes) {
-      return job;  // who has begun in this process goes on beside a suspect
+      return job;  // a job begun in this process may run with a suspect
     }
   }
   return computing == 0 ? suspect : nullptr;
 }
 
 void Jobs::pump() {
-  std::set<std::string> over_share;  // whose further jobs need not be tried now
+  std::set<std::string> over_share;  // holders whose other jobs are skipped in this pass
   Calls calls;
   {
     const std::lock_guard lock(mutex_);
@@ -244,8 +246,8 @@ void Jobs::pump() {
     next->computing = false;
     next->waiting = !next->view.finished();
     calls = end_waits();
-    // Another one may need less memory, or be another's. sweep() tries again, and so does the next one that is
-    // finished.
+    // Another job may need less memory or have another holder. This one is retried by sweep() and after the
+    // next job that finishes.
     next->refused_in = pass_;
     if (no_place || refused->code == ErrorCode::kOverShare) over_share.insert(next->holder);
   }
@@ -301,7 +303,7 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
     return lost({ErrorCode::kJobLost, "The mesh of this job has " + std::to_string(record.mesh_bytes) +
                                           " bytes; the limit for a computation is " + std::to_string(most) +
                                           " (--max-working). Send a smaller mesh."});
-  terms.least_bytes = std::max(least_bytes, record.mesh_bytes);  // it is read before it is admitted
+  terms.least_bytes = std::max(least_bytes, record.mesh_bytes);  // the mesh is read before admission
   if (auto refused = refuses(terms)) return refused;
   const std::optional<JobRecord> whole = folder_->read(record.id);
   if (!whole)
@@ -313,7 +315,7 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
                  "The stored mesh of this job is damaged or missing. Send the mesh and the request again."});
   Expected<RequestParameters> parameters =
       dispatcher_.service().parameters().parse(raw_parameters(whole->parameters));
-  if (!parameters) return lost(std::move(parameters.error()));  // of another version of the server
+  if (!parameters) return lost(std::move(parameters.error()));  // from another server version
 
   request = FractureRequest{mesh->mesh, record.format, std::move(*parameters), std::move(mesh->files)};
   request->output = record.output;
@@ -324,13 +326,13 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   const std::string key = request->keys->result;
   {
     const std::lock_guard lock(mutex_);
-    job->view.result_key = job->record.result_key = key;  // another one where the algorithm has changed
+    job->view.result_key = job->record.result_key = key;  // differs if the algorithm has changed
     job->resumed_bytes = mesh->owner->size();
   }
   const Terms kept = without_seat(terms);
   const std::optional<Error> refused = submit(job, std::move(*request), std::move(terms));
   const std::lock_guard lock(mutex_);
-  if (refused) {  // so that its mesh is not read again before as much is free
+  if (refused) {  // do not read the mesh again until enough memory is free
     if (const auto bytes = refused->extra->find("bytes"); bytes != refused->extra->end())
       job->least_bytes = std::max(job->least_bytes, bytes->get<std::uint64_t>());
     return refused;

@@ -1,4 +1,4 @@
-// Who looks on: one job, all of them, and what they come to.
+// Shows jobs to clients: single jobs, lists, changes and results.
 #include <algorithm>
 #include <utility>
 
@@ -88,7 +88,7 @@ std::optional<Jobs::WatchId> Jobs::watch(const std::string& id, std::uint64_t se
 }
 
 void Jobs::unwatch(const std::string& id, WatchId watch) {
-  Watcher dropped;  // what it holds is let go without the lock
+  Watcher dropped;  // destroyed after the unlock
   const std::lock_guard lock(mutex_);
   const Shared job = get(id);
   if (!job) return;

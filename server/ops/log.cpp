@@ -21,9 +21,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Lines that wait for the logging thread.
+/// Maximum number of lines that wait for the logging thread.
 constexpr std::size_t kQueue = 8192;
-/// Begins a payload that is the text of a JSON object.
+/// Marks a payload that is a JSON object.
 constexpr char kStructured = '\x01';
 
 std::atomic<LogFormat> format{LogFormat::kText};
@@ -59,7 +59,7 @@ class JsonFormatter final : public spdlog::formatter {
   std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JsonFormatter>(); }
 };
 
-/// name=value, the values that are not one plain word as JSON.
+/// Formats fields as name=value. Values other than single plain words are written as JSON.
 std::string as_text(std::string_view event, const ordered_json& fields) {
   std::string line(event);
   for (const auto& [name, value] : fields.items()) {
@@ -84,10 +84,10 @@ void log(spdlog::level::level_enum level, std::string_view event, const ordered_
 
 double hundredths(double value) { return std::round(value * 100) / 100; }
 
-/// Bytes of what a client wrote that a line repeats: of a path, and of a method (the longest that is known here has 7).
+/// Maximum logged bytes of a client's path and method. The longest known method has 7 bytes.
 constexpr std::size_t kLongestPath = 200, kLongestMethod = 16;
 
-/// Cut, and whatever is not plain is masked, so that no client writes lines into the log, or long ones.
+/// Shortens the text and masks special characters, so that clients cannot add lines or long texts to the log.
 std::string masked(const std::string& text, std::size_t most) {
   std::string plain = text.substr(0, most);
   for (char& c : plain)
@@ -100,7 +100,7 @@ std::string masked(const std::string& text, std::size_t most) {
 void start_logging(LogFormat wanted, const std::string& level) {
   format = wanted;
   spdlog::init_thread_pool(kQueue, 1);
-  using Factory = spdlog::async_factory_nonblock;  // the oldest line leaves a full queue
+  using Factory = spdlog::async_factory_nonblock;  // when the queue is full, the oldest line is dropped
   const auto logger = wanted == LogFormat::kJson
                           ? Factory::create<spdlog::sinks::stderr_sink_mt>("fracture")
                           : Factory::create<spdlog::sinks::stderr_color_sink_mt>("fracture");

@@ -20,11 +20,12 @@ using prometheus::Family;
 using prometheus::Histogram;
 using prometheus::MetricType;
 
-/// Seconds. Fine around a frame (16 ms), since that is what the realtime path is for.
+/// Bucket limits in seconds. They are close together around one frame (16 ms), the goal of the realtime
+/// class.
 const Histogram::BucketBoundaries kSeconds = {0.0005, 0.001, 0.002, 0.004, 0.008, 0.016, 0.033, 0.066, 0.125,
                                               0.25,   0.5,   1,     2,     4,     8,     16,    32,    64};
 
-/// The same, of a turn of an io thread, which takes 0.2 ms at most.
+/// Bucket limits in seconds for a turn of an io thread, which should take at most 0.2 ms.
 const Histogram::BucketBoundaries kTurnSeconds = {0.00002, 0.00005, 0.0001, 0.0002, 0.0005, 0.001, 0.002,
                                                   0.005,   0.01,    0.02,   0.05,   0.1,    0.5};
 
@@ -126,7 +127,7 @@ void Metrics::count_request(const RequestRecord& record) {
   impl_->bytes_in.Increment(static_cast<double>(record.bytes_in));
   impl_->bytes_out.Increment(static_cast<double>(record.bytes_out));
   if (!record.delivered) impl_->all_undelivered.Increment();
-  // RFC 9211: "mesh; hit, result; fwd=miss; stored"
+  // Cache-Status (RFC 9211): "mesh; hit, result; fwd=miss; stored"
   for (std::string_view rest = record.cache; !rest.empty();) {
     const std::string_view member = rest.substr(0, rest.find(','));
     rest.remove_prefix(std::min(rest.size(), member.size() + 1));
@@ -161,7 +162,7 @@ std::string Metrics::text() const {
   std::vector<prometheus::MetricFamily> families = impl_->registry.Collect();
   {
     FamilyWriter writer;
-    const std::lock_guard lock(impl_->mutex);  // a source is not removed while it is asked
+    const std::lock_guard lock(impl_->mutex);  // no source is removed while it is read
     for (const auto& [id, source] : impl_->sources) source(writer);
     for (prometheus::MetricFamily& family : std::move(writer).families())
       families.push_back(std::move(family));

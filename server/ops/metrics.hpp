@@ -1,7 +1,7 @@
-// Counts and gauges of a running server in the exposition format of Prometheus.
+// Counters and gauges of a running server in the text format of Prometheus.
 //
-// Events (requests, connections) are counted here as they happen; everything that somebody else already keeps
-// (queue, caches, memory) is asked for when the figures are read, through sources.
+// Events (requests, connections) are counted here when they happen. Values that other parts already keep
+// (queue, caches, memory) are read through sources when the metrics are requested.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,13 @@
 
 namespace fracture::ops {
 
-/// Collects what the sources say. Every name has one type and one help text; the labels make the difference.
+/// Collects the values of the sources. Each name has one type and one help text; samples differ by their
+/// labels.
 class MetricWriter {
  public:
   using Labels = std::vector<std::pair<std::string, std::string>>;
   virtual ~MetricWriter() = default;
-  /// Never falls while the process lives; the name ends in _total.
+  /// A counter never decreases while the process lives. Its name ends with _total.
   virtual void counter(const std::string& name, const std::string& help, double value,
                        const Labels& labels = {}) = 0;
   virtual void gauge(const std::string& name, const std::string& help, double value,
@@ -34,25 +35,25 @@ class Metrics {
   Metrics(const Metrics&) = delete;
   Metrics& operator=(const Metrics&) = delete;
 
-  /// A request that has been answered, or whose client went away first (status 0). Also counts each cache
-  /// that its Cache-Status names.
+  /// Counts a request that was answered, or whose client left before that (status 0). Also counts each cache
+  /// named in its Cache-Status.
   void count_request(const RequestRecord& record);
   void count_connection();
   enum class Refusal { kFull, kTooManyOfAddress };
   void count_refused_connection(Refusal reason);
-  /// An io thread of the public listener has served what was ready: so many processor seconds until it looked for the
-  /// next.
+  /// Counts one turn of an io thread of the public listener: the processor seconds from one wait for events
+  /// to the next.
   void count_io_turn(double seconds);
-  /// A client reset its connection while its work waited or ran: the work was told to stop.
+  /// Counts work that was stopped because its client left while it waited or ran.
   void count_abandoned_work();
 
-  /// Called for every reading, from the thread that reads; must be quick and must not block on clients. What
-  /// it captures must live until remove_source or the end of the metrics.
+  /// A source is called for every reading, from the reading thread. It must be quick and must not wait for
+  /// clients. Its captures must live until remove_source() or the end of the metrics.
   using Source = std::function<void(MetricWriter&)>;
   int add_source(Source source);
   void remove_source(int id);
 
-  /// Everything, as text/plain; version=0.0.4.
+  /// Returns all metrics as text/plain; version=0.0.4.
   std::string text() const;
   static constexpr const char* kContentType = "text/plain; version=0.0.4; charset=utf-8";
 
@@ -61,7 +62,7 @@ class Metrics {
   const std::unique_ptr<Impl> impl_;
 };
 
-/// Memory, descriptors, CPU time, start time and lost log lines of this process.
+/// Writes memory, descriptors, CPU time, start time and dropped log lines of this process.
 void write_process_metrics(MetricWriter& writer);
 
 }  // namespace fracture::ops

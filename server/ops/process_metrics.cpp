@@ -1,4 +1,4 @@
-// The figures that every Prometheus client library gives about its process, under the usual names.
+// Process metrics with the usual names of the Prometheus client libraries.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -33,7 +33,7 @@ void write_process_metrics(MetricWriter& writer) {
   for (auto at = std::filesystem::directory_iterator("/proc/self/fd", ignored);
        at != std::filesystem::directory_iterator(); at.increment(ignored))
     ++descriptors;
-  // At the limit of descriptors the folder itself cannot be opened; then there is no figure.
+  // At the descriptor limit, the folder itself cannot be opened, and the metric is left out.
   if (descriptors > 0) writer.gauge("process_open_fds", "Open file descriptors.", descriptors - 1);
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) == 0)

@@ -1,4 +1,4 @@
-// What is known about a request once it has been answered: one line of the log, and a few counts.
+// Data of a request after it was answered, for the access log and the metrics.
 #pragma once
 
 #include <cstdint>
@@ -7,19 +7,19 @@
 namespace fracture::ops {
 
 struct RequestRecord {
-  bool admin = false;  ///< came in on the admin listener
+  bool admin = false;  ///< from the admin listener
   std::string id;
-  std::string trace_id, parent_id;  ///< of a well-formed traceparent, else empty
-  std::string client;               ///< holder of the token, empty without tokens
+  std::string trace_id, parent_id;  ///< from a well-formed traceparent, else empty
+  std::string client;               ///< name of the token's holder; empty without tokens
   std::string address;              ///< of the peer
   std::string method;
-  std::string path;        ///< decoded; may hold any byte
-  std::string route;       ///< as in the interface document: "/fractures/{id}"; empty when there was none
-  int status = 0;          ///< 0: the client went away before its request was whole
-  bool delivered = false;  ///< the whole answer was handed to the socket
+  std::string path;        ///< decoded; may contain any byte
+  std::string route;       ///< as in the interface document: "/fractures/{id}"; empty if unknown
+  int status = 0;          ///< 0: the client left before the request was complete
+  bool delivered = false;  ///< the whole answer was passed to the socket
   std::uint64_t bytes_in = 0, bytes_out = 0;  ///< of the bodies, as sent
-  double milliseconds = 0;                    ///< from the whole header to the last byte of the answer
-  double queue_milliseconds = -1;             ///< waiting for a computing thread; -1: never was
+  double milliseconds = 0;                    ///< from the complete header to the last byte of the answer
+  double queue_milliseconds = -1;             ///< wait for a computing thread; -1: did not wait
   std::string cache;                          ///< Cache-Status of the answer
   std::string mesh;                           ///< first 16 hex digits of the mesh's digest
 };

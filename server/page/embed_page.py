@@ -17,7 +17,7 @@ import sys
 TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8",
          ".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".wasm": "application/wasm",
          ".json": "application/json", ".txt": "text/plain; charset=utf-8"}
-LONGEST = 600  # seconds that npm may take
+LONGEST = 600  # maximum seconds for one npm command
 
 
 def run(command, folder):
@@ -36,7 +36,7 @@ def build(page):
     if not shutil.which("npm"):
         return "there is no npm"
     modules, lock = page / "node_modules", page / "package-lock.json"
-    installed = modules / ".installed"  # a copy of the lock file from which the modules were installed
+    installed = modules / ".installed"  # copy of the lock file from which the modules were installed
     if not installed.exists() or installed.read_bytes() != lock.read_bytes():
         if why := run(["npm", "ci", "--no-audit", "--no-fund"], page):
             return why

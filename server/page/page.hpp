@@ -1,6 +1,6 @@
-// The page that a browser gets (client/page), as the build put it into the program, under the names that the page
-// itself uses. Each file is there compressed and as it is, so that neither is made while somebody waits: what is
-// never asked for stays on the disk with the rest of the program.
+// The browser page (client/page), which the build embeds in the program under the names that the page uses.
+// Each file is embedded both compressed and plain, so that no request waits for compression. Files that are
+// never requested are not loaded from disk.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,17 @@
 namespace fracture::page {
 
 struct File {
-  std::string_view path;        ///< "index.html", "docs.html", or what stands under /page/ without that
-  std::string_view media_type;  ///< with its charset
-  std::string_view digest;      ///< of the plain bytes, 16 hex digits: for an ETag
+  std::string_view path;        ///< "index.html", "docs.html", or the path below /page/
+  std::string_view media_type;  ///< including its charset
+  std::string_view digest;      ///< 16 hex digits of the digest of `plain`, for an ETag
   std::span<const std::uint8_t> gzip, plain;
 };
 
-/// Empty where the server was built without the page: there was no node, or FRACTURE_PAGE was OFF.
+/// Returns all files. Empty if the server was built without the page: npm was missing, or FRACTURE_PAGE was
+/// OFF.
 std::span<const File> files();
 
-/// Null where there is none.
+/// Returns null if there is no such file.
 const File* find(std::string_view path);
 
 }  // namespace fracture::page

@@ -1,5 +1,5 @@
-// Meshes that who runs the server lays beside the shapes that the page makes by itself (--page-sample): to be broken without a file
-// of one's own. Whoever gets the page gets them.
+// Meshes that the operator adds to the page's own shapes (--page-sample), so that visitors can break them
+// without a file of their own. Everyone who can open the page can download them.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,22 @@ namespace fracture::page {
 
 inline constexpr std::size_t kMostSamples = 16;
 inline constexpr std::uint64_t kMostSampleBytes =
-    16u << 20;  ///< of all together, which are held while the server runs
+    16u << 20;  ///< for all together; they stay in memory while the server runs
 
-/// What the list of them is called below /page/.
+/// Name of their list, below /page/.
 inline constexpr std::string_view kSampleList = "samples.json";
 
 class Samples {
  public:
   Samples() = default;
-  /// kFileAccess: one cannot be read, is empty or no regular file; kTooLarge: they are too many or too large.
+  /// Returns kFileAccess if a file cannot be read, is empty or is not a regular file, and kTooLarge if there
+  /// are too many or they are too large.
   static Expected<Samples> load(const std::vector<std::string>& paths);
 
-  /// JSON: [{"name": "Suzanne_248.blend", "file": "sample-0", "bytes": 279448}]; `file` as below /page/.
+  /// Returns JSON: [{"name": "Suzanne_248.blend", "file": "sample-0", "bytes": 279448}]. `file` is relative
+  /// to /page/.
   const std::string& list() const { return list_; }
-  /// The bytes; null where there is none.
+  /// Returns the bytes of a sample, or null.
   const std::string* find(std::string_view file) const;
 
  private:
