@@ -45,8 +45,15 @@ class DiskWork {
   void run(const std::string& client, std::function<void()> call) {
     {
       const std::lock_guard lock(mutex_);
-      calls_.push(kClass, {next_, 0, {.name = client}, std::chrono::steady_clock::now(), std::move(call)});
-      unfinished_.insert(next_++);
+      if (threads_.empty()) start_thread();  // if this throws, nothing is queued
+      const auto added = unfinished_.insert(next_).first;
+      try {
+        calls_.push(kClass, {next_, 0, {.name = client}, std::chrono::steady_clock::now(), std::move(call)});
+      } catch (...) {
+        unfinished_.erase(added);
+        throw;
+      }
+      ++next_;
       if (calls_.candidates(may_begin).size() > free_) start_thread();
     }
     changed_.notify_all();

@@ -32,15 +32,18 @@ Expected<Samples> Samples::load(const std::vector<std::string>& paths) {
     if (!fs::is_regular_file(path, error))
       return fail(ErrorCode::kFileAccess,
                   printable(path) + (error ? ": " + error.message() : " is not a file"));
-    all += fs::file_size(path, error);
-    if (error) return fail(ErrorCode::kFileAccess, printable(path) + ": " + error.message());
+    std::ifstream file(path, std::ios::binary);
+    std::string bytes(kMostSampleBytes + 1 - all, '\0');
+    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(file.gcount()));
+    bytes.shrink_to_fit();
+    all += bytes.size();
     if (all > kMostSampleBytes)
       return fail(ErrorCode::kTooLarge, "With " + printable(path) + " the page-samples are larger than " +
                                             std::to_string(kMostSampleBytes >> 20) + " MiB in total.");
-    std::ifstream file(path, std::ios::binary);
-    std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file || bytes.empty())
-      return fail(ErrorCode::kFileAccess, printable(path) + (file ? " is empty" : " cannot be read"));
+    if (file.bad() || bytes.empty())
+      return fail(ErrorCode::kFileAccess,
+                  printable(path) + (file.is_open() && !file.bad() ? " is empty" : " cannot be read"));
     list.push_back({{"name", fs::path(path).filename().string()},
                     {"file", name_of(samples.files_.size())},
                     {"bytes", bytes.size()}});
