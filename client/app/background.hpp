@@ -1,4 +1,4 @@
-// Work that no frame waits for: files that are written, games that end.
+// Work that no frame waits for: writing files and ending games.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 
 namespace fracture::app {
 
-/// Its end waits for all of it.
+/// Runs tasks in the background. The destructor waits for all of them.
 class Background {
  public:
   void run(std::function<void()> work);
-  /// Destroys it there.
+  /// Destroys `old` in the background.
   template <class T>
   void retire(std::unique_ptr<T> old) {
     if (old) run([old = std::shared_ptr<T>(std::move(old))]() mutable { old.reset(); });
   }
 
-  // What cannot be written is said on stderr.
+  // If a file cannot be written, an error is printed on stderr.
   void write_picture(std::shared_ptr<const render::Picture> picture, const std::string& path);
   void write_bytes(std::shared_ptr<const std::string> bytes, const std::string& path);
-  /// When it is there.
+  /// Writes the recording once it is ready.
   void write_recording(std::future<game::Recording> recording, const std::string& path);
 
  private:

@@ -1,4 +1,4 @@
-// How many things broke in a game, and whether their fragments were there in time.
+// Statistics on breaks: how many things broke, and how late their fragments were.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,9 +7,10 @@
 
 namespace fracture::app {
 
-/// `count`, `on_time` (fragments before the hit that broke them), `late_p50_ms`, `late_p99_ms` (of all, on time: 0), the same for each
-/// `cause` (`ball`, `fall`, `piece`) with every lateness, `waiting` requests, and how many things have fragments and are unbroken
-/// (`spare`: asked for ahead, and not hit hard enough).
+/// `count`: number of breaks. `on_time`: those whose fragments were there before the hit. `late_ms`: the
+/// lateness of each. `late_p50_ms`, `late_p99_ms`: percentiles over all breaks; on time counts as 0. `cause`:
+/// the same members for `ball`, `fall`, `piece` and `blast`. `waiting`: number of requests without an answer.
+/// `spare`: unbroken things with fragments that were requested ahead.
 nlohmann::json break_figures(const game::Game& game);
 
 }  // namespace fracture::app

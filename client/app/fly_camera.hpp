@@ -1,4 +1,4 @@
-// From where the window's game is seen: keys move the eye, the mouse turns it or points.
+// The camera of the window's game: keys move the eye, and the mouse turns the view or points.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,24 +10,25 @@ namespace fracture::app {
 
 class FlyCamera {
  public:
-  /// `window` outlives the camera.
+  /// `window` must outlive the camera.
   explicit FlyCamera(GLFWwindow* window) : window_(window) {}
 
-  /// As the scene has it.
+  /// Takes the scene's view.
   void aim(const scenes::Scene& scene);
-  /// The same as it is at that time of the game, in seconds; not once the player has moved or turned the view.
+  /// Takes the scene's view at that time of the game, in seconds. Does nothing once the player has moved or
+  /// turned the view.
   void follow(const scenes::Scene& scene, double seconds);
-  /// A frame: W A S D, Q E, Shift, and the mouse while it looks.
+  /// Moves for one frame: W A S D, Q E, Shift, and the mouse if it turns the view.
   void move(float seconds);
-  /// The mouse turns the view and has no pointer.
+  /// Sets whether the mouse turns the view; the pointer is then hidden.
   void look(bool on);
   bool looks() const { return captured_; }
 
   const glm::vec3& eye() const { return eye_; }
   glm::vec3 forward() const;  ///< unit length
-  /// In pixels of the window: the pointer, or the middle where there is none.
+  /// In pixels of the window: the pointer, or the centre if the mouse turns the view.
   glm::vec2 aim_point() const;
-  /// From the eye to what lies under aim_point(), unit length.
+  /// Direction from the eye to the point under aim_point(), of unit length.
   glm::dvec3 aim_direction() const;
 
  private:

@@ -1,8 +1,8 @@
-// A window of the system with an OpenGL 3.3 core context, and Dear ImGui over it.
+// A window of the operating system with an OpenGL 3.3 core context, and Dear ImGui drawn over it.
 #pragma once
 
 #include <epoxy/gl.h>
-// GLFW after epoxy, which brings OpenGL's names.
+// GLFW must follow epoxy, which declares the OpenGL functions.
 #include <GLFW/glfw3.h>
 
 #include <memory>
@@ -11,16 +11,18 @@
 
 namespace fracture::app {
 
-/// Window, context and Dear ImGui, which end together. One at a time, on the main thread.
+/// Owns the window, its context and Dear ImGui, and ends all three together. Only one at a time, on the main
+/// thread.
 class GlfwWindow {
  public:
-  /// Pixels. kNoGraphics where there is no display or no such context, with the system's reason.
+  /// Size in pixels. kNoGraphics, with the system's reason, if there is no display or no such context.
   static Expected<std::unique_ptr<GlfwWindow>> open(int width, int height);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;
 
-  /// After the callbacks of the game are set: Dear ImGui puts its own in front and calls them.
+  /// Call this after setting the game's callbacks: Dear ImGui installs its own in front of them and calls
+  /// them.
   void start_overlay();
   GLFWwindow* get() const { return window_; }
 

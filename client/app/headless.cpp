@@ -26,13 +26,13 @@ namespace {
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kStepsPerFrame = 2;  // 120 steps and 60 frames a second
+constexpr int kStepsPerFrame = 2;  // 120 steps and 60 frames per second
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Of the calling thread's work: what else the machine does is not in it.
+/// Processor time of the calling thread only, so other work on the machine does not count.
 double processor_milliseconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -41,13 +41,13 @@ double processor_milliseconds() {
 
 json vec3(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-/// Pictures: a context and a renderer, made when the first is asked for.
+/// Takes pictures. Creates the context and the renderer for the first picture.
 class Recorder {
  public:
   explicit Recorder(const Options& options) : options_(options) {}
 
   Expected<json> take(const game::Game& game, const effects::Debris* debris, const std::string& name) {
-    constexpr int kStillSkyShadows = 32;  // pictures may take their time
+    constexpr int kStillSkyShadows = 32;  // pictures need not be fast
     const Expected<view::ViewFigures> figures = draw(game, debris, kStillSkyShadows);
     if (!figures) return tl::unexpected(figures.error());
     const std::string path = (std::filesystem::path(options_.out) / name).string();
@@ -60,7 +60,7 @@ class Recorder {
                 {"culled", figures->culled}};
   }
 
-  /// What was drawn last.
+  /// The last drawn picture.
   render::Picture picture() const { return target_->read(); }
 
   Expected<view::ViewFigures> draw(const game::Game& game, const effects::Debris* debris,
@@ -238,7 +238,7 @@ game::GameSettings settings_of(const Options& options) {
   return settings;
 }
 
-/// What the frames of a run took, in milliseconds.
+/// Frame times of a run, in milliseconds.
 class FrameTimes {
  public:
   void add(double spent, bool swapped, bool waits) {
@@ -265,7 +265,7 @@ class FrameTimes {
   std::size_t first_swap_ = 0, first_wait_ = 0;
 };
 
-/// A game without a window, from its first frame to the summary of all.
+/// A game without a window, from its first frame to the summary.
 class HeadlessRun {
  public:
   HeadlessRun(const Options& options, scenes::Scene scene, game::GameSettings settings, Players players)
@@ -284,7 +284,7 @@ class HeadlessRun {
   }
 
   Expected<json> run() {
-    if (options_.draw)  // compiles shaders and uploads the scene, which is no frame's work
+    if (options_.draw)  // compiles shaders and uploads the scene, so that no frame pays for it
       if (const auto drawn = recorder_.draw(game_, debris()); !drawn) return tl::unexpected(drawn.error());
     if (!options_.wav.empty()) {
       Expected<SoundTrack> track = SoundTrack::create(options_.wav, game_.scene());
@@ -301,7 +301,7 @@ class HeadlessRun {
     if (first && lockstep_) first = wait_until([this] { return lockstep_->level(); });
     if (!first && lockstep_) lockstep_->leave(first.error().detail);
     const bool played = first.has_value();
-    // Each of them is whole, whatever became of the others; a film without its end is none.
+    // The sound and the recording are finished after any failure. An unfinished film is discarded.
     const auto keep = [&first](Expected<void> more) {
       if (first && !more) first = std::move(more);
     };
@@ -328,7 +328,7 @@ class HeadlessRun {
     const std::uint64_t frames = this->frames();
     for (std::uint64_t frame = 0; frame <= frames; ++frame) {
       const double now = static_cast<double>(frame) * frame_length_;
-      // The end may lie a part of a frame beyond the last one.
+      // The end may be a fraction of a frame after the last frame.
       const double until = frame == frames ? std::max(now, options_.seconds) : now;
       if (auto taken = take_pictures(until); !taken) return tl::unexpected(taken.error());
       if (frame == frames) break;
@@ -370,8 +370,8 @@ class HeadlessRun {
     return film_->add(recorder_.picture());
   }
 
-  /// Waits for the answers that are due, so that a run is the same on any machine. Returns milliseconds without
-  /// the waiting, as do the next two.
+  /// Waits for the answers that are due, so that a run is the same on every machine. Returns milliseconds
+  /// without the waiting.
   Expected<double> step_at_fixed_pace() {
     double spent = 0;
     for (int k = 0; k < kStepsPerFrame; ++k) {
@@ -391,7 +391,7 @@ class HeadlessRun {
     }
     return spent;
   }
-  /// Other players, and servers that are there, end every wait by themselves, with an answer or without.
+  /// Waits for `done`. With a connected player or server, every wait ends with an answer or an error.
   Expected<void> wait_until(const std::function<bool()>& done) {
     while (!done()) {
       if (lockstep_ && lockstep_->trouble()) return fail(ErrorCode::kUnavailable, *lockstep_->trouble());
@@ -404,7 +404,7 @@ class HeadlessRun {
     }
     return {};
   }
-  /// What this player does, in a game of two.
+  /// In a game for two, sends this player's explosions.
   void explode_together() {
     const double now = static_cast<double>(game_.world().steps()) * settings_.world.step;
     for (; lockstep_ && next_blast_ < options_.blasts.size() &&
@@ -412,7 +412,7 @@ class HeadlessRun {
          ++next_blast_)
       lockstep_->explode(options_.blasts[next_blast_].blast);
   }
-  /// The recording has ended. Whether its frame does not: in real time the clock begins with the next one.
+  /// Call when the recording has ended. Returns whether to continue in this frame, and restarts the clock.
   bool go_on() {
     game_.hand_over();
     const std::chrono::duration<double> played(
@@ -432,7 +432,7 @@ class HeadlessRun {
     std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(end));
     return spent;
   }
-  /// Once: a game that waits for a server that is not there looks like one that hangs.
+  /// Reports this once, because a game that waits for an absent server looks as if it hangs.
   void tell_of_absence() {
     if (!options_.requests || client_.status().state != protocol::ServerState::kAbsent) {
       absent_since_.reset();
@@ -445,7 +445,7 @@ class HeadlessRun {
   std::string server() const {
     return printable(options_.server.host) + ":" + std::to_string(options_.server.port);
   }
-  /// What there was to see and hear.
+  /// Passes what was seen and heard to the effects and the sound.
   void sense() {
     if (!watched()) return;
     const world::Witnessed witnessed = game_.take_witnessed();
@@ -487,7 +487,7 @@ class HeadlessRun {
   const game::GameSettings settings_;
   Players players_;
   game::Game game_;
-  std::optional<game::Lockstep> lockstep_;  ///< in a game of two
+  std::optional<game::Lockstep> lockstep_;  ///< in a game for two
   Recorder recorder_;
   std::optional<SoundTrack> sound_;
   std::optional<film::Film> film_;
@@ -498,7 +498,7 @@ class HeadlessRun {
   std::size_t next_picture_ = 0, next_blast_ = 0, most_draw_calls_ = 0;
   json pictures_ = json::array();
   FrameTimes times_;
-  std::vector<double> work_times_;  // milliseconds of the processor, for each frame's simulation
+  std::vector<double> work_times_;  // processor time of each frame's simulation, in milliseconds
   double work_ = 0;
   std::vector<double> submit_times_;
   double fastest_ = 0;
@@ -506,7 +506,7 @@ class HeadlessRun {
   std::optional<Clock::time_point> absent_since_;
 };
 
-/// What is asked for after the end never happens.
+/// Warns about requested pictures and explosions that come after the end and so never happen.
 void warn_of_what_is_late(const Options& options) {
   const auto warn = [&](const char* what, double time) {
     std::fprintf(stderr, "fracture-client: the %s at %g s comes after the end at %g s\n", what, time,
@@ -539,10 +539,10 @@ Expected<json> run_headless(const Options& asked) {
   Expected<Players> players = meet(options);
   if (!players) return tl::unexpected(players.error());
   if (!replay) warn_of_what_is_late(options);
-  if (options.fixed_step) {  // what a slow server gives up would depend on how slow it is
+  if (options.fixed_step) {  // otherwise, timeouts would depend on the server's speed
     options.server.realtime = false;
     options.server.answer_timeout = std::chrono::seconds(60);
-    options.server.patience = std::chrono::seconds(80);  // less than another player waits (Lockstep)
+    options.server.patience = std::chrono::seconds(80);  // less than the other player's patience (Lockstep)
   }
   Expected<scenes::Scene> scene = scene_of(options);
   if (!scene) return tl::unexpected(scene.error());

@@ -1,4 +1,4 @@
-// A run without a window: for tests, for pictures, for figures.
+// A run without a window, for tests, pictures and measurements.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,9 +12,10 @@ namespace fracture::app {
 /// The scene that the options ask for.
 Expected<scenes::Scene> scene_of(const Options& options);
 
-/// Runs it and returns the summary (client/README.md lists its members). With --fixed-step the simulated
-/// clock waits for answers, else it is that of the wall and nothing waits. kNoGraphics or kGraphicsDriver where
-/// a picture is asked for and there is no OpenGL for it, kFileAccess where it cannot be written.
+/// Runs the game and returns the summary (client/README.md lists its members). With --fixed-step, the
+/// simulated clock waits for answers. Otherwise the game follows real time and nothing waits. Errors:
+/// kNoGraphics or kGraphicsDriver if a picture is requested and OpenGL is not available; kFileAccess if a
+/// file cannot be written.
 Expected<nlohmann::json> run_headless(const Options& options);
 
 }  // namespace fracture::app

@@ -38,7 +38,7 @@ const char* words_for(protocol::ServerState state) {
 }  // namespace
 
 void draw_hud(const PanelState& state, const Snapshot& now, const protocol::Client& client) {
-  if (state.panel) return;  // which says all of it and more
+  if (state.panel) return;  // the panel shows all of this and more
   ImGui::SetNextWindowPos(ImVec2(kEdge, kEdge), ImGuiCond_Always);
   ImGui::SetNextWindowBgAlpha(0.45f);
   ImGui::Begin("hud", nullptr, kPlain);

@@ -1,4 +1,4 @@
-// What is always to be seen over the picture: the server's state, what broke last, hints, the cross hairs.
+// The display over the picture: the server's state, the last break, hints and the crosshair.
 #pragma once
 
 #include "client/app/panel.hpp"
@@ -7,9 +7,9 @@ namespace fracture::app {
 
 void draw_hud(const PanelState& state, const Snapshot& now, const protocol::Client& client);
 void draw_help(const PanelState& state);
-/// `aim`: where a ball goes, in pixels of the window.
+/// `aim`: where a ball would fly, in pixels of the window.
 void draw_hint(const PanelState& state, const glm::vec2& aim);
-/// Numbers on the fragments, for the debug view of groups.
+/// Draws numbers on the fragments, for the debug view of groups.
 void draw_fragment_ids(const game::Moment& moment, const render::Camera& camera, int width, int height);
 
 }  // namespace fracture::app

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
                    static_cast<unsigned long long>(failures),
                    static_cast<unsigned long long>(game.at("requests").get<std::uint64_t>()),
                    fracture::printable_lines(game.at("trouble").get<std::string>()).c_str());
-      if (game.at("answers") == 0) return fracture::kExitSystem;  // nothing of it is what was asked for
+      if (game.at("answers") == 0) return fracture::kExitSystem;  // nothing in the result is as requested
     }
     const auto& diverged = game.at("diverged");
     if (diverged.is_null()) return fracture::kExitDone;

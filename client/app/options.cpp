@@ -25,7 +25,7 @@ bool add_parameter(const std::string& text, nlohmann::json& parameters) {
   return true;
 }
 
-/// Reads "T,x,y,z[,IMPULSE[,RADIUS]]"; returns the error if it is wrong.
+/// Reads "T,x,y,z[,IMPULSE[,RADIUS]]". Returns the error if it is malformed.
 tl::expected<scenes::TimedBlast, std::string> blast_of(const std::string& text) {
   const auto wrong = [&](const char* why) { return tl::unexpected("'" + text + "' " + why); };
   constexpr const char* kForm = "must be four to six numbers: T,x,y,z[,IMPULSE[,RADIUS]]";
@@ -49,7 +49,7 @@ tl::expected<scenes::TimedBlast, std::string> blast_of(const std::string& text) 
   return blast;
 }
 
-/// Reads "[HOST:]PORT"; nothing if it is malformed.
+/// Reads "[HOST:]PORT". Returns nothing if it is malformed.
 std::optional<Address> address_of(const std::string& text) {
   Address address;
   const std::size_t colon = text.rfind(':');
@@ -72,7 +72,7 @@ std::string not_a_number(const std::string& text) {
   return std::isnan(std::strtod(text.c_str(), nullptr)) ? "'" + text + "' is not a number" : "";
 }
 
-/// Rejects numbers that do not fit, because the library would wrap or cut them.
+/// Rejects numbers that do not fit, because the library would wrap or truncate them.
 std::string no_seed(const std::string& text) {
   std::uint64_t seed = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
@@ -81,7 +81,7 @@ std::string no_seed(const std::string& text) {
              : "'" + text + "' must be a whole number from 0 to 18446744073709551615";
 }
 
-/// Rejects an empty name, which usually comes from an empty variable of a script.
+/// Rejects an empty name, which usually comes from an empty shell variable.
 std::string not_empty(const std::string& text) { return text.empty() ? "the name is empty" : ""; }
 
 }  // namespace

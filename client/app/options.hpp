@@ -25,14 +25,14 @@ struct Options {
   std::vector<std::string> files;  ///< meshes or folders to use instead of a scene
   std::string material;            ///< empty: the scene's own
   std::string unit;                ///< of the user's files: m, cm, mm or inch; empty: guessed from their size
-  nlohmann::json parameters = nlohmann::json::object();  ///< override those of scene and hit
+  nlohmann::json parameters = nlohmann::json::object();  ///< override those of the scene and the hit
   protocol::Settings server;
   std::uint64_t seed = 1;
   int width = 1280, height = 720;
   render::TierWish picture = render::TierWish::kAuto;  ///< without a window, auto means low
   bool anticipate = true;
 
-  double close_after = 0;  ///< seconds; 0: when the player quits. Writes a picture, window.png
+  double close_after = 0;  ///< seconds; 0: until the player quits. Then saves a picture, window.png
   bool gravity = false;    ///< gravity is on from the start
   bool sound = true;
 

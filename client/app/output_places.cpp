@@ -17,13 +17,13 @@ struct Place {
   bool written;
 };
 
-/// Also of files that are not there yet.
+/// Whether two paths name the same file. The files need not exist.
 bool are_one(const std::string& a, const std::string& b) {
   std::error_code error;
-  if (fs::is_character_file(a, error)) return false;  // whatever is written there stays nowhere
+  if (fs::is_character_file(a, error)) return false;  // devices such as /dev/null keep nothing
   if (fs::equivalent(a, b, error) && !error) return true;
   const auto place = [&](const std::string& path) {
-    // What is not there at all would stay relative.
+    // weakly_canonical leaves a relative path relative if none of it exists.
     fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
     return whole.has_filename() ? whole : whole.parent_path();  // "folder/" is "folder"
   };

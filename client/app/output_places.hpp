@@ -1,4 +1,4 @@
-// No file that the command line names is written over by another one of it.
+// Checks that no output file on the command line overwrites another file named there.
 #pragma once
 
 #include <optional>
@@ -8,11 +8,12 @@
 
 namespace fracture::app {
 
-/// "--wav and --replay are both 'x'." where two of --record, --wav and --log are one place, or one is what is read (--replay,
-/// a mesh), however it is spelt: links count, devices such as /dev/null do not.
+/// Returns "--wav and --replay are both 'x'." if two of --record, --wav and --log name the same file, or if
+/// one of them names an input (--replay, --continue, a mesh). Links and other spellings are recognized.
+/// Devices such as /dev/null are ignored.
 std::optional<std::string> same_place(const Options& options);
 
-/// A name in the folder that is not there yet: stem, date and time, and a number where that is needed.
+/// Returns the path of a new file in the folder: stem, date and time, and a number if that name is taken.
 std::string unused_name(const std::string& folder, const std::string& stem, const std::string& ending);
 
 }  // namespace fracture::app

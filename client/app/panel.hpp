@@ -21,18 +21,18 @@ struct PanelState {
   view::ViewSettings view;
   render::TierWish picture = render::TierWish::kAuto;
   view::ViewFigures figures;
-  std::array<float, 240> frame_ms{};  ///< until all is submitted; a ring
+  std::array<float, 240> frame_ms{};  ///< ring buffer: time until everything is submitted
   std::size_t next_frame = 0;
   double frames_per_second = 0;
   ParameterControls parameters;
-  nlohmann::json given = nlohmann::json::object();  ///< parameters of the command line
-  std::string note;  ///< the last thing that happened, for people; empty after some seconds
+  nlohmann::json given = nlohmann::json::object();  ///< parameters from the command line
+  std::string note;  ///< the last message for the player; empty after some seconds
   bool loading = false;
   bool effects = true;
-  bool sound = true, silent = false;  ///< wanted; there is no device for it
+  bool sound = true, silent = false;  ///< whether sound is wanted; whether no device is available
   float volume = 0.8f;                ///< 0 … 1
 
-  /// Of the next fracture: the command line's, and above them what is set in the panel.
+  /// Parameters of the next fracture: those of the command line, overridden by those set in the panel.
   nlohmann::json overrides() const {
     nlohmann::json all = given;
     all.update(parameters.values());
@@ -40,7 +40,7 @@ struct PanelState {
   }
 };
 
-/// What the panel may ask for.
+/// The actions that the panel may request.
 struct PanelActions {
   std::function<void(const std::string&)> load_scene, set_material;
   std::function<void()> reset, save_glb, set_overrides;

@@ -19,7 +19,7 @@ bool ParameterControls::draw() {
       case ParameterControl::Type::kNumber: {
         const bool whole = control->type == ParameterControl::Type::kInteger;
         const double range = control->high - control->low;
-        // A slider where its range can be told apart, else a field to type into.
+        // A slider if the range is small enough to hit each value, otherwise a text field.
         if (range <= 1000) {
           edited = ImGui::SliderScalar("##value", ImGuiDataType_Double, &control->number, &control->low,
                                        &control->high, whole ? "%.0f" : "%.3g");

@@ -1,5 +1,5 @@
-// Controls for every parameter of GET /patterns, built from that table: a server with new parameters gets new
-// controls.
+// Controls for every parameter of GET /patterns. They are built from that table, so a server with new
+// parameters gets new controls.
 #pragma once
 
 #include <map>
@@ -9,14 +9,14 @@
 
 namespace fracture::app {
 
-/// One parameter, as the server describes it, and what the player has set.
+/// A parameter as the server describes it, with the player's value.
 struct ParameterControl {
   enum class Type { kInteger, kNumber, kChoice, kText };  ///< lists and vectors are text, as in a query
   std::string name, description, unit, hint;
   Type type = Type::kText;
   double low = 0, high = 1;
   std::vector<std::string> choices;
-  bool set = false;  ///< only then it is sent
+  bool set = false;  ///< sent only if true
   double number = 0;
   int choice = 0;
   std::string text;
@@ -24,16 +24,17 @@ struct ParameterControl {
 
 class ParameterControls {
  public:
-  /// Reads the answer of GET /patterns; false where it is not such a table (the controls stay as they are).
+  /// Reads the answer of GET /patterns. Returns false if it is not such a table; the controls then stay
+  /// unchanged.
   bool read(const std::string& patterns_json);
   bool empty() const { return general_.empty(); }
 
-  /// Draws them (inside a Dear ImGui window). True when something was changed.
+  /// Draws the controls inside a Dear ImGui window. Returns true if a value was changed.
   bool draw();
-  /// What is set, as members for a request.
+  /// The values that are set, as members of a request.
   nlohmann::json values() const;
 
-  /// The general ones, then those of the chosen pattern; for tests and for draw().
+  /// The general parameters, then those of the chosen pattern; for tests and draw().
   std::vector<ParameterControl*> shown();
   ParameterControl* find(const std::string& name);
 

@@ -1,4 +1,4 @@
-// The table and the values; no Dear ImGui.
+// Reads the table of parameters and the values, without Dear ImGui.
 #include <algorithm>
 #include <cmath>
 
@@ -58,7 +58,7 @@ bool ParameterControls::read(const std::string& patterns_json) {
     return false;
   std::vector<ParameterControl> general;
   for (ParameterControl& control : read_list(document["parameters"])) {
-    // Which mesh and which fragment is the game's affair, and so is physics, without which nothing falls.
+    // The game chooses the mesh and the fragment. It also needs physics, without which nothing falls.
     static const char* const kOurs[] = {"format",  "fragment", "fragment_sites", "fragment_seed",
                                         "physics", "seed",     "ue_collision",   "pivot"};
     if (std::none_of(std::begin(kOurs), std::end(kOurs),

@@ -56,7 +56,7 @@ std::vector<std::string> LiveGame::frame(const Tick& tick, double seconds) {
   for (const std::shared_ptr<const Snapshot>& snapshot : published)
     notes.insert(notes.end(), snapshot->notes.begin(), snapshot->notes.end());
   playback.add(std::move(published));
-  // What was made before a pause is still shown, at its speed.
+  // While the game is paused, the remaining snapshots are still played.
   playback.pass(tick.running ? tick.seconds : seconds, simulation.step_length());
   return notes;
 }

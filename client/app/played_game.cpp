@@ -27,7 +27,7 @@ void PlayedGame::begin(scenes::Scene scene, const Options& options, const nlohma
     game_ = std::move(made);
 }
 
-/// A game that begins as the header says, or plays the recording of one that did. The game before it is halted.
+/// Makes a game that begins as the header says, or one that replays a recording. Halts the current game.
 std::unique_ptr<LiveGame> PlayedGame::make(scenes::Scene scene, const nlohmann::json& header,
                                            std::shared_ptr<const game::Recording> recording) {
   if (game_) halt(*game_);
@@ -47,8 +47,8 @@ std::unique_ptr<LiveGame> PlayedGame::make(scenes::Scene scene, const nlohmann::
       std::make_unique<game::Game>(std::move(scene), client_, std::move(settings)), options_.seed);
 }
 
-/// Waits for its step. Two games that ask by one client would take each other's answers, and nothing of one may come into the
-/// other's file.
+/// Waits for the current step. Two running games on one client would take each other's answers, and one game
+/// must not write into the other's file.
 void PlayedGame::halt(LiveGame& live) {
   live.simulation.halt();
   const game::Game& game = live.simulation.game();
@@ -70,7 +70,7 @@ bool PlayedGame::frame(Tick tick, double seconds, bool back) {
   return false;
 }
 
-/// Whether the game stands still for it.
+/// Returns whether the game pauses for this.
 bool PlayedGame::go_back(double seconds, bool held) {
   if (held) {
     if (now()->history_full) {
@@ -97,7 +97,7 @@ bool PlayedGame::catch_up(const Tick& tick, double seconds) {
     note_("replaying the game: " + std::to_string(rewind_.percent()) + " %");
     return false;
   }
-  const bool another = game_ != nullptr;  // else it has been seen all the time
+  const bool another = game_ != nullptr;  // otherwise, this game was shown all the time
   background_.retire(std::exchange(game_, std::move(played->game)));
   note_(played->diverged ? "Step " + std::to_string(*played->diverged) +
                                " differs from the recording; the game continues from the new state."
@@ -109,7 +109,7 @@ std::vector<sound::Voice> PlayedGame::take_voices() {
   return game_ ? game_->playback.take_voices() : std::vector<sound::Voice>();
 }
 
-/// Something to do of which there is nothing to say.
+/// Posts a command that has no note for the player.
 void PlayedGame::post(std::function<void(game::Game&)> command) {
   if (!game_) return;
   game_->simulation.post([command = std::move(command)](game::Game& game) {

@@ -1,5 +1,5 @@
-// The game of a window: the one that goes on, the one before it that is played again after going back, and what the player
-// does in it. Simulations run on threads of their own; this is their frame's side, and waits for them only where one ends.
+// The game in a window: the current game, its replay after going back, and the player's actions. Simulations
+// run on their own threads. This class is used by frames and waits for a simulation only when one ends.
 #pragma once
 
 #include <functional>
@@ -16,33 +16,36 @@ namespace fracture::app {
 
 class PlayedGame {
  public:
-  /// `client` and `background` outlive it; `note` takes what there is to say to people.
+  /// `client` and `background` must outlive it; `note` receives messages for the player.
   PlayedGame(protocol::Client& client, Background& background, std::function<void(std::string)> note)
       : client_(client), background_(background), note_(std::move(note)) {}
 
-  /// Another game, recorded as the options say. With a recording of one that began with this header it goes on from its end.
+  /// Begins another game, recorded as the options say. If a recording is given, which must begin with this
+  /// header, the game continues from its end.
   void begin(scenes::Scene scene, const Options& options, const nlohmann::json& header,
              std::shared_ptr<const game::Recording> recording);
-  /// A frame that took so many seconds; `back`: the key that goes back is held. Whether what is seen from now on is another game.
+  /// Runs a frame that took this many seconds. `back`: whether the rewind key is held. Returns whether
+  /// another game is shown from now on.
   bool frame(Tick tick, double seconds, bool back);
 
-  /// The game that is seen; null: none yet.
+  /// The game that is shown; null if there is none yet.
   const LiveGame* seen() const { return game_ ? game_.get() : rewind_.playing(); }
-  /// Seen instead of what the game is; null: nothing.
+  /// A past moment to show instead of the game; null if there is none.
   const game::Moment* past() const { return rewind_.shown(); }
-  /// What it is, which is a little later than what is seen of it; null: no game yet, or a recording is played before it.
+  /// The newest state, slightly later than the state shown. Null if there is no game yet, or while its
+  /// recording is replayed.
   const Snapshot* now() const { return game_ ? &game_->playback.latest() : nullptr; }
-  /// It takes what the player does.
+  /// Whether the game accepts the player's actions.
   bool goes_on() const { return game_ && !rewind_.playing() && !rewind_.held(); }
   std::vector<sound::Voice> take_voices();
-  /// Game::patterns() of any of its games.
+  /// Game::patterns() of any of the player's games.
   const std::string& patterns() const { return patterns_; }
 
-  // Where it goes on (save(): where there is one); else nothing.
+  // These do nothing unless goes_on(). For save(), it is enough that there is a game.
   void use(Tool tool, const glm::dvec3& eye, const glm::dvec3& direction);
   void step_once();
   void set_overrides(nlohmann::json overrides);
-  /// Into a folder, by the time of day.
+  /// Saves into a folder; the file name contains the time.
   void save(const std::string& folder);
 
  private:
@@ -58,7 +61,7 @@ class PlayedGame {
   const std::function<void(std::string)> note_;
   Options options_;
   std::unique_ptr<LiveGame> game_;
-  std::shared_ptr<game::KeptAnswers> answers_;  ///< of this game, however often it goes back
+  std::shared_ptr<game::KeptAnswers> answers_;  ///< of this game, kept when it goes back
   Rewind rewind_;
   std::string patterns_;
   bool too_long_ = false;

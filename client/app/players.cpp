@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The link ends every wait by itself.
+/// Waits for the first line. This needs no time limit, because the link ends every wait.
 Expected<std::string> first_line(game::PeerLink& link) {
   while (true) {
     const std::optional<std::string> why = link.ended();
@@ -24,7 +24,7 @@ Expected<std::string> first_line(game::PeerLink& link) {
 
 void refuse(game::PeerLink& link, const std::string& why) { link.send(json_text(json{{"refused", why}})); }
 
-/// What the host says, instead of what the command line does.
+/// Replaces the options of the command line by those of the host.
 Expected<Options> as_host(Options options, const json& header) {
   Expected<Options> begun = with_header(std::move(options), header);
   if (!begun) return begun;

@@ -44,7 +44,7 @@ Expected<std::shared_ptr<const game::Recording>> recording_for(Options& options,
         stderr,
         "fracture-client: %s ends in the middle of a line; only the %zu steps before that line are played\n",
         printable(path).c_str(), recording->hashes.size());
-  if (const std::optional<std::string> lost = same_place(options))  // with the meshes that it names
+  if (const std::optional<std::string> lost = same_place(options))  // again, with the recording's meshes
     return fail(ErrorCode::kFileAccess, *lost);
   return std::make_shared<const game::Recording>(std::move(*recording));
 }

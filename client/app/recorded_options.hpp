@@ -1,4 +1,4 @@
-// What a recorded game says of how it began.
+// The header of a recorded game: how the game began.
 #pragma once
 
 #include "client/app/options.hpp"
@@ -7,16 +7,16 @@
 
 namespace fracture::app {
 
-/// The header of a recording of a game with these options in the scene that they make.
+/// The header of a recording of a game with these options in this scene.
 nlohmann::json header_of(const Options& options, const scenes::Scene& scene);
-/// The options with everything that the header says. kBadJson where it says it wrongly.
+/// The options, overridden by everything in the header. kBadJson if the header is malformed.
 Expected<Options> with_header(Options options, const nlohmann::json& header);
-/// Reads a recording; `options` become those that it was played with. kFileAccess, kBadJson, and where these are written
-/// to what it reads.
+/// Reads a recording and sets `options` to those it was played with. kFileAccess, kBadJson; kFileAccess also
+/// if an output would overwrite the recording or one of its meshes.
 Expected<std::shared_ptr<const game::Recording>> recording_for(Options& options, const std::string& path);
-/// kBadParameter where the header's game was played in another scene: its meshes, places or materials are not these.
+/// kBadParameter if the header's game was played in another scene, with other meshes, positions or materials.
 Expected<void> check_scene(const nlohmann::json& header, const scenes::Scene& scene);
-/// A recorder for a file with that header; null where the path is empty. kFileAccess.
+/// A recorder for a file with that header, or null if the path is empty. kFileAccess.
 Expected<std::shared_ptr<game::Recorder>> recorder_for(const std::string& path, const nlohmann::json& header);
 
 }  // namespace fracture::app

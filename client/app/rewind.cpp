@@ -6,7 +6,7 @@
 namespace fracture::app {
 
 void Rewind::hold(const Moment& now, double step_length, double seconds) {
-  constexpr double kSpeed = 2;  // times that of the game: ten seconds back are five of holding a key
+  constexpr double kSpeed = 2;  // relative to the game's: holding the key for five seconds goes back ten
   const auto steps = static_cast<double>(now->step);
   past_.add(now);
   cursor_ = std::max(0.0, cursor_.value_or(steps) - kSpeed * seconds / step_length);

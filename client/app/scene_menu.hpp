@@ -11,9 +11,9 @@ namespace fracture::app {
 
 class SceneMenu {
  public:
-  /// Reads the pictures, where they are found; a scene without one is a button with its name.
+  /// Reads the pictures that exist. A scene without one is shown as a button with its name.
   SceneMenu();
-  /// Draws the menu; `choose` gets the scene that was clicked. True when one was.
+  /// Draws the menu. If a scene is clicked, passes its name to `choose` and returns true.
   bool draw(const std::function<void(const std::string&)>& choose) const;
 
  private:

@@ -69,7 +69,7 @@ void Simulation::halt() {
   for (const Command& command : std::exchange(commands_, {})) command(*game_);
 }
 
-// -- the thread
+// -- the simulation's thread
 
 void Simulation::run(const std::stop_token& stop) {
   if (game_->settings().replay) play_again(stop);
@@ -82,7 +82,7 @@ void Simulation::play_again(const std::stop_token& stop) {
     if (stop.stop_requested()) return;
     if (game_->ready()) {
       step();
-      voices_.clear();  // nobody hears what is over
+      voices_.clear();  // sounds of the past are not played
     } else {
       std::unique_lock lock(mutex_);
       wake_.wait_for(lock, stop, kPoll, [] { return false; });
@@ -119,7 +119,8 @@ void Simulation::carry_out(Work work) {
   for (const Command& command : work.commands)
     if (std::string note = command(*game_); !note.empty()) notes_.push_back(std::move(note));
   const bool swapped = game_->attend();
-  // Pieces are where the whole was, at the same time: what is drawn between two steps has the same things in both.
+  // Publishes the new pieces at the time and place of the whole. So both snapshots between which a frame is
+  // drawn contain the same things.
   if (swapped || !work.commands.empty() || !work.step) publish();
   if (!work.step) return;
   step();

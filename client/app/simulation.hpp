@@ -5,11 +5,12 @@
 //                     ▼                 ▼               │ one lock, held for a swap of vectors
 //   simulation:  commands ── Game::attend ── [snapshot] ── Game::step ── snapshot
 //
-// The thread has no clock: it computes only as many steps as frames have given it time for. So the game stands still if the
-// window draws nothing, and tests need not wait. Time beyond kMostOwed steps is dropped: a game that cannot keep
-// up slows down instead of falling behind.
+// The thread has no clock: it computes only as many steps as frames have given it time for. So the game
+// stands still if the window draws nothing, and tests need not wait. Time beyond kMostOwed steps is dropped:
+// a game that cannot keep up slows down instead of falling behind.
 //
-// Everything shared is immutable or protected by the lock. The Game belongs to the thread until halt() ends it.
+// Everything shared is immutable or protected by the lock. The Game belongs to the thread until halt() ends
+// it.
 #pragma once
 
 #include <condition_variable>
@@ -37,9 +38,10 @@ class Simulation {
   /// The maximum number of steps that may be owed.
   static constexpr int kMostOwed = 6;
 
-  /// If the game has a recording to play (GameSettings::replay), it is played as fast as possible, then the player takes over.
+  /// If the game has a recording to play (GameSettings::replay), the recording is played as fast as possible.
+  /// Then the player takes over.
   Simulation(std::unique_ptr<game::Game> game, std::uint64_t debris_seed);
-  ~Simulation();  ///< halt()
+  ~Simulation();  ///< calls halt()
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
@@ -49,14 +51,14 @@ class Simulation {
   void step_once();
   /// Runs before the next step, even while paused, in the order of posting. After halt(): at once.
   void post(Command command);
-  /// The snapshots since the last call, in order; the first call includes one of the start. There is a new one after each step and command
-  /// and, while paused, after each frame.
+  /// The snapshots since the last call, in order. The first call includes the initial one. Each step and
+  /// command adds a snapshot, and so does each frame while the game is paused.
   std::vector<std::shared_ptr<const Snapshot>> take();
   const scenes::Scene& scene() const { return game_->scene(); }
   double step_length() const { return step_length_; }
 
-  /// Ends the thread. Waits for the current step, which no frame of a running game does, so use it to end or rewind a
-  /// game. Commands posted before are run before it returns; owed steps are not.
+  /// Ends the thread, after the current step. Frames of a running game must not wait for a step, so call this
+  /// only to end or rewind a game. Commands posted before are run before it returns; owed steps are not.
   void halt();
   /// Only after halt().
   const game::Game& game() const { return *game_; }
@@ -94,9 +96,9 @@ class Simulation {
   std::vector<Command> commands_;
   std::vector<std::shared_ptr<const Snapshot>> published_;
   Tick tick_;             // the last one
-  bool visited_ = false;  // by a frame, since the last snapshot or the last check
+  bool visited_ = false;  // whether a frame came since the last snapshot or check
   bool playing_again_ = false;
-  double owed_ = 0, dropped_ = 0;  // seconds: still to be computed; by which the next step is delayed
+  double owed_ = 0, dropped_ = 0;  // seconds still to be computed; seconds by which the next step is delayed
   int singles_ = 0;                // number of single steps that were requested
 
   bool halted_ = false;  // used only by the owner

@@ -1,4 +1,5 @@
-// A game at a boundary of its steps, as far as a frame draws, says or plays of it. Nobody changes it once it is published.
+// A game between two steps: everything a frame draws, shows as text or plays as sound. Immutable once
+// published.
 #pragma once
 
 #include <memory>
@@ -13,23 +14,24 @@
 namespace fracture::app {
 
 struct Snapshot {
-  /// When it is to be seen, in seconds of a clock that runs with the game, and on while the game does not keep up.
+  /// Time to show it, in seconds. The clock follows the game and also advances over dropped steps.
   double due = 0;
   std::shared_ptr<const game::Moment> moment;
   std::shared_ptr<const effects::Debris> debris;
   std::vector<game::Game::Coming> coming;
-  // Since the snapshot before.
+  // Since the previous snapshot.
   std::vector<sound::Voice> voices;
-  std::vector<std::string> notes;  ///< of what was posted, for people
-  // What the panel says.
+  std::vector<std::string> notes;  ///< for the player, from posted commands
+  // Shown in the panel.
   game::GameFigures figures;
-  world::Census census;  ///< of some steps before: it looks at every corner of every piece
+  world::Census census;  ///< some steps old, because a census visits every corner of every piece
   world::Ledger ledger;
-  double step_ms = 0;  ///< of the last step
+  double step_ms = 0;  ///< time of the last step
   std::shared_ptr<const std::string> last_glb;
-  std::shared_ptr<const std::string> patterns;  ///< Game::patterns(); null before
+  std::shared_ptr<const std::string> patterns;  ///< Game::patterns(); null if not yet received
   bool history_full = false;
-  /// While a recording is played: how much of it. No step is made for the clock until it has ended.
+  /// While a recording is replayed: its progress in percent. Until the replay ends, steps do not follow the
+  /// clock.
   std::optional<int> played_again_percent;
 };
 

@@ -1,4 +1,4 @@
-// What a game without a window sounds like, as a file.
+// The sound of a game without a window, written to a file.
 #pragma once
 
 #include "client/game/game.hpp"
@@ -8,21 +8,22 @@
 
 namespace fracture::app {
 
-/// WorldSettings::max_witnessed of a game that is seen and heard: more in one frame is more than anybody can tell apart.
+/// WorldSettings::max_witnessed of a game with picture or sound. Nobody can distinguish more events in a
+/// frame.
 inline constexpr std::size_t kMostWitnessed = 1024;
 
-/// By the game's objects.
+/// Returns a function that looks up the material of the game's objects.
 inline sound::Soundscape::MaterialOf materials_of(const game::Game& game) {
   return [&game](world::ObjectId object) { return game.material_of(object); };
 }
 
 class SoundTrack {
  public:
-  /// Heard from the scene's eye. kNoSound, kFileAccess.
+  /// The listener is at the scene's eye. kNoSound, kFileAccess.
   static Expected<SoundTrack> create(const std::string& path, const scenes::Scene& scene);
-  /// After each step of the game, with what was witnessed in it.
+  /// Call after each step of the game, with the events witnessed in it.
   void add(const game::Game& game, const world::Witnessed& witnessed);
-  /// kFileAccess where not all of it is in the file.
+  /// kFileAccess if the file is incomplete.
   Expected<void> finish();
 
  private:
@@ -32,7 +33,7 @@ class SoundTrack {
   sound::WavFile file_;
   sound::Speakers speakers_;
   sound::Soundscape soundscape_;
-  double owed_ = 0;  ///< frames of sound that are not rendered yet, less than one
+  double owed_ = 0;  ///< fraction of a frame of sound that is not rendered yet
 };
 
 }  // namespace fracture::app

@@ -4,7 +4,7 @@ namespace fracture::app {
 
 bool use_tool(Tool tool, game::Game& game, const glm::dvec3& eye, const glm::dvec3& direction) {
   if (tool == Tool::kExplosion) {
-    constexpr double kFarthest = 200, kBefore = 0.1;  // metres: of the aim; in front of what is met
+    constexpr double kFarthest = 200, kBefore = 0.1;  // metres: reach of the aim; distance before the surface
     const auto met = game.world().first_met(eye, eye + kFarthest * direction);
     if (!met) return false;
     game.explode({*met - kBefore * direction, scenes::kBlastImpulse, scenes::kBlastRadius});

@@ -1,4 +1,4 @@
-// What a click in the window does.
+// The effects of a click in the window.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@ enum class Tool { kBall, kWreckingBall, kExplosion };
 inline constexpr std::array<const char*, 3> kToolActions = {"throws a ball", "throws a wrecking ball",
                                                             "explodes there"};
 
-/// Throws from the eye in a direction of unit length, or lets what lies there explode. False: nothing lies there.
+/// Throws a ball from the eye in a direction of unit length, or sets off an explosion at the first thing in
+/// that direction. Returns false if there is none.
 bool use_tool(Tool tool, game::Game& game, const glm::dvec3& eye, const glm::dvec3& direction);
 
 }  // namespace fracture::app

@@ -36,10 +36,10 @@ double seconds_between(Clock::time_point a, Clock::time_point b) {
   return std::chrono::duration<double>(b - a).count();
 }
 
-/// A scene and the camera in it, and everything that happens in a frame.
+/// The scene, the camera and everything that happens in a frame.
 class Session {
  public:
-  /// `recording`: of options.continue_from; null without one.
+  /// `recording` is the one named in options.continue_from, or null.
   Session(const Options& options, std::shared_ptr<const game::Recording> recording, GLFWwindow* window,
           view::SceneView view)
       : options_(options),
@@ -96,10 +96,10 @@ class Session {
  private:
   using Loaded = Expected<scenes::Scene>;
 
-  // -- scenes: read on another thread, for some take longer than a frame
+  // -- scenes: read on another thread, because some take longer than a frame
 
   void load(std::function<Loaded()> make) {
-    // One that is overtaken is forgotten: its end is awaited in the background.
+    // Drops the scene that is still loading, and waits for its end in the background.
     if (loading_.valid())
       background_.run(
           [overtaken = std::make_shared<std::future<Loaded>>(std::move(loading_))] { overtaken->wait(); });
@@ -133,7 +133,7 @@ class Session {
     if (game_.now() == nullptr || game_.seen()->simulation.scene().name != scene->name ||
         scene->name == "files")
       camera_.aim(*scene);
-    // Another scene or a reset begins another game, and another recording.
+    // Another scene or a reset begins a new game and a new recording.
     Options begun = options_;
     begun.parameters = recording_ ? options_.parameters : state_.overrides();
     nlohmann::json header = header_of(begun, *scene);
@@ -146,7 +146,7 @@ class Session {
     game_.begin(std::move(*scene), options_, header, std::exchange(recording_, nullptr));
   }
 
-  /// Something for people, for some seconds.
+  /// Shows a message for some seconds.
   void note(std::string text) {
     constexpr std::chrono::seconds kShown(6);
     state_.note = std::move(text);
@@ -240,7 +240,7 @@ class Session {
   void screenshot(const std::string& name) {
     auto picture = picture_.read();
     if (!picture) return;
-    // Reading waits for the driver, as a picture on demand may; encoding and writing do not.
+    // Reading waits for the driver. Encoding and writing run in the background.
     const std::string path = (std::filesystem::path(options_.out) / name).string();
     background_.write_picture(std::move(picture), path);
     note("saved " + path);
@@ -279,7 +279,7 @@ class Session {
     overlay(camera, width, height);
   }
 
-  /// The game's part of a frame: it gets its time, and is heard.
+  /// Gives the game the frame's time and plays its sound.
   void play(double seconds) {
     constexpr double kSlow = 0.2;
     Tick tick;
@@ -301,7 +301,7 @@ class Session {
     const std::vector<game::Game::Coming> coming = live.playback.coming();
     view::ViewSettings settings = state_.view;
     if (past != nullptr) {
-      settings.debug = view::DebugView::kNone;  // debris is where it is now
+      settings.debug = view::DebugView::kNone;  // debris is only known for the present
     } else {
       settings.coming = &coming;
       settings.debris = state_.effects ? &live.playback.debris() : nullptr;
@@ -323,7 +323,7 @@ class Session {
       const LiveGame& seen = *game_.seen();
       if (state_.view.debug == view::DebugView::kFragments && game_.past() == nullptr)
         draw_fragment_ids(seen.playback.moment(), camera, width, height);
-      // Which sets parameters: of a game that goes on.
+      // The panel sets parameters, so the game must be going on.
       if (game_.goes_on())
         draw_panel(state_, seen.simulation.scene(), *now, client_,
                    {[this](const std::string& scene) {
@@ -355,11 +355,11 @@ class Session {
   FlyCamera camera_;
   protocol::Client client_;
   WindowPicture picture_;
-  std::shared_ptr<const game::Recording> recording_;  ///< to go on from, until its scene is there
+  std::shared_ptr<const game::Recording> recording_;  ///< to continue from; kept until its scene is loaded
   Background background_;
   PlayedGame game_{client_, background_, [this](std::string text) { note(std::move(text)); }};
-  std::unique_ptr<sound::Player> player_;  ///< null: silent
-  std::unique_ptr<SceneMenu> menu_;        ///< once it was asked for
+  std::unique_ptr<sound::Player> player_;  ///< null: no sound
+  std::unique_ptr<SceneMenu> menu_;        ///< created when first opened
   PanelState state_;
   Clock::time_point note_until_{};
   std::future<Loaded> loading_;
@@ -380,7 +380,7 @@ int run_window(const Options& asked) {
     }
     recording = std::move(*read);
   }
-  std::error_code ignored;  // what cannot be written there says so then
+  std::error_code ignored;  // an error appears when a file is written there
   std::filesystem::create_directories(options.out, ignored);
   const auto window = GlfwWindow::open(options.width, options.height);
   if (!window) {

@@ -19,14 +19,14 @@ Expected<void> WindowPicture::prepare(int width, int height) {
   auto made = render::FrameTarget::create(width, height);
   if (!made) return tl::unexpected(made.error());
   target_ = std::make_unique<render::FrameTarget>(std::move(*made));
-  choice_ = choice_of_driver();  // another size, another cost
+  choice_ = choice_of_driver();  // another size has another cost
   return {};
 }
 
 Expected<view::ViewFigures> WindowPicture::draw(const scenes::Scene& scene, const game::Moment& moment,
                                                 const render::Camera& camera, view::ViewSettings settings,
                                                 render::TierWish wish) {
-  if (std::exchange(wish_, wish) != wish) choice_ = choice_of_driver();  // asked again, it begins again
+  if (std::exchange(wish_, wish) != wish) choice_ = choice_of_driver();  // the player changed the setting
   const bool automatic = wish == render::TierWish::kAuto;
   settings.tier = automatic                         ? choice_.tier()
                   : wish == render::TierWish::kHigh ? render::Tier::kHigh
@@ -36,7 +36,7 @@ Expected<view::ViewFigures> WindowPicture::draw(const scenes::Scene& scene, cons
                           target_->height());
   timer_.end();
   if (automatic && !drawn && settings.tier == render::Tier::kHigh)
-    choice_ = render::TierChoice(true);  // the driver refuses it, or a mesh: low can do with less
+    choice_ = render::TierChoice(true);  // the high tier failed; the low tier needs less
   while (const std::optional<double> took = timer_.take())
     if (automatic && drawn && drawn->tier == settings.tier && settings.debug == view::DebugView::kNone)
       choice_.add(*took);

@@ -1,5 +1,5 @@
-// The game's picture in a window: its tier, chosen by what pictures take where it is left to that, and the target it is
-// drawn into.
+// Draws the game's picture into a target for the window. If the player leaves the choice open, it picks the
+// tier by the measured drawing time.
 #pragma once
 
 #include <memory>
@@ -12,20 +12,20 @@ namespace fracture::app {
 
 class WindowPicture {
  public:
-  /// The window's context has to be current.
+  /// The window's context must be current.
   explicit WindowPicture(view::SceneView view);
 
-  /// For a window of that size; kTooLarge, kGraphicsDriver.
+  /// Prepares for a window of this size; kTooLarge, kGraphicsDriver.
   Expected<void> prepare(int width, int height);
-  /// Forgets what was uploaded: another game, or the same anew.
+  /// Forgets what was uploaded, for another game or a restart.
   void reset() { view_.reset(); }
-  /// Draws in the tier that is wished; settings.tier is of no account.
+  /// Draws in the requested tier; settings.tier is ignored.
   Expected<view::ViewFigures> draw(const scenes::Scene& scene, const game::Moment& moment,
                                    const render::Camera& camera, view::ViewSettings settings,
                                    render::TierWish wish);
-  /// Into the window.
+  /// Copies the picture into the window.
   void show() const { target_->copy_to(0); }
-  /// What was drawn last; waits for the driver. Null before the first picture.
+  /// The last drawn picture; waits for the driver. Null before the first picture.
   std::shared_ptr<const render::Picture> read() const;
 
  private:

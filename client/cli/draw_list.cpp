@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Names of files may be any bytes; an answer is text.
+/// File names may contain any bytes, but an answer must be valid text.
 std::string dump(const json& answer) { return answer.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 struct Line {
@@ -45,7 +45,7 @@ void draw_list(
     if (!drawn)
       answer["problem"] = {{"type", std::string("/problems/") + slug(drawn.error().code)},
                            {"detail", drawn.error().detail}};
-    out << dump(answer) << std::endl;  // whoever waits for it sees it now
+    out << dump(answer) << std::endl;  // flushed, so that a waiting reader gets it now
   }
 }
 

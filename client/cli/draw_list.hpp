@@ -9,10 +9,10 @@
 
 namespace fracture::cli {
 
-/// Reads lines until the end. Each is a JSON object with the options of a picture and "output", the PNG to write. Writes
-/// one line {"output": …} for each as soon as it is drawn; "output" is null if the line does not state it. If the picture
-/// cannot be drawn, the line has a "problem" with type and detail.
-/// An invalid line, or a file that cannot be drawn, does not end the process.
+/// Reads lines until the end. Each is a JSON object with the options of a picture and "output", the PNG to
+/// write. Writes one line {"output": …} for each picture as soon as it is drawn. "output" is null if the
+/// input line lacks it. If the picture cannot be drawn, the line has a "problem" with type and detail. An
+/// invalid line, or a file that cannot be drawn, does not end the process.
 void draw_list(
     std::istream& in, std::ostream& out,
     const std::function<Expected<void>(const PictureOptions& options, const std::string& output)>& draw);

@@ -9,7 +9,7 @@ Expected<PictureMaker> PictureMaker::create() {
 }
 
 Expected<render::GpuModel*> PictureMaker::model(const std::string& file) {
-  constexpr std::size_t kKept = 4;  // the pictures of a row show two files or three
+  constexpr std::size_t kKept = 4;  // the pictures of a row show two or three files
   const auto known = scenes_.find(file);
   if (known != scenes_.end()) return &known->second;
   if (scenes_.size() >= kKept) scenes_.clear();

@@ -1,4 +1,4 @@
-// From options to a picture: loads the file, fits the camera, draws, reads back.
+// Draws a picture from its options: loads the file, fits the camera, draws and reads the pixels back.
 #pragma once
 
 #include <map>
@@ -11,15 +11,15 @@
 
 namespace fracture::cli {
 
-/// Keeps what the next picture may need as well: the renderer, the last target and the last few models.
+/// Keeps what the next picture may need again: the renderer, the last target and the last few models.
 class PictureMaker {
  public:
-  /// A context has to be current.
+  /// A context must be current.
   static Expected<PictureMaker> create();
 
   Expected<render::Picture> draw(const PictureOptions& options);
 
-  /// Gives back the models and warnings so far: a file of the same name is read again.
+  /// Drops the models and warnings so far, so that a file of the same name is read again.
   void forget() {
     scenes_.clear();
     warnings_.clear();
@@ -28,7 +28,7 @@ class PictureMaker {
   const render::FrameStats& stats() const { return stats_; }  ///< of the last picture
   const std::vector<std::string>& warnings() const {
     return warnings_;
-  }  ///< of all files so far, with their names
+  }  ///< of all files so far, with the file names
 
  private:
   explicit PictureMaker(render::Renderer renderer) : renderer_(std::move(renderer)) {}

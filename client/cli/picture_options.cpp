@@ -18,7 +18,7 @@ using render::View;
 
 [[noreturn]] void refuse(const std::string& legal) { throw std::invalid_argument(legal); }
 
-/// Sheets have numbers, the command line has texts.
+/// Sheets contain numbers; the command line contains text.
 double number(const json& value, double low, double high) {
   std::ostringstream range;
   range << "a number from " << low << " to " << high;
@@ -53,7 +53,7 @@ bool yes(const json& value) {
   refuse("true or false");
 }
 
-/// [x, y, z] or "x,y,z".
+/// Reads [x, y, z] or "x,y,z".
 glm::vec3 vector(const json& value) {
   constexpr double kFar = 1e6;
   std::vector<json> parts;

@@ -7,18 +7,17 @@
 namespace fracture::effects {
 namespace {
 
-/// How a material crumbles. Amounts are ours, set by eye beside films of real breaks.
+/// How a material crumbles. The amounts were chosen by eye, compared with films of real breaks.
 struct Crumbling {
   const char* name;
   glm::vec3 dust, crumb;  ///< colours, linear
-  float puffs;            ///< for each square metre of a bond that breaks
-  float density;          ///< of a puff
-  float crumbs;           ///< the same
-  float size;             ///< metres, of the larger crumbs
+  float puffs;            ///< per square metre of broken bond
+  float density;          ///< opacity of a puff
+  float crumbs;           ///< per square metre of broken bond
+  float size;             ///< metres, for the larger crumbs
   float stretch;
-  bool rays;  ///< a hit leaves cracks
-  bool
-      clear;  ///< and no mark, which would be painted on what the depth of the picture shows: what lies behind
+  bool rays;   ///< whether a hit leaves cracks
+  bool clear;  ///< leaves no mark, because a mark would be painted on the surface behind the clear object
 };
 
 const glm::vec3 kWhite(0.80f, 0.80f, 0.78f), kGrey(0.42f, 0.41f, 0.39f), kSand(0.52f, 0.46f, 0.37f);
@@ -34,7 +33,7 @@ const std::array<Crumbling, 8> kCrumbling = {{
 }};
 
 const Crumbling& crumbling(const std::string& material) {
-  // What is made of the same stuff crumbles alike.
+  // Similar materials crumble alike.
   const std::string name = material == "terracotta"                           ? "brick"
                            : material == "sandstone" || material == "plaster" ? "stone"
                            : material == "cast_iron"                          ? "metal"
@@ -45,18 +44,18 @@ const Crumbling& crumbling(const std::string& material) {
   return known != kCrumbling.end() ? *known : kCrumbling.front();
 }
 
-constexpr float kGravity = 9.81f, kAirDrag = 2.2f;  // m/s²; 1/s, of dust
-constexpr float kShrink = 1;                        // seconds, at the end of a crumb
-constexpr double kScuffing = 2;                     // N·s: an impulse that leaves a mark …
-constexpr double kScuffSpeed = 1;                   // m/s … where it is this fast
-constexpr std::size_t kMostOfOne = 60;              // crumbs of one bond or hit
+constexpr float kGravity = 9.81f, kAirDrag = 2.2f;  // m/s²; 1/s, for dust
+constexpr float kShrink = 1;                        // seconds, at the end of a crumb's life
+constexpr double kScuffing = 2;                     // N·s: the smallest impulse that leaves a mark …
+constexpr double kScuffSpeed = 1;                   // m/s: … and the smallest speed
+constexpr std::size_t kMostOfOne = 60;              // crumbs from one bond or hit
 
 template <class Item>
 void keep_newest(std::vector<Item>& all, std::size_t most) {
   if (all.size() > most) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(most));
 }
 
-/// Two directions that are at right angles to a third.
+/// Two directions perpendicular to `normal` and to each other.
 std::pair<glm::vec3, glm::vec3> across(const glm::vec3& normal) {
   const glm::vec3 other = std::abs(normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   const glm::vec3 x = glm::normalize(glm::cross(other, normal));
@@ -67,7 +66,7 @@ std::pair<glm::vec3, glm::vec3> across(const glm::vec3& normal) {
 
 float Puff::opacity() const {
   const float t = age / life, start = std::min(1.f, age / 0.06f);
-  // The same dust in a larger puff.
+  // The puff grows, but its amount of dust stays the same.
   return density * start * (1 - t) * (1 - t);
 }
 
@@ -103,14 +102,14 @@ void Debris::crack(const world::Crack& crack, const std::string& material) {
     Crumb crumb;
     float angle = 0, r = 0;
     crumb.position = place(angle, r);
-    // The rim is where it comes out, along the crack.
+    // Crumbs come out at the rim, along the crack.
     const glm::vec3 out = std::cos(angle) * x + std::sin(angle) * y;
     crumb.velocity = moves + (0.3f + 1.1f * r) * random() * out + 0.5f * random() * random_direction();
     crumb.axis = random_direction();
     crumb.turn = 6.2831853f * random();
     crumb.spin = 24 * (random() - 0.5f);
     const float u = random();
-    crumb.size = how.size * (0.25f + 0.75f * u * u * u);  // most of them are small
+    crumb.size = how.size * (0.25f + 0.75f * u * u * u);  // most crumbs are small
     crumb.stretch = 1 + (how.stretch - 1) * (0.5f + 0.5f * random());
     crumb.color = how.crumb * (0.75f + 0.5f * random());
     crumb.life = 5 + 4 * random();
@@ -137,7 +136,7 @@ void Debris::mark(const world::World& world, const world::Knock& knock, const wo
   Mark mark;
   glm::dvec3 normal = knock.normal;
   if (side.kind == world::Knock::Side::Kind::kObject) {
-    if (!side.fragment) return;  // it is about to break there, or was not hit hard
+    if (!side.fragment) return;  // it is about to break there, or the hit was weak
     const Crumbling& how = crumbling(material);
     if (how.clear) return;
     std::vector<world::FragmentState> states;
@@ -173,7 +172,7 @@ void Debris::knock(const world::World& world, const world::Knock& knock, const M
                                       : std::string("concrete");
   };
   const std::string a = name(knock.a), b = name(knock.b);
-  // Balls bear it without a trace.
+  // Balls show no marks.
   if (knock.a.kind != Kind::kBall) mark(world, knock, knock.a, a, b);
   if (knock.b.kind != Kind::kBall) mark(world, knock, knock.b, b, a);
   for (const bool first : {true, false}) {
@@ -210,7 +209,7 @@ void Debris::move(float seconds) {
     crumb.position.y = lies;
     crumb.velocity = {0.55f * crumb.velocity.x, -0.3f * crumb.velocity.y, 0.55f * crumb.velocity.z};
     crumb.spin *= 0.5f;
-    constexpr float kRests = 0.12f;  // m/s
+    constexpr float kRests = 0.12f;  // m/s: slower crumbs come to rest
     if (glm::dot(crumb.velocity, crumb.velocity) < kRests * kRests) crumb.velocity = glm::vec3(0);
   }
   const float kept = std::exp(-kAirDrag * seconds);

@@ -9,12 +9,13 @@
 namespace fracture::effects {
 namespace {
 
-// Units that the renderer uses where it draws surfaces alone.
+// Texture units that the renderer uses only while it draws surfaces.
 constexpr int kShapes = render::kBehind, kDepth = render::kSceneDepth;
 constexpr int kShapeSide = 64;  // texels
 constexpr int kCrumbVertices = 24, kBoxVertices = 36;
 
-/// Attributes of four floats each, from the first on, of which `divisor` instances share one.
+/// Sets up consecutive attributes of `sizes` floats each, starting with `first`. `divisor` instances share a
+/// value.
 void attributes(GLuint buffer, GLuint first, std::initializer_list<int> sizes, GLuint divisor) {
   glBindBuffer(GL_ARRAY_BUFFER, buffer);
   int stride = 0;
@@ -35,7 +36,7 @@ void upload(GLuint buffer, const std::vector<float>& data, GLenum usage) {
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(float)), data.data(), usage);
 }
 
-/// Value noise on a grid that repeats, 0 … 1.
+/// Value noise on a repeating grid, 0 … 1.
 float noise(int x, int y, int cell, int shape) {
   const auto at = [&](int i, int j) {
     const int cells = kShapeSide / cell;
@@ -101,7 +102,7 @@ Expected<DebrisView> DebrisView::create(render::Tier tier) {
   return view;
 }
 
-/// Four of them, side by side: a soft disc that noise eats into.
+/// Makes four shapes side by side: soft discs with edges eaten away by noise.
 void DebrisView::make_puff_shapes() {
   std::vector<std::uint8_t> texels(static_cast<std::size_t>(4 * kShapeSide * kShapeSide));
   for (int y = 0; y < kShapeSide; ++y)
@@ -130,7 +131,7 @@ void DebrisView::make_puff_shapes() {
 }
 
 void DebrisView::make_boxes() {
-  // A crumb: an octahedron that is no regular one, with flat faces.
+  // A crumb: an irregular octahedron with flat faces.
   const glm::vec3 corners[6] = {{1, 0.1f, 0},      {-1, -0.1f, 0.1f}, {0.1f, 0.8f, 0.2f},
                                 {0, -0.9f, -0.1f}, {0.2f, 0.1f, 1},   {-0.1f, 0, -0.8f}};
   std::vector<float> shape;
@@ -142,7 +143,7 @@ void DebrisView::make_boxes() {
       shape.insert(shape.end(), {corner.x, corner.y, corner.z, normal.x, normal.y, normal.z});
   }
   upload(crumb_shape_.get(), shape, GL_STATIC_DRAW);
-  // The cube around the origin, of side 2.
+  // The cube of side 2 around the origin.
   std::vector<float> box;
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-1.f, 1.f}) {
@@ -158,7 +159,7 @@ void DebrisView::make_boxes() {
   upload(box_.get(), box, GL_STATIC_DRAW);
 }
 
-/// One sample of each pixel's depth as a texture.
+/// Copies one depth sample per pixel into a texture.
 void DebrisView::copy_depth(GLuint framebuffer, int width, int height) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(kDepth));
   if (width != width_ || height != height_) {
@@ -208,7 +209,7 @@ void DebrisView::draw_marks(std::span<const PlacedMark> marks) {
   upload(mark_buffer_.get(), data_, GL_STREAM_DRAW);
   mark_.use();
   glBindVertexArray(marks_.get());
-  // Its far sides, whatever stands before them: the eye may be inside.
+  // Draws the far sides of each box, without a depth test, because the eye may be inside.
   glEnable(GL_CULL_FACE);
   glCullFace(GL_FRONT);
   glDisable(GL_DEPTH_TEST);
@@ -219,7 +220,7 @@ void DebrisView::draw_marks(std::span<const PlacedMark> marks) {
 }
 
 void DebrisView::draw_puffs(const std::vector<Puff>& puffs, const render::Camera& camera) {
-  // The far ones first.
+  // Draws distant puffs first.
   std::vector<std::pair<float, const Puff*>> ordered;
   for (const Puff& puff : puffs) ordered.emplace_back((camera.view * glm::vec4(puff.position, 1)).z, &puff);
   std::stable_sort(ordered.begin(), ordered.end(),
@@ -245,9 +246,9 @@ std::size_t DebrisView::draw(const Debris& debris, std::span<const PlacedMark> m
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDisable(GL_CULL_FACE);
-  glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);  // colours come multiplied
+  glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);  // colours are premultiplied
   if (!marks.empty() || !debris.puffs().empty()) {
-    copy_depth(framebuffer, width, height);  // without crumbs, which no mark is on
+    copy_depth(framebuffer, width, height);  // before crumbs are drawn, because they get no marks
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(kShapes));
     glBindTexture(GL_TEXTURE_2D, shapes_.get());
   }

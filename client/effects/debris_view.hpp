@@ -1,5 +1,5 @@
-// Draws debris over a picture of the scene: marks where the surfaces are, crumbs with light and shadow, dust that fades
-// where it meets something. OpenGL 3.3 core.
+// Draws debris over a picture of the scene: marks on the surfaces, crumbs with light and shadow, and dust
+// that fades where it meets a surface. OpenGL 3.3 core.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace fracture::effects {
 
-/// A mark in the world.
+/// A mark in world coordinates.
 struct PlacedMark {
   const Mark* mark;
   glm::vec3 position, normal;
@@ -19,11 +19,11 @@ struct PlacedMark {
 
 class DebrisView {
  public:
-  /// For pictures of a tier. kGraphicsDriver where a shader is refused.
+  /// For pictures in this tier. kGraphicsDriver if the driver rejects a shader.
   static Expected<DebrisView> create(render::Tier tier = render::Tier::kLow);
 
-  /// Into `framebuffer`, as the overlay of Renderer::draw or right after it (low tier), whose frame block and shadow maps are still bound. Returns the number
-  /// of draw calls: none where there is no debris.
+  /// Draws into `framebuffer`, as the overlay of Renderer::draw or right after it (low tier), while its frame
+  /// block and shadow maps are still bound. Returns the number of draw calls, 0 if there is no debris.
   std::size_t draw(const Debris& debris, std::span<const PlacedMark> marks, const render::Camera& camera,
                    GLuint framebuffer, int width, int height);
 
@@ -42,7 +42,7 @@ class DebrisView {
   render::Buffer puff_buffer_, crumb_buffer_, mark_buffer_, crumb_shape_, box_;
   render::Texture shapes_, depth_;
   render::Framebuffer depth_framebuffer_;
-  int width_ = 0, height_ = 0;  ///< of the copy of the depth
+  int width_ = 0, height_ = 0;  ///< size of the copied depth
   std::vector<float> data_;
 };
 

@@ -33,7 +33,7 @@ std::string egl_error() {
   return std::string("EGL error ") + text.data();
 }
 
-/// Makes OpenGL 3.3 core current on the display. kNoGraphics with the reason alone.
+/// Makes OpenGL 3.3 core current on the display. The text of a kNoGraphics error is only the reason.
 Expected<EGLContext> open_context(EGLDisplay display) {
   const auto none = [](std::string why) { return fail(ErrorCode::kNoGraphics, std::move(why)); };
   EGLint major = 0, minor = 0;

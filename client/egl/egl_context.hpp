@@ -1,5 +1,5 @@
-// OpenGL without a window: an EGL context that draws into framebuffers of its own. With Mesa it needs neither
-// a display server nor a graphics card (llvmpipe).
+// OpenGL without a window: an EGL context that draws into its own framebuffers. With Mesa (llvmpipe), it
+// needs neither a display server nor a graphics card.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@ namespace fracture::egl {
 
 class EglContext {
  public:
-  /// OpenGL 3.3 core, made current in this thread, without a surface. Tries Mesa's surfaceless platform, then
-  /// the devices that EGL lists, then the default display. kNoGraphics with what each of them said.
+  /// OpenGL 3.3 core without a surface, made current in this thread. Tries Mesa's surfaceless platform, then
+  /// the devices that EGL lists, then the default display. kNoGraphics lists the reason for each of them.
   static Expected<EglContext> create();
   EglContext(EglContext&&) noexcept;
   EglContext& operator=(EglContext&&) noexcept;

@@ -18,14 +18,14 @@
 #include <utility>
 #include <vector>
 
-extern char** environ;  // POSIX: what the program inherits
+extern char** environ;  // POSIX: the environment that the program inherits
 
 namespace fracture::film {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A descriptor that closes itself.
+/// A file descriptor that closes itself.
 class Descriptor {
  public:
   explicit Descriptor(int number = -1) : number_(number) {}
@@ -45,7 +45,7 @@ class Descriptor {
   int number_;
 };
 
-/// Waits for an event; false when the time is over.
+/// Waits for an event. Returns false on a timeout.
 bool wait_for(int descriptor, short events, Clock::time_point end) {
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
@@ -56,17 +56,18 @@ bool wait_for(int descriptor, short events, Clock::time_point end) {
   }
 }
 
-/// Of a film; null: it is none.
+/// The file extension of a film, or null if the path is not a film.
 const char* ending_of(const std::string& path) {
   for (const char* ending : {".mp4", ".gif", ".webp"})
     if (path.ends_with(ending)) return ending;
   return nullptr;
 }
 
-/// A new, empty file beside `path`, of the same ending and without its other letters; empty with errno set.
+/// Creates a new, empty file in the folder of `path`, with the same extension. Returns an empty string with
+/// errno set on failure.
 std::string file_beside(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  constexpr int kTries = 100;  // names that a killed program left
+  constexpr int kTries = 100;  // because a killed program may leave files with these names
   for (int k = 0; k < kTries; ++k) {
     const std::string name =
         ".film-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".part" + ending_of(path);
@@ -97,14 +98,14 @@ std::vector<std::string> arguments(const std::string& path, const FilmSettings& 
   const auto add = [&](std::initializer_list<const char*> more) {
     list.insert(list.end(), more.begin(), more.end());
   };
-  if (path.ends_with(".mp4"))  // players want even sides and this layout of colours
+  if (path.ends_with(".mp4"))  // players need even sizes and this pixel format
     add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"});
-  else if (path.ends_with(".gif"))  // of its own colours, and as many pictures as browsers show of one
+  else if (path.ends_with(".gif"))  // its own palette, and the frame rate that browsers show
     add({"-vf",
          "fps=25,split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"});
   else
     add({"-vf", "fps=30", "-loop", "0", "-quality", "70"});
-  // By its name alone ffmpeg would take x%d.webp for numbered pictures.
+  // From the name alone, ffmpeg would take x%d.webp for numbered pictures.
   add({"-f", ending_of(path) + 1});
   list.push_back("file:" + path);
   return list;
@@ -116,7 +117,8 @@ class Film::Program {
  public:
   static Expected<std::unique_ptr<Program>> start(const std::string& path, const FilmSettings& settings) {
     auto program = std::unique_ptr<Program>(new Program(settings));
-    // A socket and not a pipe: a program that has gone is then an error of send(), and no signal that ends us.
+    // A socket, not a pipe: if the program has ended, send() returns an error and no signal ends this
+    // process.
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
       return fail(ErrorCode::kNoProgram,
@@ -144,7 +146,7 @@ class Film::Program {
       return fail(ErrorCode::kNoProgram, settings.program + " cannot be started (" + std::strerror(error) +
                                              "): install it, or record into a folder of PNG files.");
     program->id_ = id;
-    // The header of glibc 2.36 gives pidfd_open() to C alone.
+    // The header of glibc 2.36 declares pidfd_open() only for C.
     program->process_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, id, 0)));
     return program;
   }
@@ -152,7 +154,7 @@ class Film::Program {
   ~Program() {
     if (id_ > 0) {
       ::kill(id_, SIGKILL);
-      ::waitpid(id_, nullptr, 0);  // ends: it has been killed
+      ::waitpid(id_, nullptr, 0);  // returns, because the process was killed
     }
     if (said_ != nullptr) std::fclose(said_);
   }
@@ -175,12 +177,12 @@ class Film::Program {
   }
 
   Expected<void> finish() {
-    ours_.close();  // the end of its input
+    ours_.close();  // ends the program's input
     if (!wait_for(process_.get(), POLLIN, Clock::now() + settings_.patience)) return gone("does not end");
     int status = 0;
     ::waitpid(id_, &status, 0);
     id_ = -1;
-    // ffmpeg ends with 0 also where a disk was full; what it says at this level is an error.
+    // ffmpeg also exits with 0 if the disk was full. Anything it prints at this log level is an error.
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && words().empty()) return {};
     return gone("failed");
   }
@@ -217,7 +219,7 @@ Film::Film(Film&& other) noexcept
       program_(std::move(other.program_)),
       frames_(other.frames_) {}
 Film::~Film() {
-  program_.reset();  // before its file: it might write on
+  program_.reset();  // before its file is deleted, because it might still write
   if (!part_.empty()) ::unlink(part_.c_str());
 }
 
@@ -239,7 +241,7 @@ Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
   std::filesystem::create_directories(path, error);
   if (!std::filesystem::is_directory(path, error))
     return fail(ErrorCode::kFileAccess, "Cannot create the folder " + path + ".");
-  // Nobody would see where a shorter film ends and what is left of a longer one begins.
+  // Otherwise, nobody could see where a shorter film ends and the rest of a longer one begins.
   for (std::filesystem::directory_iterator at(path, error), end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     if (name.starts_with("frame-") && name.ends_with(".png"))

@@ -1,5 +1,6 @@
-// Turns pictures into a film: a folder of PNG files, or a film made by `ffmpeg`. ffmpeg is started as a separate program if it
-// is installed, never linked, and receives the pictures through a socket. No wait for it lasts forever.
+// Turns pictures into a film: a folder of PNG files, or a film made by `ffmpeg`. ffmpeg is never linked. If
+// it is installed, it is started as a separate program and receives the pictures through a socket. Every wait
+// for it has a time limit.
 #pragma once
 
 #include <chrono>
@@ -21,15 +22,16 @@ struct FilmSettings {
 
 class Film {
  public:
-  /// `path`: ends with .mp4, .gif or .webp, or is a folder, which is created and must not contain an earlier film. A film at this
-  /// path is kept until the new one is complete. Fails with kNoProgram if the program cannot be started, and kFileAccess
-  /// if nothing can be written there.
+  /// `path`: ends with .mp4, .gif or .webp, or is a folder, which is created and must not contain an earlier
+  /// film. A film at this path is kept until the new one is complete. Fails with kNoProgram if the program
+  /// cannot be started, and with kFileAccess if nothing can be written there.
   static Expected<Film> create(const std::string& path, FilmSettings settings);
   Film(Film&&) noexcept;
   ~Film();  ///< stops the program and discards the film if finish() was not called
 
-  /// Fails with kBadParameter if the size differs from the settings; with kNoProgram and the program's output if it ended or accepted
-  /// nothing within the patience; with kFileAccess or kBadImage in a folder.
+  /// Fails with kBadParameter if the size differs from the settings. Fails with kNoProgram and the program's
+  /// output if it ended or accepted nothing within the patience. In a folder, fails with kFileAccess or
+  /// kBadImage.
   Expected<void> add(const render::Picture& picture);
   /// Completes the film. Fails with kNoProgram if the program failed, printed something or wrote no bytes.
   Expected<void> finish();

@@ -92,7 +92,7 @@ void Decoder::run() {
     Decoded decoded;
     try {
       decoded = decode(ticket, std::move(glb), before);
-    } catch (const std::exception& error) {  // out of memory, or a bug: the game goes on
+    } catch (const std::exception& error) {  // out of memory, or a bug; the game continues
       decoded.ticket = ticket;
       decoded.error = error.what();
     }

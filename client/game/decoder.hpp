@@ -1,4 +1,4 @@
-// GLB answers become what the frame can use at once (collision shapes, vertices) on a thread of their own.
+// Decodes GLB answers on a separate thread, so that a frame gets finished collision shapes and vertices.
 #pragma once
 
 #include <condition_variable>
@@ -16,21 +16,23 @@ namespace fracture::game {
 
 struct Decoded {
   static constexpr std::uint32_t kNoFragment = 0xffffffffu;
-  /// What one answer brought to be seen: first the whole, then what each hit changed of it.
+  /// The visible parts from one answer: the first layer is the whole, and each further hit adds a layer of
+  /// changes.
   struct Layer {
     std::shared_ptr<const render::Model> model;
     std::vector<std::uint32_t>
-        fragment_of_object;  ///< per object of the model; kNoFragment for what is not seen
+        fragment_of_object;  ///< per object of the model; kNoFragment if it is not visible
   };
   std::uint64_t ticket = 0;
-  std::string error;  ///< for people: what is wrong with the file, where `fragments` is null; else empty
-  std::shared_ptr<const std::string> glb;  ///< as it came
+  std::string error;  ///< if `fragments` is null: what is wrong with the file, for people
+  std::shared_ptr<const std::string> glb;  ///< as received
   std::shared_ptr<const world::PreparedFragments> fragments;
   std::vector<Layer> layers;
-  std::string location;  ///< of the answer, which the next hit names; empty where the server said none
+  std::string location;  ///< of the answer, for the next hit to refer to; empty if the server gave none
 };
 
-/// On the calling thread. `before`: of an answer that has what a hit changed of this; null for a whole one.
+/// Runs on the calling thread. `before`: the answer that this one changes after a hit; null for a complete
+/// answer.
 Decoded decode(std::uint64_t ticket, std::string glb, const std::shared_ptr<const Decoded>& before = nullptr);
 
 class Decoder {

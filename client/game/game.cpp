@@ -20,7 +20,7 @@ Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
     std::string id;
     protocol::Ticket ticket = 0;
   };
-  std::map<std::pair<const scenes::MeshAsset*, std::string>, Stored> stored;  // with how it is prepared
+  std::map<std::pair<const scenes::MeshAsset*, std::string>, Stored> stored;  // by mesh and preparation
   for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
     const scenes::SceneObject& object = scene_.objects[k];
     world::ObjectSpec spec;
@@ -105,10 +105,10 @@ void Game::poll() {
       if (answer.ok())
         patterns_ = std::move(answer.body);
       else
-        client_.patterns();  // it took its patience: no hurry
+        client_.patterns();  // not urgent, because the client has already retried
     }
     const auto it = request_of(answer.ticket);
-    if (it == pending_.end()) continue;  // of a game before this one
+    if (it == pending_.end()) continue;  // of an earlier game
     if (answer.ok()) {
       ++figures_.answers;
       it->second.milliseconds = answer.milliseconds;
@@ -202,7 +202,7 @@ bool Game::apply_due() {
     const bool due = !settings_.fixed_latency || it->second.due <= world_.steps();
     if (due && it->second.finished() && (it->second.failed || !is_kept(it->second)) && adopt(it)) {
       any = true;
-      if (!settings_.fixed_latency) break;  // one a frame: none is much longer than the others
+      if (!settings_.fixed_latency) break;  // one per frame, so that no frame is much longer
     }
     it = next;
   }
@@ -242,8 +242,7 @@ bool Game::ready() {
     return false;
   }
   if (!settings_.fixed_latency) return true;
-  if (world_.steps() == 0 && !storing_.empty())
-    return false;  // what things weigh is known from the first step on
+  if (world_.steps() == 0 && !storing_.empty()) return false;  // masses must be known from the first step on
   const bool all = std::all_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
     return entry.second.due > world_.steps() || entry.second.finished();
   });
@@ -258,8 +257,8 @@ void Game::take_events() {
     const std::size_t thing = thing_of(event.object);
     if (thing == things_.size()) continue;
     const bool fragment = event.kind == world::Event::Kind::kBreakFragment;
-    if (fragment && things_[thing].secondary) continue;  // once is enough
-    // Anticipated, and hit before the answer came: it is on its way.
+    if (fragment && things_[thing].secondary) continue;  // fragments break further only once
+    // It was requested ahead and hit before the answer arrived.
     const bool asked = std::any_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
       return entry.second.thing == thing && !entry.second.fragment;
     });
@@ -269,7 +268,7 @@ void Game::take_events() {
       if (!fragment && !again) world_.ask_again(event.object);
       continue;
     }
-    record_eye(std::max<std::uint64_t>(world_.steps(), 1) - 1);  // hits are those of the step before
+    record_eye(std::max<std::uint64_t>(world_.steps(), 1) - 1);  // hits belong to the step before
     if (again) things_[thing].hit_by.insert(event.ball);
     const glm::dvec3 away = event.where - eye_;
     want({thing, fragment ? std::optional(event.fragment) : std::nullopt, event.impact,
@@ -282,7 +281,8 @@ void Game::take_events() {
       const auto error = [](const glm::dvec3& a, const glm::dvec3& b, double scale) {
         return glm::distance(a, b) / std::max({glm::length(a), glm::length(b), scale});
       };
-      // Against what the masses would have at 1 cm/s, or turning so at 1 m, where they rest.
+      // Relative to at least the momentum of the mass at 1 cm/s, or circling at 1 cm/s at a radius of 1 m,
+      // because objects may be at rest.
       figures_.worst_momentum_error =
           std::max({figures_.worst_momentum_error,
                     error(swap.before.linear, swap.after.linear, 0.01 * swap.before.mass),
@@ -301,7 +301,7 @@ void Game::step() {
     play_recorded();
   } else if (settings_.fixed_latency) {
     apply_due();
-    ask_most_urgent();  // what has ended makes room now, as where it is played again
+    ask_most_urgent();  // finished requests make room now, as in a replay
     throw_scripted(static_cast<double>(world_.steps()) * settings_.world.step);
   }
   const std::uint64_t step = world_.steps();
@@ -340,8 +340,8 @@ void Game::advance(double seconds, bool running) {
     owed_ = 0;
     return;
   }
-  // All contacts of new pieces are new in their first step, which takes longer: it has its frame to itself,
-  // and simulated time falls behind by the rest of that frame.
+  // New pieces have only new contacts in their first step, which takes longer. So that step has the frame to
+  // itself, and the rest of the frame's simulated time is dropped.
   const int most = swapped ? 1 : 6;
   owed_ += seconds;
   int steps = 0;
@@ -378,7 +378,7 @@ void Game::explode(const world::Blast& blast) {
           .radius = blast.radius,
           .impulse = blast.impulse});
   world_.explode(blast);
-  // At once: hits of the next step are seen after it, from where the eye is then.
+  // Handled now, because the hits of the next step are handled after that step, when the eye may have moved.
   take_events();
 }
 

@@ -1,13 +1,14 @@
-// The rules: which requests are sent when, and how the answers change the world. No window, no OpenGL.
+// The game's rules: when requests are sent, and how the answers change the world. No window, no OpenGL.
 //
-// In real time nothing waits. advance() runs the steps that are due, polls, and applies the answer that was decoded
-// by the previous frame (one answer per frame). coming() shows it to the renderer in time to
-// upload it. A window has a thread for that, which calls attend() and step() itself (app/simulation.hpp).
-// With GameSettings::fixed_latency the run is reproducible instead: an answer is
-// applied a fixed number of steps after its request. If the server is slower than that, simulated time
-// pauses until it has answered (ready() is false); if it is faster, the answer is kept. The server's answers
-// depend only on the requests, these only on the motion before them, and the motion only on the
-// steps: equal seeds give identical runs.
+// In real time nothing waits. advance() runs the steps that are due, polls, and applies the answer that was
+// decoded by the previous frame (one answer per frame). coming() shows it to the renderer in time to upload
+// it. In a window, a separate thread calls attend() and step() itself (app/simulation.hpp).
+//
+// With GameSettings::fixed_latency the run is reproducible: an answer is applied a fixed number of steps
+// after its request. If the server is slower than that, simulated time pauses until it has answered (ready()
+// is false). If the server is faster, the answer is kept. The server's answers depend only on the requests,
+// the requests only on the motion before them, and the motion only on the steps. So equal seeds give
+// identical runs.
 #pragma once
 
 #include <map>
@@ -26,13 +27,14 @@ struct GameSettings {
   std::uint64_t seed = 1;
   std::optional<unsigned> fixed_latency;  ///< steps until the answer to a request takes effect
   bool anticipate = true;                 ///< sends requests while a ball approaches, not only at the contact
-  /// Maximum number of open requests (Game::counted_requests()); further hits wait, and the most urgent is next.
+  /// Maximum number of open requests (Game::counted_requests()). Further hits wait, and the most urgent is
+  /// next.
   std::size_t max_requests = 8;
   nlohmann::json overrides =
       nlohmann::json::object();  ///< parameters at the start; then Game::set_overrides()
   world::WorldSettings world;
   std::shared_ptr<Recorder> recorder;    ///< records everything; null: no recording
-  std::shared_ptr<History> history;      ///< the same, in memory; null: none
+  std::shared_ptr<History> history;      ///< records in memory; null: no recording
   std::shared_ptr<KeptAnswers> answers;  ///< answers to earlier requests; null: everything is requested
   /// The recorded game to replay: until hand_over() it decides when answers take effect.
   std::shared_ptr<const Recording> replay;
@@ -70,8 +72,8 @@ class Game {
   bool ready();
   /// One step of WorldSettings::step. In reproducible runs, only if ready().
   void step();
-  /// Real time, before each step and occasionally while paused: applies one answer, polls, and sends requests. Returns whether
-  /// bodies were swapped.
+  /// Real time, before each step and occasionally while paused: applies one answer, polls, and sends
+  /// requests. Returns whether bodies were swapped.
   bool attend();
   /// Real time: as many steps as fit into `seconds` (at most 6; the rest is dropped), or none while paused.
   void advance(double seconds, bool running);
@@ -79,7 +81,7 @@ class Game {
   world::BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, const scenes::Ball& ball = {});
   void explode(const world::Blast& blast);
 
-  /// Everything to see and hear since the last call; nothing without WorldSettings::max_witnessed.
+  /// Everything visible and audible since the last call. Empty without WorldSettings::max_witnessed.
   world::Witnessed take_witnessed() { return world_.take_witnessed(); }
   /// The server's name for the material; empty if the object's request has none.
   std::string material_of(world::ObjectId object) const;
@@ -121,9 +123,9 @@ class Game {
     std::size_t thing = 0;
     std::optional<std::uint32_t> fragment;  ///< secondary
     nlohmann::json wanted;                  ///< the complete request
-    nlohmann::json parameters;              ///< of all fragments once it has taken effect
-    /// For a further hit: the answer that it changes. If the server has forgotten that answer, `wanted` is requested
-    /// instead.
+    nlohmann::json parameters;              ///< of all fragments once the answer has taken effect
+    /// For a further hit: the answer that it changes. If the server has forgotten that answer, `wanted` is
+    /// requested instead.
     std::shared_ptr<const Decoded> before;
     bool by_name = false;
     std::string location;   ///< of the answer
@@ -155,17 +157,18 @@ class Game {
   bool wants_again(const Thing& thing, const world::Event& event) const;
   /// The server has forgotten the answer in the request: requests the same result by its parameters.
   void ask_by_parameters(Pending& pending);
-  /// Number of requests that count towards GameSettings::max_requests. Arrival times are neither reproducible nor recorded, so
-  /// predicted hits count for a moment, and other hits until their answer takes effect.
+  /// Number of requests that count towards GameSettings::max_requests. Arrival times are neither reproducible
+  /// nor recorded. So predicted hits count for a moment, and other hits until their answer takes effect.
   std::size_t counted_requests() const;
   bool is_kept(const Pending& pending) const;  ///< for a hit that has not happened
   void apply(Pending& pending);
   void apply_hit(Pending& pending);
   bool apply_due();  ///< returns whether bodies were swapped
-  /// The server has examined a mesh and reports the volume that will break: that of its walls, if it has any.
+  /// Corrects masses by the server's report on a mesh. The mass is that of the volume that will break: the
+  /// walls' volume, if there are walls.
   void weigh(const std::vector<std::size_t>& things, const std::string& answer);
   void scale_mass(std::size_t thing, double factor);
-  bool adopt(Requests::iterator pending);  ///< returns the same
+  bool adopt(Requests::iterator pending);  ///< returns whether bodies were swapped
   void play_recorded();                    ///< plays the recorded events before this step
   void play_answer(const RecordedEvent& event);
   void record(const RecordedEvent& event);
@@ -195,7 +198,8 @@ class Game {
   std::uint64_t asked_ = 0;
   /// Meshes for which the server has not answered yet, and the things made of them.
   std::map<protocol::Ticket, std::vector<std::size_t>> storing_;
-  /// The same for the time after a replay, with the server's reports that arrived during it; the recording takes precedence.
+  /// Reports that arrived during a replay, with their things. They are used after it, because the recording
+  /// takes precedence.
   std::vector<std::pair<std::vector<std::size_t>, std::string>> to_weigh_;
   std::set<std::size_t> weighed_;  ///< things
   std::size_t next_throw_ = 0, next_blast_ = 0, meshes_stored_ = 0, next_recorded_ = 0;

@@ -1,10 +1,10 @@
-// A game so far, in memory: what saves it to a file, and what goes back in it.
+// The game so far, in memory, for saving it to a file and for going back.
 //
-// Going back is playing again: until(step) is a recording that ends there, and a new Game plays it (GameSettings::replay)
-// with the answers that were kept (KeptAnswers), so that no server is needed. States of the world are not kept instead:
-// what Bullet knows of its contacts, the sleep of bodies and what hits have left behind are no part of what could be
-// copied, and the first step after a copy would have other bits. What is played again has all of that, and says so by its
-// hashes.
+// Going back replays the game: until(step) returns a recording that ends there, and a new Game plays it
+// (GameSettings::replay) with the kept answers (KeptAnswers), so it needs no server. Saved states of the
+// world would not be enough: Bullet's contact data, sleeping bodies and the effects of earlier hits cannot be
+// copied, so the first step after a copy would give other bits. A replay reproduces all of them, and its
+// hashes prove it.
 #pragma once
 
 #include <map>
@@ -16,21 +16,21 @@
 
 namespace fracture::game {
 
-/// In steps of 1/120 s at about 1 KB a second, some hours of play.
+/// Some hours of play, at 120 steps per second and about 1 KB per second.
 inline constexpr std::size_t kMostHistoryBytes = std::size_t{32} << 20;
 inline constexpr std::size_t kMostKeptBytes = std::size_t{256} << 20;
 
 class History {
  public:
-  /// `most_bytes`: from there on nothing is kept any more; what was kept before stays.
+  /// `most_bytes`: beyond this size, nothing more is recorded. Earlier events are kept.
   explicit History(nlohmann::json header, std::size_t most_bytes = kMostHistoryBytes);
   void add(RecordedEvent event);
   void add_hash(std::uint64_t fingerprint);
 
   bool full() const { return full_; }
-  /// So many steps of the game are kept.
+  /// The number of recorded steps.
   std::uint64_t steps() const { return recording_.hashes.size(); }
-  /// The first steps; all of them where there are fewer.
+  /// A recording of the first `steps` steps, or of all if there are fewer.
   Recording until(std::uint64_t steps) const;
 
  private:
@@ -41,19 +41,19 @@ class History {
   bool full_ = false;
 };
 
-/// Answers by what was asked: equal requests have equal answers, so that a game that is played again needs none. A cache:
-/// whatever is not in it is asked for. For one thread at a time.
+/// Answers by request. Equal requests have equal answers, so a replay needs none from the server. This is a
+/// cache: an answer that is missing is requested. Not thread-safe.
 class KeptAnswers {
  public:
   explicit KeptAnswers(std::size_t most_bytes = kMostKeptBytes) : most_bytes_(most_bytes) {}
   struct Kept {
     std::shared_ptr<const Decoded> answer;
-    std::shared_ptr<const Decoded> before;  ///< of a further hit: what it is a change of
+    std::shared_ptr<const Decoded> before;  ///< for a further hit: the answer that it changes
   };
-  /// Null where it is not kept, or is a change of something else.
+  /// Null if the answer is not kept, or if it changes another answer.
   std::shared_ptr<const Decoded> find(const std::string& mesh, const nlohmann::json& parameters,
                                       const std::shared_ptr<const Decoded>& before = nullptr) const;
-  /// Not where all of them would be larger than `most_bytes` (of GLB).
+  /// Keeps the answer, unless the total would exceed `most_bytes` (of GLB).
   void keep(const std::string& mesh, const nlohmann::json& parameters, Kept answer);
 
  private:

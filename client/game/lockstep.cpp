@@ -163,7 +163,7 @@ bool Lockstep::ready() {
   return false;
 }
 
-/// Nothing can be played before the other one goes on.
+/// Waits for the other player, because no further step can be played.
 void Lockstep::wait_on() {
   if (const auto why = link_.ended()) return end(*why);
   const Clock::time_point now = Clock::now();

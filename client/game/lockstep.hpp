@@ -1,6 +1,8 @@
-// One game on two machines: each computes it from the same start and from what both players do. No geometry is sent.
+// One game on two machines: each computes it from the same start and from both players' actions. No geometry
+// is sent.
 //
-// JSON lines, as in a recording (recording.hpp). First, both sides send the header of the game, which must be the same:
+// JSON lines, as in a recording (recording.hpp). First, both sides send the header of the game, which must be
+// the same:
 //
 //   {"format": "fracture-lockstep-1", "rules": 3, "answer_steps": 6, "delay": 12, "scene": …, "seed": …, "digest": …}
 //   {"step": 48, "throw": …}       this player's action takes effect `delay` steps later, on both machines
@@ -8,8 +10,8 @@
 //                                  36 + delay have been sent: the other side may compute up to there, and no further
 //   {"refused": "…"}               there is no game, and why; the last line
 //
-// So no player is more than `delay` steps ahead, simultaneous actions have a fixed order (the inviting player's come first),
-// and the first step that differs is detected at once. The game is reproducible
+// So no player is more than `delay` steps ahead, and the first step that differs is detected at once.
+// Simultaneous actions have a fixed order: the inviting player's come first. The game is reproducible
 // (GameSettings::fixed_latency) and uses the scene's eye, whatever each player looks at.
 #pragma once
 
@@ -34,9 +36,9 @@ Expected<nlohmann::json> read_lockstep_header(const std::string& line);
 class Lockstep {
  public:
   enum class Seat { kHost, kGuest };
-  /// `game` was created from the header and outlives this object, as does the link. `theirs`: the other player's header if it
-  /// has already been read, else null.
-  /// `patience`: for a player who is connected but does not continue; longer than a client waits for its server.
+  /// `game` was created from the header. It must outlive this object, and so must the link. `theirs`: the
+  /// other player's header if it has already been read, else null. `patience`: for a player who is connected
+  /// but does not continue. It is longer than a client waits for its server.
   Lockstep(Game& game, PeerLink& link, Seat seat, nlohmann::json header, nlohmann::json theirs = nullptr,
            std::chrono::milliseconds patience = std::chrono::seconds(90));
 

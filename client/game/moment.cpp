@@ -7,7 +7,7 @@ namespace fracture::game {
 namespace {
 
 world::Pose between(const world::Pose& a, const world::Pose& b, double share) {
-  // Most of what there is lies still.
+  // Most things are at rest.
   if (a.position == b.position && a.rotation == b.rotation) return a;
   return {glm::mix(a.position, b.position, share), glm::slerp(a.rotation, b.rotation, share)};
 }

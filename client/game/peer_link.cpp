@@ -21,8 +21,8 @@ using asio::ip::tcp;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kTick(100);  ///< between looks at the clock, and tries to connect
-constexpr std::chrono::seconds kLastWords(1);    ///< for what is not sent yet, at the end
+constexpr std::chrono::milliseconds kTick(100);  ///< between clock checks and connection attempts
+constexpr std::chrono::seconds kLastWords(1);    ///< at the end, time for unsent lines
 constexpr const char* kAlive = "{}";
 
 std::string seconds_text(std::chrono::milliseconds time) {
@@ -67,7 +67,8 @@ struct PeerLink::State {
       begin();
     });
   }
-  /// Of a connection. Who invites waits on where it was no player's: a port is looked at by others, too.
+  /// The connection is lost. If it was not a player's, the inviting side keeps listening, because other
+  /// programs also scan ports.
   void lose(const std::string& why) {
     if (known || stopping) return end(why);
     error_code ignored;
@@ -106,8 +107,8 @@ struct PeerLink::State {
     write();
   }
 
-  /// All is said. Closed at once, a socket that has not read everything would take back what it sent (RFC 1122, 4.2.2.13):
-  /// the other one closes first, or kLastWords are over.
+  /// Everything is sent. If a socket is closed before it has read everything, data it sent may be lost (RFC
+  /// 1122, 4.2.2.13). So the other side closes first, or kLastWords pass.
   void part() {
     error_code ignored;
     socket.shutdown(tcp::socket::shutdown_send, ignored);
@@ -136,7 +137,7 @@ struct PeerLink::State {
       known = true;
       greeting.clear();
       error_code ignored;
-      acceptor.close(ignored);  // there are two players
+      acceptor.close(ignored);  // only two players can take part
     }
     bool room = true;
     {
@@ -157,7 +158,7 @@ struct PeerLink::State {
     asio::async_write(socket, asio::buffer(outbox.front()), [this](const error_code& error, std::size_t) {
       writing = false;
       if (over || !connected) return;
-      // What the other said before it left is still read.
+      // After a failed write, lines that the other side sent before it left are still read.
       outbox.pop_front();
       if (error) outbox.clear();
       if (outbox.empty() && stopping) return part();
@@ -176,7 +177,7 @@ struct PeerLink::State {
                                 : "No player answered at " + protocol::authority_of(host, service) +
                                       " within " + seconds_text(settings.patience) +
                                       (trouble.empty() ? "" : " (" + trouble + ")") + ".");
-      if (connected && !reading) heard = now;  // it is not listened to
+      if (connected && !reading) heard = now;  // silence does not count while nothing is read
       if (connected && now > heard + (known ? settings.silence : settings.strange_silence))
         lose("The other player sent nothing for " + seconds_text(settings.silence) + ".");
       if (over) return;
@@ -195,17 +196,17 @@ struct PeerLink::State {
   tcp::socket socket;
   tcp::resolver resolver;
   asio::steady_timer timer;
-  std::uint16_t port = 0;     ///< of who invites
-  std::string host, service;  ///< of whom is joined; empty for who invites
+  std::uint16_t port = 0;     ///< of the inviting side
+  std::string host, service;  ///< of the side to join; empty on the inviting side
   std::string received, trouble;
   std::deque<std::string> outbox;
-  std::deque<std::string> greeting;  ///< what everybody hears who might be the other player
-  bool known = false;                ///< whoever is connected speaks as a player does: in JSON objects
+  std::deque<std::string> greeting;  ///< sent to every connection until the player is known
+  bool known = false;                ///< the other side is a player: it has sent a JSON object, or was joined
   bool connected = false, connecting = false, reading = false, writing = false, over = false;
   std::optional<Clock::time_point> stopping;
   Clock::time_point started, heard, sent;
 
-  mutable std::mutex mutex;  ///< of what follows
+  mutable std::mutex mutex;  ///< protects the following members
   std::vector<std::string> lines;
   std::optional<std::string> ended;
 

@@ -1,11 +1,11 @@
-// Lines of text to and from another player over TCP. Never waits: what comes is polled from the frame.
+// Lines of text to and from another player over TCP. Never blocks: the frame polls the lines that arrive.
 //
-//   invite() ── one who joins ──┐
-//                               ├── send ──> lines ──> poll
-//   join() ──── tries again ────┘
+//   invite() ── a player joins ──┐
+//                                ├── send ──> lines ──> poll
+//   join() ───── tries again ────┘
 //
-// Every wait has an end: for the other to come, and for a sign of life of one who has. An empty object, "{}", is such a
-// sign, which the link sends when it has sent nothing for a second.
+// Every wait has a time limit: for the other player to join, and for a sign of life from one who has. The
+// sign of life is an empty object, "{}". The link sends it if it has sent nothing for a second.
 #pragma once
 
 #include <chrono>
@@ -21,34 +21,35 @@
 namespace fracture::game {
 
 struct PeerSettings {
-  std::chrono::milliseconds patience{60'000};  ///< for the other to come, or to be there
-  std::chrono::milliseconds silence{10'000};   ///< who says nothing for so long is gone …
+  std::chrono::milliseconds patience{60'000};  ///< for the other player to join or to answer
+  std::chrono::milliseconds silence{10'000};   ///< a player silent for this long has left …
   std::chrono::milliseconds strange_silence{
-      3'000};  ///< … and who came to an invitation, but has not said anything yet
+      3'000};  ///< … and so has a connection to an invitation that has not sent anything yet
   std::chrono::milliseconds beat{1'000};  ///< between signs of life
-  std::size_t most_line = 64 * 1024;      ///< bytes of a line, with its end
-  std::size_t most_waiting = 4096;        ///< lines that nobody has polled: until then no more are read
+  std::size_t most_line = 64 * 1024;      ///< bytes per line, including its end
+  std::size_t most_waiting = 4096;        ///< unpolled lines; no more are read until some are polled
 };
 
 class PeerLink {
  public:
-  /// Listens on a local address; one may join. Whose first line is no JSON object is no player: it listens on. Port 0: a
-  /// free one. kUnavailable where that cannot be listened on.
+  /// Listens on a local address, where one player may join. A connection whose first line is not a JSON
+  /// object is dropped, and listening continues. Port 0: any free port. kUnavailable if the address cannot be
+  /// listened on.
   static Expected<std::unique_ptr<PeerLink>> invite(const std::string& address, std::uint16_t port,
                                                     PeerSettings settings = {});
-  /// Connects, again and again until the patience is over.
+  /// Connects, and tries again until the patience is over.
   static std::unique_ptr<PeerLink> join(std::string host, std::uint16_t port, PeerSettings settings = {});
-  /// Sends what is left for a second at most.
+  /// Takes at most a second to send what is left.
   ~PeerLink();
   PeerLink(const PeerLink&) = delete;
   PeerLink& operator=(const PeerLink&) = delete;
 
-  void send(std::string line);  ///< without its end
-  /// What has come since the last call, and at most so many lines of it.
+  void send(std::string line);  ///< without its line break
+  /// The lines received since the last call, at most `most` of them.
   std::vector<std::string> poll(std::size_t most = std::numeric_limits<std::size_t>::max());
-  /// Why nothing will come any more, when everything has been polled that came before; for people.
+  /// Why nothing more will arrive, once all earlier lines have been polled; for people.
   std::optional<std::string> ended() const;
-  std::uint16_t port() const;  ///< invite(): where it listens
+  std::uint16_t port() const;  ///< invite(): the port it listens on
 
  private:
   struct State;

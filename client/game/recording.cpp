@@ -20,7 +20,7 @@ glm::dvec3 read_vector(const json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
-/// `missing`: for a member that may be left out.
+/// `missing`: the value of an optional member that is missing.
 double read_positive(const json& line, const char* name, std::optional<double> missing = {}) {
   if (missing && !line.contains(name)) return *missing;
   const double value = line.at(name).get<double>();

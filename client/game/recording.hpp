@@ -38,14 +38,14 @@ struct RecordedEvent {
   nlohmann::json overrides{};       ///< kOverrides
 };
 
-/// The effect of identical events. Raised when the world or the game responds to them with different bits.
+/// Version of the rules. Raised when the world or the game responds to the same events with different bits.
 inline constexpr int kRules = 6;
 
 struct Recording {
   nlohmann::json header;
   std::vector<RecordedEvent> events;  ///< in the order in which they happened
   std::vector<std::uint64_t> hashes;  ///< World::fingerprint() after each step
-  bool cut_off = false;               ///< the file ends within a line, which is ignored (a full disk, say)
+  bool cut_off = false;               ///< the file ends within a line (ignored), for example on a full disk
 };
 
 /// Converts an event to a line, and back. Throws nlohmann::json::exception if the line is not an event.

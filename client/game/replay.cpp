@@ -1,4 +1,4 @@
-// A game that is played again: what was recorded happens, at the steps at which it did.
+// Replays a game: recorded events happen at the steps at which they were recorded.
 #include <algorithm>
 
 #include "client/game/game.hpp"
@@ -41,7 +41,7 @@ void Game::play_answer(const RecordedEvent& event) {
     if (it == pending_.end()) return;
   }
   if (failed) {
-    // It came to nothing then, whatever the server says now.
+    // The request failed in the recording, whatever the server answers now.
     client_.cancel(it->second.ticket);
     it->second.failed = true;
   }
@@ -49,7 +49,7 @@ void Game::play_answer(const RecordedEvent& event) {
   ask_most_urgent();
 }
 
-/// Are the answers there that the next events take?
+/// Whether the answers that the next events need have arrived.
 bool Game::replay_is_ready() const {
   const std::vector<RecordedEvent>& events = settings_.replay->events;
   for (std::size_t k = next_recorded_; k < events.size() && events[k].step <= world_.steps(); ++k) {
@@ -65,7 +65,7 @@ void Game::hand_over() {
   settings_.replay = nullptr;
   owed_ = 0;
   for (const auto& [things, answer] : std::exchange(to_weigh_, {})) weigh(things, answer);
-  // What the scene throws before the next step has been thrown, or was left out.
+  // Throws and explosions due before the next step have already happened, or were left out.
   const double next = static_cast<double>(world_.steps()) * settings_.world.step;
   constexpr double kSameTime = 1e-9;  // seconds
   const double last = next - settings_.world.step + kSameTime;

@@ -1,4 +1,4 @@
-// What is asked of the server, and which of several hits is the next.
+// Decides what to request from the server, and which of several hits comes next.
 #include <algorithm>
 
 #include "client/game/game.hpp"
@@ -7,8 +7,9 @@ namespace fracture::game {
 
 namespace {
 
-/// A server keeps what hits start from where the answer before says that it is to be compared: then the first hit takes no
-/// longer than the next. What is there from the start is never hit so.
+/// Whether to state in the first request that hits will follow. The server then keeps what later hits start
+/// from, so the first hit takes no longer than the next. Objects in fragments from the start never get such
+/// hits.
 bool takes_hits_later(const scenes::SceneObject& object, const nlohmann::json& parameters) {
   return !object.at_start && !parameters.contains("delta") && scenes::takes_hits(parameters);
 }
@@ -46,7 +47,7 @@ void Game::ask(const Waiting& hit) {
   } else {
     body = scenes::fracture_parameters(object, hit.impact, settings_.seed + asked_, settings_.overrides);
     pending.parameters = body;
-    // What falls comes apart, and keeps nothing that a ball could hit again.
+    // A falling thing breaks apart and leaves nothing that a ball could hit again.
     if (world_.stands(thing.id) && takes_hits_later(object, body)) body["delta"] = "stated";
     pending.wanted = body;
   }
@@ -63,7 +64,7 @@ void Game::ask_by_parameters(Pending& pending) {
 
 bool Game::wants_again(const Thing& thing, const world::Event& event) const {
   const scenes::SceneObject& object = scene_.objects[thing.scene_object];
-  // Whose fragments are there from the start has those that it is built of.
+  // A thing that starts in fragments keeps the fragments it is built of.
   if (!thing.fragments || thing.secondary || object.at_start || thing.fragments->location.empty() ||
       !scenes::takes_hits(thing.parameters) || thing.hit_by.contains(event.ball))
     return false;
@@ -106,7 +107,8 @@ std::size_t Game::kept_answers() const {
   }));
 }
 
-/// Fragments cost more than the whole, step by step: they take its place when a hit is a few steps away, or has come.
+/// Fragments cost more than the whole in every step, so they replace it only when a hit has happened or is a
+/// few steps away.
 bool Game::is_kept(const Pending& pending) const {
   const world::ObjectId object = things_[pending.thing].id;
   return pending.ahead && world_.is_whole(object) && !world_.expects_hit(object);

@@ -1,8 +1,8 @@
-// Builds the page into dist/: index.html and docs.html, and what they load under page/. Files have plain names,
-// because the server sends strong ETags: a browser asks again and gets 304.
+// Builds the page into dist/: index.html and docs.html, and the files that they load, in page/. File names are
+// constant: the server sends strong ETags, so a browser revalidates a file and gets 304.
 //
-//   node build.mjs           once, minified; prints the size of each load
-//   node build.mjs --watch   again after each change, not minified
+//   node build.mjs           builds once, minified; prints the size of each load
+//   node build.mjs --watch   builds again after each change, not minified
 import { build, context } from 'esbuild';
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
@@ -14,7 +14,8 @@ import { documents } from './documents.mjs';
 const here = path.dirname(fileURLToPath(import.meta.url)), dist = path.join(here, 'dist'), watch = process.argv.includes('--watch');
 const at = (...parts) => path.join(here, ...parts);
 
-/** One name for all that goes into the page: files that are loaded later tell by it whether they are of the page that is open. */
+/** Returns an identifier for the page's sources. Files that are loaded later use it to check that they belong to the
+ * open page. */
 function buildOf() {
   const hash = createHash('sha256'), add = folder => {
     for (const entry of fs.readdirSync(folder, { withFileTypes: true }).sort((a, b) => (a.name < b.name ? -1 : 1))) {
@@ -42,7 +43,7 @@ const options = {
   },
 };
 
-/** What several entries share gets a name that is the same in every build. */
+/** Gives the chunks that several entries share the same names in every build. */
 function nameChunks() {
   const folder = path.join(dist, 'page'), chunks = fs.readdirSync(folder).filter(name => /^chunk-.*\.js$/.test(name));
   const sized = chunks.map(name => ({ name, size: fs.statSync(path.join(folder, name)).size })).sort((a, b) => b.size - a.size);
@@ -55,10 +56,10 @@ function nameChunks() {
   for (const [from, to] of names) fs.renameSync(path.join(folder, from), path.join(folder, to));
 }
 
-/** Bytes as they travel. */
+/** Returns the total size of the files as transferred, compressed with gzip. */
 const packed = (...files) => files.reduce((sum, file) => sum + gzipSync(fs.readFileSync(path.join(dist, file)), { level: 9 }).length, 0);
 
-/** What the licences of the packages in it ask for: their texts beside them. */
+/** Returns the licence texts of the bundled packages, which the licences require. */
 function licences() {
   const packages = ['three', 'lit', 'lit-html', 'lit-element', '@lit/reactive-element', '@dimforge/rapier3d-compat'];
   return packages.map(name => {
@@ -96,7 +97,7 @@ if (watch) {
   for (const file of ['index.html', 'docs.html', ...files]) console.log(`${String(packed(file)).padStart(8)}  ${file}`);
   const shared = files.filter(file => /shared\d*\.js$/.test(file));
   const first = packed('index.html', 'page/app.js', 'page/style.css', 'page/icon.svg', ...shared), physics = packed('page/play.js');
-  // The interface, which the server sends, adds about 20 kB to these 130 kB.
+  // The interface description from the server adds about 20 kB to these 130 kB.
   const imported = files.filter(file => fs.readFileSync(path.join(dist, 'docs.html'), 'utf8').includes(`/${file}"`));
   const docs = packed('docs.html', 'page/documents.json', ...imported);
   console.log(`first load ${first} of 500000 bytes, physics ${physics} of 1300000, documents ${docs} of 130000`);

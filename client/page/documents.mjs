@@ -1,29 +1,29 @@
-// The documents of the repository as HTML, for /docs: the build writes them into dist/page/documents.json. The output contains
-// only the HTML that Markdown generates, because raw HTML other than comments ends the build.
+// Converts the repository's documents to HTML for /docs. The build writes them into dist/page/documents.json. The
+// output contains only the HTML that Markdown generates, because raw HTML other than comments aborts the build.
 import fs from 'node:fs';
 import path from 'node:path';
 import { Marked } from 'marked';
 
 const GUIDES = 'proto/guides';
-/** In the order of the list. A document that is missing ends the build, because its links would silently become text. */
+/** In list order. A missing document aborts the build, because links to it would silently become text. */
 const LISTED = {
   tutorial: ['README.md', 'client/python/README.md', 'client/typescript/README.md', 'client/blender/README.md', 'client/README.md'],
   'how-to': ['client/ENGINES.md', 'server/bake/README.md', 'docker/README.md'],
   reference: ['proto/interface.md', 'proto/parameters.md', 'proto/materials.md', 'server/README.md', 'client/OPERATIONS.md', 'CHANGELOG.md'],
   explanation: ['proto/README.md', 'client/page/README.md'],
 };
-/** In the list, instead of the first heading. */
+/** Names in the list, instead of the first heading. */
 const NAMES = { 'README.md': 'Quick start' };
-/** The page shows it in its own way. */
+/** Shown in the page's own way. */
 const INTERFACE = 'proto/openapi.yaml';
 
-/** Paths of all documents, by kind. */
+/** Returns the paths of all documents, by kind. */
 export function listed(root) {
   const guides = fs.readdirSync(path.join(root, GUIDES)).filter(name => name.endsWith('.md') && name !== 'README.md').sort().map(name => `${GUIDES}/${name}`);
   return { ...LISTED, 'how-to': [`${GUIDES}/README.md`, ...guides, ...LISTED['how-to']] };
 }
 
-/** Returns [{path, kind, name, html, pictures}]. `pictures`: true if the document has pictures, which are left out. */
+/** Returns [{path, kind, name, html, pictures}]. `pictures`: true if the document has pictures, which are omitted. */
 export function documents(root) {
   const paths = listed(root), known = new Set(Object.values(paths).flat());
   return Object.entries(paths).flatMap(([kind, files]) => files.map(file => {
@@ -35,7 +35,7 @@ export function documents(root) {
 const escaped = text => text.replace(/[&<>"]/g, letter => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[letter]);
 const plain = html => html.replace(/<[^>]*>/g, '');
 
-/** Returns the anchor that GitHub makes from a heading. `seen` counts equal anchors. */
+/** Returns the anchor that GitHub generates for a heading. `seen` counts identical anchors. */
 export function anchorOf(text, seen) {
   const base = text.trim().toLowerCase().replace(/[^\p{L}\p{M}\p{N}\p{Pc}\- ]/gu, '').replaceAll(' ', '-');
   let name = base;
@@ -47,13 +47,15 @@ export function anchorOf(text, seen) {
   return name;
 }
 
-/** Pictures are left out: they would weigh more than all of the text. */
+/**
+ * Returns whether these tokens are only pictures, which are omitted because they would be larger than all of the text.
+ */
 function isPicture(tokens = []) {
   const solid = tokens.filter(({ type, raw }) => type !== 'text' || raw.trim() !== '');
   return solid.length > 0 && solid.every(({ type, tokens: inner }) => type === 'image' || (type === 'link' && isPicture(inner)));
 }
 
-/** One document. Headings get the ids `path:anchor`; links between documents become `#path:anchor`. */
+/** Converts one document. Headings get the ids `path:anchor`, and links between documents become `#path:anchor`. */
 export function rendered(file, markdown, known) {
   const seen = new Map();
   let title = '', pictures = false;
@@ -80,7 +82,7 @@ export function rendered(file, markdown, known) {
       return isPicture(tokens) ? '' : `<p>${html}</p>\n`;
     },
     table({ header, rows }) {
-      // A column that contains only pictures is left out, too.
+      // A column that contains only pictures is omitted, too.
       const bare = cells => cells.some(({ tokens }) => isPicture(tokens)) && cells.every(({ text, tokens }) => text === '' || isPicture(tokens));
       const columns = header.map((_, k) => k).filter(k => !bare(rows.map(row => row[k])));
       if (columns.length < header.length) pictures = true;

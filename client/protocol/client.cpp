@@ -39,7 +39,7 @@ struct Job {
   Interruption interruption;
 };
 
-/// What the exchange was, as a failure of the request if it is not tried again.
+/// The exchange's outcome as the failure of its request, if it is not retried.
 Failure failure_of(Outcome outcome) {
   switch (outcome) {
     case Outcome::kAnswered:
@@ -57,7 +57,7 @@ Failure failure_of(Outcome outcome) {
   return Failure::kCancelled;
 }
 
-/// The problem document's own words, if the body is one.
+/// Takes the texts of the problem document, if the body is one.
 void read_problem(const Exchange& exchange, Answer& answer) {
   ProblemDocument problem = problem_in(exchange);
   answer.problem = problem.slug();
@@ -150,7 +150,7 @@ struct Client::State {
     ++shown.retried;
   }
 
-  /// One exchange, and what it says of the server.
+  /// Performs one exchange and updates the server's state.
   asio::awaitable<Exchange> ask(const HttpRequest& request, Interruption& interruption) {
     Exchange exchange = co_await pool.exchange(request, interruption);
     switch (exchange.outcome) {
@@ -176,7 +176,7 @@ struct Client::State {
     co_return exchange;
   }
 
-  /// kDamagedAnswer where it is not what was asked for.
+  /// kDamagedAnswer if the answer is not of the requested kind.
   static std::optional<Error> damage(RequestKind kind, const Exchange& exchange) {
     const auto damaged = [](const char* how) { return Error{ErrorCode::kDamagedAnswer, how}; };
     if (kind != RequestKind::kFracture && !is_json(exchange.body))
@@ -194,7 +194,7 @@ struct Client::State {
     const Clock::time_point deadline = job.asked + settings.patience;
     Backoff backoff(settings.first_pause, settings.longest_pause);
     int damaged = 0;
-    bool put = job.kind == RequestKind::kStore;  // a 404 after a PUT is the server's own no
+    bool put = job.kind == RequestKind::kStore;  // after a PUT, a 404 is the server's refusal
     while (true) {
       ++answer.exchanges;
       const Clock::time_point sent = Clock::now();
@@ -249,7 +249,7 @@ struct Client::State {
         if (++damaged >= settings.damaged_answers) co_return answer;
         wait = Milliseconds(0);
       }
-      if (Clock::now() + wait > deadline) co_return answer;  // with what went wrong last
+      if (Clock::now() + wait > deadline) co_return answer;  // with the last failure
       note_retry();
       if (wait.count() > 0) {
         co_await pool.pause(wait, job.interruption);
@@ -263,7 +263,7 @@ struct Client::State {
     }
   }
 
-  /// PUT of the job's mesh, by the first of the jobs that miss it; the others wait for that.
+  /// Stores the job's mesh. The first job that lacks it sends the PUT, and the others wait for it.
   asio::awaitable<Answer> store(Job& job, PutOnce::Role role) {
     const std::string id = job.mesh;
     if (role == PutOnce::Role::kWait) {
@@ -277,7 +277,7 @@ struct Client::State {
     const StoredMesh& mesh = meshes.at(id);
     put.request = put_request(id, mesh.content_type, mesh.bytes, mesh.query);
     put.asked = job.asked;
-    // What interrupts the job interrupts its PUT.
+    // An interruption of the job also interrupts its PUT.
     job.interruption.wake = [&put] { put.interruption.request(); };
     Answer answer = co_await run(put);
     job.interruption.wake = nullptr;
@@ -285,7 +285,7 @@ struct Client::State {
     co_return answer;
   }
 
-  /// Notices a server that comes and goes while nobody asks for anything.
+  /// Notices when the server appears or disappears while there are no requests.
   asio::awaitable<void> heartbeat() {
     const HttpRequest version{.target = "/version"};
     while (!stopping) {
@@ -306,7 +306,7 @@ struct Client::State {
   Clock::time_point heard{};
   bool stopping = false;
 
-  mutable std::mutex mutex;  ///< of what follows
+  mutable std::mutex mutex;  ///< protects the following members
   Ticket next_ticket = 1;
   std::vector<Answer> answers;
   Status shown;
@@ -388,7 +388,7 @@ Status Client::status() const {
   }
   if (sorted.empty()) return status;
   std::sort(sorted.begin(), sorted.end());
-  // Nearest rank: the smallest value that so many percent do not exceed.
+  // Nearest rank: at least this share of all values is not larger than the result.
   const auto rank = [&](double share) {
     const auto count = static_cast<double>(sorted.size());
     return sorted[static_cast<std::size_t>(std::max(0.0, std::ceil(share * count) - 1))];

@@ -11,7 +11,7 @@
 namespace fracture::render {
 namespace {
 
-/// A repeatable number in [0, 1) for a fragment.
+/// A reproducible random number in [0, 1) for a fragment.
 float random01(std::uint64_t id, std::uint64_t which) {
   return static_cast<float>(mix64(id * 256 + which + kGoldenGamma) >> 40) / 16777216.f;
 }
@@ -32,7 +32,7 @@ std::uint64_t id_of(const Model& model, std::size_t object) {
   return fragment ? fragment->id : object;
 }
 
-/// The group of an object at a level: a node of the hierarchy, or the object itself where there is none.
+/// The group of an object at a level: a node of the hierarchy, or the object itself if it has none.
 std::uint32_t group_of(const Model& model, std::size_t object, int level) {
   const auto& fragment = model.objects[object].fragment;
   if (!fragment) return kNoSlot - static_cast<std::uint32_t>(object);
@@ -77,8 +77,8 @@ void explode(const Model& model, const ViewOptions& options, const Sphere& spher
   }
 }
 
-/// A snapshot of a throw: straight flight with gravity, stopped by the ground. Lengths are shares of the
-/// object's radius, so that a cup and a house look alike.
+/// A snapshot of a burst: straight flight with gravity, stopped by the ground. Lengths are relative to the
+/// object's radius, so that a cup and a house behave alike.
 void throw_fragments(const Model& model, const ViewOptions& options, const CameraPlacement& placement,
                      const Sphere& sphere, std::vector<ObjectState>& states) {
   const glm::vec3 to_camera = direction_to_camera(placement);
@@ -89,7 +89,7 @@ void throw_fragments(const Model& model, const ViewOptions& options, const Camer
   const glm::vec3 direction = glm::dot(given, given) > 0 ? glm::normalize(given) : -to_camera;
   const float reach = options.impact_radius.value_or(0.55f * sphere.radius);
   const glm::vec3 inside =
-      point + 0.6f * reach * direction;  // pieces burst from there: sideways, and back at what hit
+      point + 0.6f * reach * direction;  // pieces burst away from here: sideways, and back towards the impact
   float ground = HUGE_VALF;
   for (const Vertex& v : model.vertices)
     ground = std::min(ground, (model.objects[v.object].transform * glm::vec4(v.position, 1)).y);
@@ -128,7 +128,7 @@ glm::vec3 distinct_color(std::uint32_t number) {
     const float h = std::fmod(hue + (c == 0 ? 5.f : c == 1 ? 3.f : 1.f), 6.f);
     rgb[c] = value - value * saturation * std::clamp(std::min(h, 4 - h), 0.f, 1.f);
   }
-  return rgb * rgb;  // from roughly what is seen to linear light
+  return rgb * rgb;  // from roughly perceived brightness to linear light
 }
 
 std::optional<glm::vec3> first_hit(const Model& model, const glm::vec3& origin, const glm::vec3& direction) {
@@ -139,7 +139,8 @@ std::optional<glm::vec3> first_hit(const Model& model, const glm::vec3& origin, 
       const Vertex& v = model.vertices[model.indices[i + k]];
       p[k] = glm::vec3(model.objects[v.object].transform * glm::vec4(v.position, 1));
     }
-    // Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; both sides count.
+    // Möller & Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. Both sides of a triangle
+    // count.
     const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], q = glm::cross(direction, b);
     const float det = glm::dot(a, q);
     if (det == 0) continue;

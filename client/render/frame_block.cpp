@@ -11,7 +11,8 @@ float largest_scale(const glm::mat4& m) {
   return std::sqrt(std::max({glm::dot(m[0], m[0]), glm::dot(m[1], m[1]), glm::dot(m[2], m[2])}));
 }
 
-/// Around the spheres of the visible objects: cheap enough for every frame, unlike one around their vertices.
+/// A sphere around the bounding spheres of the visible objects. This is cheap enough for every frame, unlike
+/// one around vertices.
 Sphere around_objects(std::span<const DrawItem> items) {
   glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
   const auto each = [&](auto&& use) {
@@ -45,7 +46,7 @@ float lowest_point(std::span<const DrawItem> items) {
   return std::isfinite(lowest) ? lowest : 0.f;
 }
 
-/// From the eye, metres.
+/// Distance of the far plane from the eye, in metres.
 float far_plane(const Camera& camera) {
   const glm::mat4& p = camera.projection;
   return p[3][3] == 1.f ? (p[3][2] - 1) / p[2][2] : p[3][2] / (p[2][2] + 1);
@@ -91,7 +92,7 @@ FrameBlock frame_block(std::span<const DrawItem> items, const Camera& camera, co
                 2 * sphere.radius / static_cast<float>(shadows.sky_side()),
                 1.f / static_cast<float>(shadows.sun_side()), 1.f / static_cast<float>(shadows.sky_side()));
   frame.forward = glm::vec4(-camera.view[0][2], -camera.view[1][2], -camera.view[2][2], 0);
-  // What is drawn is clear, and nothing is left to be seen where the far plane cuts the ground off.
+  // Fog starts beyond the objects, and hides everything before the far plane cuts the ground off.
   constexpr float kClearRadii = 10, kFogsToFarPlane = 2.4f, kOcclusionRadii = 0.12f;
   frame.fog = glm::vec4(
       1 / std::max(1e-6f, std::min(kClearRadii * sphere.radius, far_plane(camera) / kFogsToFarPlane)),

@@ -45,7 +45,7 @@ Expected<FrameTarget> FrameTarget::create(int width, int height, int samples) {
 }
 
 void FrameTarget::resolve() const {
-  glEnable(GL_FRAMEBUFFER_SRGB);  // samples are averaged as light
+  glEnable(GL_FRAMEBUFFER_SRGB);  // samples are averaged in linear light
   glBindFramebuffer(GL_READ_FRAMEBUFFER, multisampled_.get());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.get());
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -57,14 +57,14 @@ Picture FrameTarget::read() const {
   Picture flipped(width_, height_), picture(width_, height_);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, flipped.pixels.data());
-  for (int y = 0; y < height_; ++y)  // OpenGL counts rows from below
+  for (int y = 0; y < height_; ++y)  // OpenGL counts rows from the bottom
     std::copy_n(&flipped.at(0, height_ - 1 - y), width_, &picture.at(0, y));
   return picture;
 }
 
 void FrameTarget::copy_to(GLuint framebuffer) const {
   resolve();
-  glDisable(GL_FRAMEBUFFER_SRGB);  // the bytes as they are
+  glDisable(GL_FRAMEBUFFER_SRGB);  // copies the bytes unchanged
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);

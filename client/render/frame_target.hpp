@@ -1,4 +1,4 @@
-// A multisampled picture to draw into, and its way back to memory. A window has its own framebuffer instead.
+// A multisampled picture to draw into, which can be read back to memory. A window has its own framebuffer.
 #pragma once
 
 #include "client/render/gl_objects.hpp"
@@ -8,17 +8,18 @@ namespace fracture::render {
 
 class FrameTarget {
  public:
-  /// Colour in sRGB with alpha, 24-bit depth; as many samples as are asked for and the driver has (llvmpipe:
-  /// 4). kTooLarge over the driver's renderbuffers, kGl where it is refused.
+  /// Colour in sRGB with alpha, 24-bit depth. Uses as many of the requested samples as the driver supports
+  /// (llvmpipe: 4). kTooLarge beyond the driver's limit for renderbuffers, kGraphicsDriver if the driver
+  /// refuses.
   static Expected<FrameTarget> create(int width, int height, int samples = 4);
 
   int width() const { return width_; }
   int height() const { return height_; }
   GLuint framebuffer() const { return multisampled_.get(); }
-  /// Resolves and copies; alpha is the share of each pixel that something covers. Waits for the driver.
+  /// Resolves and copies. Alpha is the covered share of each pixel. Waits for the driver.
   Picture read() const;
-  /// Resolves and copies to the lower left corner of another framebuffer of the same encoding (a window's),
-  /// as the bytes are.
+  /// Resolves and copies the bytes unchanged to the lower left corner of another framebuffer with the same
+  /// encoding (a window's).
   void copy_to(GLuint framebuffer) const;
 
  private:

@@ -1,5 +1,5 @@
-// OpenGL names that delete themselves. All of them belong to the context that is current when they are made,
-// and it has to be current when they go.
+// OpenGL names that delete themselves. They belong to the context that is current when they are created, and
+// it must be current when they are destroyed.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -77,10 +77,10 @@ inline Sampler make_sampler() {
   return generate<Sampler>([](GLsizei n, GLuint* x) { glGenSamplers(n, x); });
 }
 
-/// A linked program. Setting a uniform that the compiler removed does nothing; the program has to be in use.
+/// A linked program. Setting a uniform that the compiler removed does nothing. The program must be in use.
 class Program {
  public:
-  /// Compiles and links; `name` stands in the error with the compiler's log. kGl.
+  /// Compiles and links. On an error, kGraphicsDriver contains `name` and the compiler's log.
   static Expected<Program> build(const std::string& name, const std::string& vertex,
                                  const std::string& fragment);
   Program() = default;
@@ -89,14 +89,14 @@ class Program {
   GLint location(const char* uniform) const { return glGetUniformLocation(program_.get(), uniform); }
   void set(const char* uniform, int value) const { glUniform1i(location(uniform), value); }
   void set(const char* uniform, float value) const { glUniform1f(location(uniform), value); }
-  /// Connects a uniform block of the program, if it has it, to a binding point.
+  /// Connects a uniform block to a binding point, if the program has that block.
   void bind_block(const char* block, GLuint binding) const;
 
  private:
   GlName<gl::delete_program> program_;
 };
 
-/// The text of client/render/shaders/<name>.glsl, built into the library. An unknown name is a bug.
+/// The text of client/render/shaders/<name>.glsl, which is built into the library. An unknown name is a bug.
 const char* shader_text(const std::string& name);
 
 }  // namespace fracture::render

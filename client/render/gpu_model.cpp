@@ -15,7 +15,7 @@ void attribute(GLuint location, GLint size, GLenum type, GLboolean normalized, s
                         reinterpret_cast<const void*>(offset));
 }
 
-/// Rows of the upper 3 × 4 part.
+/// Writes the rows of the upper 3 × 4 part.
 void put_rows(glm::vec4* out, const glm::mat4& m) {
   for (int r = 0; r < 3; ++r) out[r] = {m[0][r], m[1][r], m[2][r], m[3][r]};
 }
@@ -139,7 +139,7 @@ Expected<std::uint32_t> GpuModel::append(const Model& more, const std::optional<
              first_index = static_cast<std::uint32_t>(indices_.used / sizeof(std::uint32_t)),
              first_picture = static_cast<std::uint32_t>(own_->pictures.size());
   const std::size_t materials_before = own_->materials.size();
-  // Equal pictures are rare between files; the same file again is what happens, and that brings all of them.
+  // Different files rarely share pictures. Usually the same file is added again, with all of its pictures.
   const auto same = [](const Picture& a, const Picture& b) {
     return a.width == b.width && a.pixels == b.pixels;
   };

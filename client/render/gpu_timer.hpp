@@ -1,4 +1,5 @@
-// What drawing takes where it is done: the driver answers some frames later, and nobody waits for it.
+// Measures the drawing time on the graphics card. The driver answers some frames later, and nothing waits for
+// it.
 #pragma once
 
 #include <array>
@@ -10,15 +11,15 @@ namespace fracture::render {
 
 class GpuTimer {
  public:
-  void begin();  ///< nothing where the answers to earlier ones are still awaited
+  void begin();  ///< does nothing while too many answers are pending
   void end();
-  /// Milliseconds of the oldest measurement that is answered and was not taken yet.
+  /// Milliseconds of the oldest finished measurement that was not taken yet.
   std::optional<double> take();
 
  private:
   static constexpr std::size_t kAtOnce = 4;
   std::array<Query, kAtOnce> queries_;
-  std::size_t next_ = 0, oldest_ = 0;  ///< how many were begun, and taken
+  std::size_t next_ = 0, oldest_ = 0;  ///< number of measurements begun, and taken
   bool running_ = false;
 };
 

@@ -8,7 +8,7 @@
 namespace fracture::render {
 namespace {
 
-/// Layers of shaders/surface_fragment.glsl.
+/// Values of `layer` in shaders/surface_fragment.glsl.
 enum SurfaceLayer : int { kOpaque, kHiddenGlass, kNearestGlass };
 
 void read(int unit, const Texture& texture) {
@@ -116,7 +116,7 @@ void HighPicture::draw_opaque(const Shown& shown, FrameStats& stats) const {
 
 void HighPicture::draw_glass(const Shown& shown, FrameStats& stats) const {
   const HighTargets& t = *targets_;
-  FrameStats again;  // surfaces that were counted
+  FrameStats again;  // for surfaces that are already counted
   const auto pass = [&](const Program& program, SurfacePass::Sides sides, FrameStats& counted) {
     for (const DrawItem& item : shown.items)
       draw_surfaces({program, true, sides}, item, shown.camera, shown.settings, counted);
@@ -159,7 +159,7 @@ void HighPicture::draw_glass(const Shown& shown, FrameStats& stats) const {
 void HighPicture::draw(const Shown& shown, GLuint framebuffer, FrameStats& stats) {
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   glEnable(GL_MULTISAMPLE);
-  glEnable(GL_FRAMEBUFFER_SRGB);  // changes nothing but what is in sRGB
+  glEnable(GL_FRAMEBUFFER_SRGB);  // affects only sRGB targets
   sky_.update(shown.frame);
   draw_depth(shown, stats);
   occlusion_.draw(*targets_, shown.camera);

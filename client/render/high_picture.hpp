@@ -1,6 +1,7 @@
-// The high tier of a picture, after the depths of sun and sky: depth of what is opaque → ambient occlusion from it →
-// sky, opaque surfaces, ground → what glass hides of other glass → the nearest glass, which bends what is behind it →
-// overlay → bloom, exposure, tone mapping, edges. Light is linear until the end.
+// Draws a picture in the high tier, after the depths of sun and sky. The order is: depth of opaque surfaces,
+// ambient occlusion, sky, opaque surfaces, ground, hidden glass, and then the nearest glass, which refracts
+// everything behind it. The overlay, bloom, exposure, tone mapping and antialiasing follow. Light stays
+// linear until tone mapping.
 #pragma once
 
 #include <memory>
@@ -16,10 +17,10 @@ namespace fracture::render {
 
 class HighPicture {
  public:
-  /// kGraphicsDriver where a shader is refused.
+  /// kGraphicsDriver if a shader is rejected.
   static Expected<std::unique_ptr<HighPicture>> create();
 
-  /// For pictures of a size. kGraphicsDriver where a framebuffer is refused.
+  /// Prepares for pictures of this size. kGraphicsDriver if a framebuffer is rejected.
   Expected<void> prepare(int width, int height);
 
   struct Shown {
@@ -28,7 +29,7 @@ class HighPicture {
     const RenderSettings& settings;
     const FrameBlock& frame;  ///< as uploaded
   };
-  /// Of the size that was prepared. Frame block, object tables and shadow maps have to be bound.
+  /// Draws in the prepared size. Frame block, object tables and shadow maps must be bound.
   void draw(const Shown& shown, GLuint framebuffer, FrameStats& stats);
 
  private:

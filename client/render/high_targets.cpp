@@ -13,7 +13,7 @@ struct Format {
 
 constexpr Format kLight{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
 constexpr Format kLightWithLevels{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, false, true, true};
-constexpr Format kPlaces{GL_RGBA32F, GL_RGBA, GL_FLOAT, false, false};  // millimetres far away
+constexpr Format kPlaces{GL_RGBA32F, GL_RGBA, GL_FLOAT, false, false};  // millimetre precision at a distance
 constexpr Format kShare{GL_R8, GL_RED, GL_UNSIGNED_BYTE, false, false};
 constexpr Format kColors{GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE};
 constexpr Format kDepth{GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, true, false};

@@ -1,5 +1,5 @@
-// What the high tier draws into before there are colours: light in half floats with as many samples as the driver has up to
-// four, and layers of the picture that later passes read.
+// The high tier's targets before tone mapping: light in half floats, with up to four samples if the driver
+// has them, and layers of the picture that later passes read.
 #pragma once
 
 #include <vector>
@@ -17,19 +17,19 @@ struct Layer {
 };
 
 struct HighTargets {
-  /// kGraphicsDriver where the driver refuses one of them.
+  /// kGraphicsDriver if the driver rejects one of them.
   static Expected<HighTargets> create(int width, int height);
 
   int width = 0, height = 0, samples = 0;
   Texture light;  ///< multisampled
   Renderbuffer light_depth, glass_depth;
   Framebuffer lit;
-  Layer scene_depth;               ///< of what is opaque, one sample
-  Layer raw_occlusion, occlusion;  ///< 1: open
-  Layer glass_front, glass_back;   ///< depth; normal and distance
-  Layer behind;                    ///< one sample of `light`, with levels
-  Layer shown;                     ///< colours, before edges are smoothed
-  std::vector<Layer> bloom;        ///< each half as large as the one before it
+  Layer scene_depth;               ///< of opaque surfaces, one sample
+  Layer raw_occlusion, occlusion;  ///< 1: not occluded
+  Layer glass_front, glass_back;   ///< depth of front faces; normal and distance of back faces
+  Layer behind;                    ///< one sample per pixel of `light`, with mipmap levels
+  Layer shown;                     ///< colours before antialiasing
+  std::vector<Layer> bloom;        ///< each half as large as the previous one
 };
 
 }  // namespace fracture::render

@@ -13,7 +13,7 @@
 namespace fracture::render {
 namespace {
 
-/// IEC 61966-2-1, as a table: a byte to linear light.
+/// Table from a byte to linear light (IEC 61966-2-1).
 std::array<float, 256> linear_table() {
   std::array<float, 256> table{};
   for (std::size_t k = 0; k < table.size(); ++k) {

@@ -1,5 +1,4 @@
-// Pictures in memory: decoding of textures (PNG, JPEG), writing of PNG, and the little that contact sheets
-// need.
+// Pictures in memory: decodes textures (PNG, JPEG), writes PNG, and does the little that contact sheets need.
 #pragma once
 
 #include <array>
@@ -13,7 +12,7 @@
 
 namespace fracture::render {
 
-using Color = std::array<std::uint8_t, 4>;  ///< red, green, blue, alpha; sRGB unless it says otherwise
+using Color = std::array<std::uint8_t, 4>;  ///< red, green, blue, alpha; sRGB unless stated otherwise
 
 /// Rows from the top, pixels from the left, no padding.
 struct Picture {
@@ -33,18 +32,19 @@ struct Picture {
   }
 };
 
-inline constexpr int kMaxPictureSide = 16384;  ///< of a decoded texture and of a written picture, in pixels
+inline constexpr int kMaxPictureSide = 16384;  ///< pixels; for decoded textures and written pictures
 
-/// PNG or JPEG; grey and palette become RGBA. kImage with the reason, kTooLarge over kMaxPictureSide.
+/// Decodes PNG or JPEG; grey and palette become RGBA. kBadImage with the reason, kTooLarge beyond
+/// kMaxPictureSide.
 Expected<Picture> decode_picture(std::span<const std::uint8_t> bytes);
 
-/// Writes an 8-bit RGB PNG (alpha is dropped), whole or not at all. kFile, kImage.
+/// Writes an 8-bit RGB PNG (alpha is dropped), completely or not at all. kFileAccess, kBadImage.
 Expected<void> write_png(const Picture& picture, const std::string& path);
 
-/// Copies `from` into `to` with its upper left corner at (x, y); what does not fit is cut off.
+/// Copies `from` into `to` with its upper left corner at (x, y). Anything outside is cut off.
 void paste(Picture& to, const Picture& from, int x, int y);
 
-/// Averages blocks of factor × factor pixels in linear light. Sides are divisible by the factor.
+/// Averages blocks of factor × factor pixels in linear light. The sides must be divisible by the factor.
 Picture downsample(const Picture& picture, int factor);
 
 }  // namespace fracture::render

@@ -6,8 +6,8 @@
 namespace fracture::render {
 namespace {
 
-/// Linear colours and roughness of outside and cut faces. Where the solid texture sets the colour, these are
-/// its mean.
+/// Linear colours and roughness of outside and cut faces. If the solid texture sets the colour, these are its
+/// mean.
 struct LookValues {
   glm::vec3 outside, inside;
   float roughness_outside, roughness_inside, metallic, transmission_outside, transmission_inside;
@@ -36,7 +36,7 @@ constexpr LookValues values_of(SolidLook look) {
   }
 }
 
-/// As bright as the colour is (the luminance of linear sRGB, IEC 61966-2-1).
+/// Grey of the same brightness (the luminance of linear sRGB, IEC 61966-2-1).
 glm::vec4 grey_of(const glm::vec4& color) {
   const float luminance = 0.2126f * color.r + 0.7152f * color.g + 0.0722f * color.b;
   return {luminance, luminance, luminance, color.a};

@@ -1,6 +1,6 @@
-// Looks: materials for meshes that bring none, as solid textures (Perlin, "An Image Synthesizer", 1985;
-// Peachey, "Solid Texturing of Complex Surfaces", 1985). They are functions of the place in the whole object,
-// so a cut through wood shows the rings that the outside promises. They change the picture only, never the
+// Looks: materials for meshes that have none, as solid textures (Perlin, "An Image Synthesizer", 1985;
+// Peachey, "Solid Texturing of Complex Surfaces", 1985). They are functions of the position in the whole
+// object, so a cut through wood continues the rings of the outside. They change only the picture, never the
 // mesh.
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace fracture::render {
 
-/// In the order of shaders/looks.glsl. Grey is the file's own materials without their colours and their
-/// relief: as rough, as metallic and as clear as they are, cuts as light, the outside of one lightness.
+/// In the order of shaders/looks.glsl. Grey keeps the file's own roughness, metalness and transparency, but
+/// not their colours and relief: cut faces are as bright as before, and the whole outside has one brightness.
 enum class SolidLook {
   kNone,
   kGlass,
@@ -31,10 +31,10 @@ enum class SolidLook {
 inline constexpr std::array<std::string_view, 11> kLookNames = {
     "none", "glass", "wood", "concrete", "stone", "brick", "ceramic", "metal", "ice", "plaster", "grey"};
 
-/// kBadOption with the names there are.
+/// The look with this name. kBadParameter lists the names.
 Expected<SolidLook> look_by_name(std::string_view name);
 
-/// What the shader gets before the solid texture: `source` where there is no look.
+/// The material that the shader gets before the solid texture; `source` itself without a look.
 Material with_look(const Material& source, SolidLook look);
 
 }  // namespace fracture::render

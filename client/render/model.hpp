@@ -1,8 +1,8 @@
-// A glTF file as the renderer takes it: one vertex and one index array for everything, objects that move as a
-// whole (a fragment is one), and surfaces: the triangles of one object that wear one material. Plain data; no
-// OpenGL.
+// A glTF file in the renderer's form: one vertex and one index array for everything, objects that move as a
+// whole (such as fragments), and surfaces, which are the triangles of one object with one material. Plain
+// data; no OpenGL.
 //
-//   Model ── objects[k]   where it stands, what fragment it is, its surfaces
+//   Model ── objects[k]   position, fragment information, surfaces
 //         ── surfaces[s]  object, material, range of indices; sorted by material: one draw call for each
 //         ── vertices     each knows its object: transforms come from a table, not from a uniform per call
 #pragma once
@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kNoSlot = std::numeric_limits<std::uint32_t>::max
 struct Vertex {
   glm::vec3 position{};      ///< in the object's frame, metres
   glm::vec3 normal{};        ///< unit length
-  glm::vec4 tangent{};       ///< xyz unit length, w = ±1; all zero where the file has none
+  glm::vec4 tangent{};       ///< xyz unit length, w = ±1; all zero if the file has none
   glm::vec2 uv[2]{};         ///< TEXCOORD_0 and _1, v down
   glm::u8vec4 color{255};    ///< COLOR_0, linear, 0 … 255
   std::uint32_t object = 0;  ///< index into Model::objects
@@ -33,7 +33,7 @@ struct Vertex {
 
 enum class AlphaMode { kOpaque, kMask, kBlend };
 
-/// One texture slot of a material. Filters and wraps are glTF's numbers, which are OpenGL's.
+/// One texture slot of a material. Filters and wraps are glTF's numbers, which OpenGL shares.
 struct TextureSlot {
   std::uint32_t picture = kNoSlot;  ///< index into Model::pictures
   int uv_set = 0;
@@ -52,7 +52,7 @@ struct Material {
   float ior = 1.5f;        ///< KHR_materials_ior
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   bool double_sided = false;
-  bool interior = false;  ///< of cut faces, as a file of the service says
+  bool interior = false;  ///< of cut faces, as the service's file states
   TextureSlot base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture,
       emissive_texture;
 
@@ -65,9 +65,9 @@ struct FragmentInfo {
   std::uint64_t id = 0;  ///< as in the file: 53 bits
   double volume = 0;     ///< cubic metres
   bool anchored = false;
-  glm::vec3 centroid{};  ///< centre of mass, in the world at load
+  glm::vec3 centroid{};  ///< centre of mass, in the world when loaded
   std::vector<std::uint32_t>
-      ancestors;  ///< nodes of the hierarchy, coarsest first, the fragment's own node last
+      ancestors;  ///< nodes of the hierarchy, from the coarsest to the fragment's own node
 };
 
 struct Sphere {
@@ -75,21 +75,21 @@ struct Sphere {
   float radius = 0;
 };
 
-/// Where the solid texture of a look lies (looks.hpp), in the frame of the file.
+/// Position of a look's solid texture (looks.hpp), in the frame of the file.
 struct SolidPlacement {
-  Sphere frame;              ///< it fills this sphere
-  glm::vec3 grain{0, 1, 0};  ///< of wood
-  /// Courses of bricks of this size from `brick_low` to `brick_high` along x and up y, every other one
-  /// shifted by a half. 0: none.
+  Sphere frame;              ///< the texture fills this sphere
+  glm::vec3 grain{0, 1, 0};  ///< direction of the wood's grain
+  /// Bricks of this size in courses, from `brick_low` to `brick_high`, along x and up y. Every other course
+  /// is shifted by half a brick. 0: none.
   glm::vec2 brick{0}, brick_low{0}, brick_high{0};
 };
 
 struct Object {
   std::string name;
-  glm::mat4 transform{1};  ///< object to world at load
+  glm::mat4 transform{1};  ///< object to world when loaded
   Sphere bounds;           ///< of its vertices, in the object's frame
   std::optional<FragmentInfo> fragment;
-  std::optional<SolidPlacement> solid;  ///< else: around the whole model
+  std::optional<SolidPlacement> solid;  ///< empty: placed around the whole model
 };
 
 struct Surface {
@@ -103,33 +103,33 @@ struct Model {
   std::vector<Object> objects;
   std::vector<Surface> surfaces;
   std::vector<Material> materials;  ///< the file's, then glTF's default material
-  std::vector<Picture> pictures;    ///< decoded; one grey pixel for what could not be
+  std::vector<Picture> pictures;    ///< decoded; one grey pixel for each that could not be decoded
   std::vector<std::string> warnings;
 };
 
-/// A GLB, or a glTF as one JSON text with its buffers inside. The mesh is checked as an upload is (lengths,
-/// indices, extensions; common/import), and a position that is not finite is refused. Mirrored nodes keep
-/// their outside outside; missing normals become flat; nodes called UCX_… (collision hulls) are left out;
-/// images that are neither PNG nor JPEG, and what extensions of materials ask beyond transmission and ior,
-/// are left out with a warning. kMesh, kTooLarge.
+/// Reads a GLB, or a glTF document with embedded buffers. The mesh gets the checks of an upload (lengths,
+/// indices, extensions; common/import), and positions must be finite. The outside of mirrored nodes stays
+/// outside. Missing normals become flat. Nodes called UCX_… (collision hulls) are left out. Images other than
+/// PNG and JPEG, and material extensions beyond transmission and ior, are left out with a warning.
+/// kMalformedMesh, kEmptyMesh, kNotFinite, kTooLarge, and errors of common/import.
 Expected<Model> read_model(std::span<const std::byte> bytes);
 
-/// read_model of a file's bytes; kFile where it cannot be read.
+/// Calls read_model with a file's bytes; kFileAccess if it cannot be read.
 Expected<Model> load_model(const std::string& path);
 
-/// The smallest sphere around the box of all objects under their transforms (kept at the model's own where
-/// `transforms` is empty), not around invisible ones. Radius 0 for nothing.
+/// The smallest sphere around the bounding box of all visible objects. If `states` is empty, the model's own
+/// transforms are used. Radius 0 if there are none.
 struct ObjectState;
 Sphere bounding_sphere(const Model& model, std::span<const ObjectState> states);
 
-/// Where an object stands in a picture, and what colour covers its material.
+/// An object's place in a picture, and a colour over its material.
 struct ObjectState {
   glm::mat4 transform{1};
-  glm::vec4 tint{0};  ///< linear rgb; a = how much of it instead of the material's base colour
+  glm::vec4 tint{0};  ///< linear rgb; a = the share that replaces the material's base colour
   bool visible = true;
 };
 
-/// Every object as the file places it.
+/// Every object where the file places it.
 std::vector<ObjectState> initial_states(const Model& model);
 
 }  // namespace fracture::render

@@ -1,4 +1,4 @@
-// Ambient occlusion of the picture, from its depth (shaders/occlusion_fragment.glsl names the paper).
+// Ambient occlusion from the picture's depth (shaders/occlusion_fragment.glsl names the paper).
 #pragma once
 
 #include "client/render/camera.hpp"
@@ -8,9 +8,10 @@ namespace fracture::render {
 
 class Occlusion {
  public:
-  /// kGraphicsDriver where a shader is refused.
+  /// kGraphicsDriver if a shader is rejected.
   static Expected<Occlusion> create();
-  /// From targets.scene_depth into targets.occlusion; both are left at their texture units. The frame block has to be bound.
+  /// Computes targets.occlusion from targets.scene_depth, and leaves both at their texture units. The frame
+  /// block must be bound.
   void draw(const HighTargets& targets, const Camera& camera) const;
 
  private:

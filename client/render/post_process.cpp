@@ -7,7 +7,7 @@
 namespace fracture::render {
 namespace {
 
-constexpr int kSource = 0, kBloom = 1;  // texture units: no surface is drawn any more
+constexpr int kSource = 0, kBloom = 1;  // texture units that are free, because no more surfaces are drawn
 
 void read(int unit, GLenum target, const Texture& texture) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
@@ -37,7 +37,7 @@ Expected<PostProcess> PostProcess::create() {
 }
 
 std::size_t PostProcess::draw(const HighTargets& targets, GLuint framebuffer) const {
-  // Sunlit white is 1.3 at most; what glares is light that a mirror sends on.
+  // Sunlit white is at most 1.3. Only mirrored light is brighter and glares.
   constexpr float kGlaring = 1.7f, kDearest = 8.f;
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);

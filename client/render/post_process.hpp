@@ -1,5 +1,5 @@
-// From light to colours: the samples of each pixel become one, what is bright blooms, exposure and tone mapping, and edges
-// that samples do not see are smoothed.
+// Turns light into colours: resolves each pixel's samples, adds bloom to bright spots, applies exposure and
+// tone mapping, and smooths edges that multisampling misses.
 #pragma once
 
 #include "client/render/high_targets.hpp"
@@ -8,10 +8,10 @@ namespace fracture::render {
 
 class PostProcess {
  public:
-  /// kGraphicsDriver where a shader is refused.
+  /// kGraphicsDriver if a shader is rejected.
   static Expected<PostProcess> create();
-  /// From targets.light into `framebuffer`, all of its width and height; it takes linear light as sRGB. The frame block has to
-  /// be bound. Returns the number of draw calls.
+  /// From targets.light into all of `framebuffer`, which takes linear light as sRGB. The frame block must be
+  /// bound. Returns the number of draw calls.
   std::size_t draw(const HighTargets& targets, GLuint framebuffer) const;
 
  private:

@@ -1,4 +1,4 @@
-// Programs made of the files of shaders/, connected to the frame block and to the texture units.
+// Builds programs from the files in shaders/ and connects them to the frame block and the texture units.
 #pragma once
 
 #include <initializer_list>
@@ -9,12 +9,13 @@
 
 namespace fracture::render {
 
-inline constexpr GLuint kFrameBinding = 0;  ///< of the uniform block of shaders/frame.glsl
+inline constexpr GLuint kFrameBinding = 0;  ///< binding of the uniform block of shaders/frame.glsl
 
 using ShaderParts = std::initializer_list<const char*>;
 
-/// Builds of the named files, in their order; the high tier's have HIGH defined. Leaves the program in use, with its
-/// samplers at their units (gpu_model.hpp). kGraphicsDriver where the driver refuses it.
+/// Builds a program from the named files, in this order; HIGH is defined for the high tier. Leaves the
+/// program in use, with its samplers set to their units (gpu_model.hpp). kGraphicsDriver if the driver
+/// rejects it.
 Expected<Program> build_program(const std::string& name, Tier tier, ShaderParts vertex, ShaderParts fragment);
 
 }  // namespace fracture::render

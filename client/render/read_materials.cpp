@@ -93,7 +93,7 @@ Material read_material(const json& source, const MaterialLibrary& library, Model
 void read_materials(const MaterialLibrary& library, Model& model) {
   for (const json& material : library.materials)
     model.materials.push_back(read_material(material, library, model));
-  model.materials.push_back({});  // glTF 2.0, 3.9: the material of a primitive that names none
+  model.materials.push_back({});  // glTF 2.0, 3.9: for primitives without a material
   for (const Image& image : library.images) {
     Expected<Picture> picture = decode_picture(image.bytes);
     if (!picture)

@@ -1,4 +1,4 @@
-// glTF 2.0 materials as the shader takes them. Internal to read_model.cpp.
+// Converts glTF 2.0 materials for the shader. Internal to read_model.cpp.
 #pragma once
 
 #include "client/render/model.hpp"
@@ -6,8 +6,8 @@
 
 namespace fracture::render {
 
-/// Fills materials (plus glTF's default one at the end), pictures and warnings. Values of a wrong type throw
-/// nlohmann::json::exception.
+/// Fills materials (with glTF's default one at the end), pictures and warnings. Throws
+/// nlohmann::json::exception for values of a wrong type.
 void read_materials(const MaterialLibrary& library, Model& model);
 
 }  // namespace fracture::render

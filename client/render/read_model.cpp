@@ -27,7 +27,7 @@ glm::mat4 to_mat4(const Transform& t) {
           glm::vec4(to_vec3(t.t), 1)};
 }
 
-/// extras.fracture of a node, as the document's JSON has it; null where there is none.
+/// A node's extras.fracture in the document's JSON, or null.
 const json* fracture_extras(const json& document, int node) {
   const json& nodes = document.at("nodes");
   const json& object = nodes.at(static_cast<std::size_t>(node));
@@ -63,7 +63,7 @@ class ModelReader {
   }
 
  private:
-  /// The root says which materials those of the cut faces are; before algorithm 11 it was the last one.
+  /// The root's extras list the materials of cut faces. Before algorithm 11, it was the last material.
   void mark_interior(const json& extras) {
     const auto listed = extras.find("interior_materials");
     if (listed == extras.end() && extras.contains("certificate") && model_.materials.size() > 1)
@@ -127,7 +127,7 @@ class ModelReader {
 
   void read_primitive(const tinygltf::Primitive& primitive, std::uint32_t object, bool mirrored) {
     const auto position = primitive.attributes.find("POSITION");
-    if (position == primitive.attributes.end()) return;  // glTF 2.0, 3.7.2.1: not drawn
+    if (position == primitive.attributes.end()) return;  // glTF 2.0, 3.7.2.1: such a primitive is not drawn
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
       warn("Points and lines are not drawn.");
       return;
@@ -173,8 +173,8 @@ class ModelReader {
     model_.surfaces.push_back(surface);
   }
 
-  /// The vertices of a set of accessors, once for each object. Returns where they begin and how many they
-  /// are.
+  /// Appends the vertices of a set of accessors, once per object. Returns the first one's index and their
+  /// number.
   std::pair<std::uint32_t, std::uint32_t> append_vertices(const tinygltf::Primitive& primitive,
                                                           std::uint32_t object) {
     const auto base = static_cast<std::uint32_t>(model_.vertices.size());
@@ -222,7 +222,7 @@ class ModelReader {
     return {base, static_cast<std::uint32_t>(count)};
   }
 
-  /// glTF 2.0, 3.7.2.1: without normals a client shows flat ones. Every corner gets a vertex of its own.
+  /// glTF 2.0, 3.7.2.1: without normals, triangles are shown flat. Every corner gets its own vertex.
   void append_flat(const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint32_t base,
                    bool mirrored) {
     if (model_.vertices.size() + 3 * triangles.size() > 6 * limits_.max_triangles)
@@ -232,7 +232,7 @@ class ModelReader {
       for (std::size_t k = 0; k < 3; ++k) corner[k] = model_.vertices[base + t[k]];
       glm::vec3 n =
           glm::cross(corner[1].position - corner[0].position, corner[2].position - corner[0].position);
-      if (mirrored) n = -n;  // in the object's own frame the winding has been turned
+      if (mirrored) n = -n;  // in the object's own frame, the winding has been reversed
       n = glm::dot(n, n) > 0 ? glm::normalize(n) : glm::vec3(0, 1, 0);
       for (Vertex& v : corner) {
         v.normal = n;
@@ -242,7 +242,7 @@ class ModelReader {
     }
   }
 
-  /// Indices in the order of the surfaces, those by material: then neighbours can be one draw call.
+  /// Sorts surfaces by material and reorders the indices to match, so that neighbours can share a draw call.
   void sort_surfaces() {
     std::stable_sort(model_.surfaces.begin(), model_.surfaces.end(),
                      [](const Surface& a, const Surface& b) { return a.material < b.material; });

@@ -60,7 +60,7 @@ void Renderer::depth_passes(std::span<const DrawItem> items, const RenderSetting
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
   glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);  // open and double-sided surfaces throw shadows as well
+  glDisable(GL_CULL_FACE);  // open and double-sided surfaces also cast shadows
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5f, 2.f);
   if (settings.lighting.sun_shadow) {

@@ -50,12 +50,13 @@ struct RenderSettings {
   Highlight highlight = Highlight::kNone;
   SolidLook look = SolidLook::kNone;  ///< a solid texture that replaces every material (looks.hpp)
   glm::vec3 grain{0, 1, 0};           ///< for looks that have a grain
-  /// The region covered by light and shadow maps, and the centre of the ground; if empty, around all visible objects.
+  /// The region covered by light and shadow maps, and the centre of the ground. If empty: around all visible
+  /// objects.
   std::optional<Sphere> lit;
   bool wireframe = false;  ///< only the edges of the surfaces
   Tier tier = Tier::kLow;  ///< high draws a sky instead of the background colours, and no edges
-  /// Called with the framebuffer, so that more can be drawn into it: after all surfaces and, in the high tier, before the
-  /// picture is post-processed, when the framebuffer contains light instead of colours.
+  /// Called with the framebuffer, to draw more into it: after all surfaces and, in the high tier, before
+  /// post-processing, when the framebuffer contains light instead of colours.
   std::function<void(GLuint framebuffer)> overlay{};
 };
 

@@ -15,7 +15,7 @@ void set_depth_parameters(GLenum target) {
   glTexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
   glTexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-  constexpr float kFar[4] = {1, 1, 1, 1};  // beyond the map nothing stands in the way
+  constexpr float kFar[4] = {1, 1, 1, 1};  // beyond the map, nothing blocks the light
   glTexParameterfv(target, GL_TEXTURE_BORDER_COLOR, kFar);
   glTexParameteri(target, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTexParameteri(target, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);

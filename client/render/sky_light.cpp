@@ -9,11 +9,11 @@
 namespace fracture::render {
 namespace {
 
-constexpr int kSide = 128;         // texels; level 0 mirrors clouds, the others are smoother
+constexpr int kSide = 128;         // texels; level 0 mirrors clouds, the other levels are smoother
 constexpr int kRoughestLevel = 5;  // as in shaders/lighting_high.glsl
 constexpr int kFaces = 6;
 
-// OpenGL 3.3, table 3.10: what (s, t, 1) of a face points at.
+// OpenGL 3.3, table 3.10: the direction of (s, t, 1) for each face.
 const glm::mat3 kFaceDirections[kFaces] = {
     {{0, 0, -1}, {0, -1, 0}, {1, 0, 0}}, {{0, 0, 1}, {0, -1, 0}, {-1, 0, 0}},
     {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},   {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
@@ -97,7 +97,7 @@ void SkyLight::update(const FrameBlock& frame) {
   blur_program_.use();
   blur_program_.set("source_side", kSide);
   for (int level = 0; level <= kRoughestLevel; ++level) {
-    constexpr float kSmoothest = 0.06f;  // the mirror's lobe is a texel wide
+    constexpr float kSmoothest = 0.06f;  // the mirrored lobe is then a texel wide
     blur_program_.set("side", kSide >> level);
     blur_program_.set("roughness", std::max(kSmoothest, static_cast<float>(level) / kRoughestLevel));
     for (int face = 0; face < kFaces; ++face) {

@@ -1,5 +1,5 @@
-// The sky as a cube of textures for what mirrors it: level k is for roughness k / 5. Drawn once, and again when sun, sky or
-// ground have other colours.
+// The sky as a cube map for mirroring surfaces: level k is for roughness k / 5. It is drawn once, and again
+// when the colours of sun, sky or ground change.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@ namespace fracture::render {
 
 class SkyLight {
  public:
-  /// kGraphicsDriver where a shader or the cube is refused.
+  /// kGraphicsDriver if a shader or the cube map is rejected.
   static Expected<SkyLight> create();
-  /// Draws what is not there yet; the frame block has to be bound. Leaves the cube at its texture unit.
+  /// Draws the map if it is out of date; the frame block must be bound. Leaves the map at its texture unit.
   void update(const FrameBlock& frame);
 
  private:
@@ -24,7 +24,7 @@ class SkyLight {
   Texture source_, blurred_;
   Framebuffer framebuffer_;
   VertexArray empty_;
-  std::optional<std::array<glm::vec4, 4>> drawn_;  ///< what it depends on
+  std::optional<std::array<glm::vec4, 4>> drawn_;  ///< the inputs it was drawn with
 };
 
 }  // namespace fracture::render

@@ -8,27 +8,27 @@
 namespace fracture::render {
 namespace {
 
-/// Share of the light that clear glass keeps back, where its tint says no more.
+/// Share of the light that clear glass blocks, unless its tint blocks more.
 constexpr float kFaintShadow = 0.35f;
 
 float coverage_of(const Material& m) {
   return std::max(kFaintShadow, m.transmission > 0 ? 0.f : m.base_color.a);
 }
 
-/// Of the casters of two maps: what is nearly opaque is with what is.
+/// Whether the material casts its shadow into the map for clear casters. Nearly opaque materials do not.
 bool is_clear(const Material& m) {
   constexpr float kNearlyOpaque = 0.7f;
   return m.blended() && coverage_of(m) < kNearlyOpaque;
 }
 
-/// Neighbouring surfaces of one material: one glMultiDrawElements.
+/// Neighbouring surfaces with one material, drawn by one glMultiDrawElements.
 struct Draw {
   std::vector<GLsizei> counts;
   std::vector<const void*> offsets;
-  std::uint32_t end = 0;  ///< of the last range
+  std::uint32_t end = 0;  ///< end of the last range
 
   void add(const Surface& s) {
-    if (!empty() && s.first_index == end) {  // neighbours in memory are one range
+    if (!empty() && s.first_index == end) {  // adjacent in memory: extend the last range
       counts.back() += static_cast<GLsizei>(s.index_count);
       end += s.index_count;
       return;

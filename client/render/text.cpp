@@ -16,7 +16,7 @@ struct Font::Face {
 
 namespace {
 
-/// The next character as Latin-1 (what is beyond is '?'); invalid UTF-8 is taken byte by byte.
+/// The next character as Latin-1 ('?' for anything beyond). Invalid UTF-8 is read byte by byte.
 int next_character(std::string_view& text) {
   const auto byte = static_cast<unsigned char>(text.front());
   text.remove_prefix(1);
@@ -43,7 +43,7 @@ Expected<Font> Font::open(const std::string& path) {
   if (in) face->file.assign(std::istreambuf_iterator<char>(in), {});
   if (face->file.empty())
     return fail(ErrorCode::kFileAccess, "Labels need the font " + path + " (Debian: fonts-dejavu-core).");
-  // stb_truetype trusts its file: a font is part of the system, never of a request.
+  // stb_truetype trusts its file, so fonts come from the system, never from a request.
   const int offset = stbtt_GetFontOffsetForIndex(face->file.data(), 0);
   if (offset < 0 || stbtt_InitFont(&face->info, face->file.data(), offset) == 0)
     return fail(ErrorCode::kBadImage, path + " is not a TrueType font.");

@@ -1,4 +1,4 @@
-// Labels on pictures: one line of text from a TrueType file, drawn by the processor. Windows have their own
+// Labels on pictures: one line of text from a TrueType font, drawn by the processor. Windows draw their own
 // text.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace fracture::render {
 
 class Font {
  public:
-  /// The DejaVu Sans of Debian's fonts-dejavu-core, or another file. kFile where there is none, kImage where
-  /// it is no TrueType font.
+  /// Opens DejaVu Sans from Debian's fonts-dejavu-core, or another file. kFileAccess if it cannot be read,
+  /// kBadImage if it is not a TrueType font.
   static Expected<Font> open(const std::string& path = kDefaultPath);
   Font(Font&&) noexcept;
   Font& operator=(Font&&) noexcept;
@@ -23,7 +23,7 @@ class Font {
 
   /// Pixels from the pen's start to its end. Characters beyond Latin-1 are shown as '?'.
   int width(std::string_view text, float pixels) const;
-  /// Draws with the base line at y; `pixels` is the height from ascender to descender.
+  /// Draws with the baseline at y; `pixels` is the height from ascender to descender.
   void draw(Picture& picture, int x, int y, float pixels, Color color, std::string_view text) const;
 
   static constexpr const char* kDefaultPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";

@@ -9,8 +9,8 @@ namespace fracture::render {
 void TierChoice::add(double milliseconds) {
   if (software_) return;
   constexpr int kSeries = 30, kSkipped = 10;
-  constexpr double kTooSlow = 25;  // less than 40 pictures a second
-  constexpr double kRoom = 3;      // the high tier takes up to eight times what the low one does
+  constexpr double kTooSlow = 25;  // fewer than 40 pictures per second
+  constexpr double kRoom = 3;      // the high tier takes up to eight times as long as the low one
   constexpr int kMostSlow = 20, kLeastFast = 29, kFirstRoom = 2, kLonger = 8, kMostFalls = 2;
   if (to_skip_ > 0) {
     --to_skip_;

@@ -1,5 +1,5 @@
-// The cost of a picture. Low: two cores can draw it without a graphics card. High: it needs a graphics card (client/README.md
-// lists its features). Auto: high if the card is fast enough.
+// The cost of a picture. Low: two cores can draw it without a graphics card. High: it needs a graphics card
+// (client/README.md lists its features). Auto: high if the card is fast enough.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@ enum class Tier { kLow, kHigh };
 enum class TierWish { kLow, kHigh, kAuto };
 inline constexpr std::array<const char*, 3> kTierWishNames = {"low", "high", "auto"};
 
-/// Chooses the tier of the next picture from the times of the previous pictures, and nothing else. It goes down when most of half
-/// a second's pictures are too slow. It goes up only if low pictures leave room for several high ones; after each
-/// wrong attempt it waits longer before the next: twice, then never again.
+/// Chooses the tier of the next picture only from the times of the previous pictures. It goes down if most
+/// pictures of half a second were too slow. It goes up only if low pictures leave room for several high ones.
+/// After a wrong attempt it waits longer before the next one, and after two wrong attempts it stays low.
 class TierChoice {
  public:
   /// With software rendering it is always low, whatever the times are.

@@ -1,4 +1,4 @@
-// How materials break in the game, and the request that a hit becomes.
+// How materials break in the game, and the request for fragments after a hit.
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +9,8 @@ namespace {
 
 struct GameMaterial {
   const char* name;
-  double density;             ///< kg/m³, as the server's preset
-  double critical_speed;      ///< m/s: a change of an object's speed that breaks it
+  double density;             ///< kg/m³, as in the server's preset
+  double critical_speed;      ///< m/s: a change of speed that breaks an object
   double reach, crack_front;  ///< as in world::ObjectSpec
   render::SolidLook look;
   Breakage breakage;
@@ -60,13 +60,13 @@ const std::vector<GameMaterial>& game_materials() {
   return all;
 }
 
-/// A tenth of a millimetre is enough, and keeps requests of like hits alike.
+/// Rounds to a tenth of a millimetre, which is precise enough and gives similar hits the same request.
 double rounded(double x) { return std::round(1e4 * x) / 1e4; }
 nlohmann::json rounded(const glm::dvec3& p) {
   return nlohmann::json::array({rounded(p.x), rounded(p.y), rounded(p.z)});
 }
 
-/// Of counts and of the radius.
+/// Factor for counts and for the radius.
 double growth_of(const Breakage& breakage, const world::Impact& impact) {
   return std::clamp(std::cbrt(std::max(impact.energy, 0.0) / breakage.energy), 0.6, 2.0);
 }
@@ -87,7 +87,7 @@ void set_material(SceneObject& object, const std::string& name) {
   const auto material =
       std::find_if(all.begin(), all.end(), [&](const GameMaterial& m) { return m.name == name; });
   if (material == all.end()) return;
-  // What the place of the object demands stays.
+  // Parameters that depend on the object's place are kept.
   nlohmann::json kept = nlohmann::json::object();
   for (const char* key : {"anchor_plane", "anchor_box", "anchor_points"})
     if (object.breakage.parameters.contains(key)) kept[key] = object.breakage.parameters[key];
@@ -99,7 +99,7 @@ void set_material(SceneObject& object, const std::string& name) {
   object.look = material->look;
   object.at_start = false;
   object.strength = material->critical_speed * object.density * object.mesh->unit_mass.mass;
-  // A held thing does not get faster as a whole: it breaks where it is hit.
+  // A held object does not gain speed as a whole, so it breaks where it is hit.
   if (object.held) object.strength = std::min(object.strength, 25 * material->critical_speed);
 }
 
@@ -132,7 +132,7 @@ nlohmann::json fracture_parameters(const SceneObject& object, const world::Impac
     parameters["impacts"] = nlohmann::json::array({rounded(impact.point)});
   if (b.radius) parameters["radius"] = rounded(b.reach * growth);
   if (overrides.is_object()) {
-    // Another pattern takes other parameters.
+    // Another pattern has other parameters.
     if (overrides.contains("pattern") && overrides["pattern"] != parameters.value("pattern", ""))
       for (const char* key : {"impacts", "radius", "share", "exponent", "cell", "bond", "jitter"})
         parameters.erase(key);

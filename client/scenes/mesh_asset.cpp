@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kLargest = 12;  ///< metres that a mesh of unknown unit may be long
+constexpr float kLargest = 12;  ///< metres: the greatest plausible length of a mesh with unknown unit
 
 float metres_of(const std::string& unit) {
   return unit == "cm" ? 0.01f : unit == "mm" ? 0.001f : unit == "inch" ? 0.0254f : 1.f;
 }
 
-/// The unit in which things of this length, in units, are of a size that people throw balls at.
+/// The unit in which an object of this length has a size that people throw balls at.
 std::string guessed_unit(float length) {
   return length <= kLargest ? "" : length <= 100 * kLargest ? "cm" : "mm";
 }
@@ -136,7 +136,7 @@ Expected<MeshAsset> load_asset(const std::string& path, const std::string& unit)
     return fail(ErrorCode::kUnknownFormat,
                 path + " does not have the file extension of a supported mesh format.");
   if (*format == MeshFormat::kGlb) return complete(std::move(asset), {}, true);
-  // What the file names lies beside it.
+  // Files that the mesh refers to are in the same folder.
   std::vector<std::string> names, contents;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(fs::path(path).parent_path(), ignored)) {
@@ -166,7 +166,7 @@ Expected<MeshAsset> load_asset(const std::string& path, const std::string& unit)
       for (int k = 0; k < 4; ++k) color[k] = factor[static_cast<std::size_t>(k)].get<float>();
   }
   asset.bytes = to_glb(surface, asset.name, color);
-  asset.unit.clear();  // in metres now
+  asset.unit.clear();  // the coordinates are now in metres
   asset.warnings.push_back(path + " is shown and sent without its textures.");
   return complete(std::move(asset));
 }

@@ -63,7 +63,7 @@ Expected<Scene> make_scene(const std::string& name) {
 
 namespace {
 
-/// Mesh files among the paths, those of folders in the order of their names.
+/// The mesh files among the paths. Those in folders are sorted by name.
 std::vector<std::string> mesh_files(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
@@ -84,8 +84,8 @@ std::vector<std::string> mesh_files(const std::vector<std::string>& paths) {
   return files;
 }
 
-/// Puts them 1.5 m above the ground in rows that make about a square, low ones in front. Returns the half width, the
-/// depth and the height of all.
+/// Places the objects 1.5 m above the ground, in rows that form about a square, with low objects in front.
+/// Returns half the width, the depth and the height of them all.
 glm::dvec3 lay_out(std::vector<SceneObject>& objects) {
   constexpr double kAbove = 1.5, kGap = 0.5;  // metres
   const auto size = [](const SceneObject& object) { return object.mesh->high - object.mesh->low; };
@@ -143,8 +143,8 @@ Expected<Scene> scene_of_files(const std::vector<std::string>& paths, const std:
                 scene.warnings.empty() ? "No mesh file was given or found." : scene.warnings.front());
   const glm::dvec3 all = lay_out(scene.objects);
   set_material(scene, "ceramic");
-  for (SceneObject& object : scene.objects) object.look = SolidLook::kNone;  // it has its own
-  // From in front and above, so far away that all of it is in the picture.
+  for (SceneObject& object : scene.objects) object.look = SolidLook::kNone;  // files have their own look
+  // From the front and above, far enough away to see everything.
   const auto half = static_cast<float>(all.x), deep = static_cast<float>(all.y),
              high = static_cast<float>(all.z);
   const float reach = std::max({2 * half, high, deep});

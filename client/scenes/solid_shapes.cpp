@@ -15,8 +15,8 @@ void append(std::string& bytes, const void* data, std::size_t size) {
 }
 void append_u32(std::string& bytes, std::uint32_t x) { append(bytes, &x, sizeof x); }
 
-/// The face of a cube that looks along +axis (side 1) or -axis (side -1): point (u, v) of it, `out` along the
-/// axis; u, v, axis are right-handed.
+/// The face of a cube towards +axis (side 1) or -axis (side -1). (u, v) is a point on it and `out` its
+/// distance along the axis; u, v, axis are right-handed.
 struct Face {
   int axis;
   float side;
@@ -55,7 +55,7 @@ void SurfaceMesh::quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& 
 SurfaceMesh box(const glm::vec3& size, float bevel) {
   SurfaceMesh mesh;
   const glm::vec3 h = 0.5f * size;
-  // The corner of a face: in by the bevel along the two other axes.
+  // The corner of a face, moved inwards by the bevel along the two other axes.
   const auto corner = [&](int axis, const glm::ivec3& s) {
     glm::vec3 p;
     for (int k = 0; k < 3; ++k) p[k] = static_cast<float>(s[k]) * (k == axis ? h[k] : h[k] - bevel);
@@ -78,7 +78,7 @@ SurfaceMesh box(const glm::vec3& size, float bevel) {
         mesh.quad(p, s, r, q);
     }
   if (!(bevel > 0)) return mesh;
-  for (int axis = 0; axis < 3; ++axis) {  // edges along `axis`, between the faces of the two others
+  for (int axis = 0; axis < 3; ++axis) {  // bevels along `axis`, between the two other axes' faces
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (const int su : {1, -1})
       for (const int sv : {1, -1}) {
@@ -118,7 +118,7 @@ SurfaceMesh crate(float side, float border, float depth, float wall) {
         mesh.quad(rim[k], rim[n], sunk[n], sunk[k]);
       }
       mesh.quad(sunk[0], sunk[1], sunk[2], sunk[3]);
-      const auto cavity = ring(inner, inner);  // seen from inside
+      const auto cavity = ring(inner, inner);  // seen from the inside
       mesh.quad(cavity[3], cavity[2], cavity[1], cavity[0]);
     }
   return mesh;

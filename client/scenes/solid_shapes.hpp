@@ -10,25 +10,25 @@
 
 namespace fracture::scenes {
 
-/// Triangles counter-clockwise seen from outside; corners of one place have bit-identical positions.
+/// Triangles are counter-clockwise seen from outside. Corners at the same place have bit-identical positions.
 struct SurfaceMesh {
   std::vector<glm::vec3> positions, normals;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 
-  /// Flat; a, b, c, d counter-clockwise.
+  /// Adds a flat quadrilateral; a, b, c, d are counter-clockwise.
   void quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
   void triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 };
 
-/// A box around the origin whose edges are cut off by `bevel` metres (0: sharp).
+/// A box around the origin. Its edges are cut off by `bevel` metres (0: sharp).
 SurfaceMesh box(const glm::vec3& size, float bevel = 0);
 
 /// A crate: a cube with a sunken panel on each side, hollow inside. `wall` < `border` < side / 2.
 SurfaceMesh crate(float side, float border, float depth, float wall);
 
-/// A profile (radius, height), from the bottom up, turned around y: closed with discs. `flutes` > 0 grooves
-/// the part between the two heights, `groove` metres deep. segments a multiple of 4, of 2·flutes where there
-/// are any.
+/// A profile of (radius, height) points, from the bottom up, turned around y and closed with discs. `flutes`
+/// > 0 cuts grooves `groove` metres deep between the two heights. `segments` must be a multiple of 4, and
+/// with flutes also of 2·flutes.
 struct Turned {
   std::vector<glm::vec2> profile;
   int segments = 32, flutes = 0;
@@ -36,7 +36,7 @@ struct Turned {
 };
 SurfaceMesh turned(const Turned& shape);
 
-/// As a binary glTF of one mesh with one material of this colour (linear).
+/// A binary glTF with this mesh and one material of this colour (linear).
 std::string to_glb(const SurfaceMesh& mesh, const std::string& name, const glm::vec4& color);
 
 }  // namespace fracture::scenes

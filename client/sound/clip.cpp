@@ -13,7 +13,8 @@ constexpr double kLongest = 1.5;       // seconds
 constexpr double kSilent = 6.9;        // nepers: 60 dB below the start
 constexpr int kFadeOut = kRate / 100;  // samples
 
-/// Of a half-sine of unit area and length t, at a frequency: |cos(π f t) / (1 − 4 f² t²)|, π/4 where both vanish.
+/// Spectrum of a half-sine with unit area and length t at a frequency: |cos(π f t) / (1 − 4 f² t²)|; π/4 if
+/// both parts vanish.
 double spectrum(double frequency, double t) {
   const double x = 2 * frequency * t;
   if (std::abs(x - 1) < 1e-6) return pi / 4;

@@ -1,4 +1,4 @@
-// A struck body as samples.
+// The sound of a struck body, as samples.
 #pragma once
 
 #include <span>
@@ -8,19 +8,20 @@
 
 namespace fracture::sound {
 
-inline constexpr int kRate = 48000;  ///< samples a second: 400 for each step of the game
+inline constexpr int kRate = 48000;  ///< samples per second: 400 for each step of the game
 
-/// One voice, and where its loudness is kept.
+/// A voice, with its loudness separate from its samples.
 struct Clip {
-  std::vector<float> samples;  ///< mono, the largest is 1 or -1; empty: nothing is heard
-  double pressure = 0;         ///< Pa at one metre that the largest stands for
+  std::vector<float> samples;  ///< mono; the largest magnitude is 1; empty: inaudible
+  double pressure = 0;         ///< Pa at one metre, for a sample of 1
 };
 
-/// An impulse (N·s) that lasts `contact` seconds, on these modes: the sum of damped sines, each as strong as the half-sine
-/// of the force has its frequency (soft and slow contacts are dull). At most 1.5 s; ends without a step.
+/// An impulse (N·s) that lasts `contact` seconds excites these modes. The result is a sum of damped sines,
+/// each as strong as its frequency is in the force's half-sine (soft and slow contacts sound dull). At most
+/// 1.5 s; fades out at the end.
 Clip strike(std::span<const Mode> modes, double impulse, double contact);
 
-/// The pressure that strike() would come to, at most, without making the samples.
+/// An upper bound on the pressure of strike(), without computing samples.
 double loudest(std::span<const Mode> modes, double impulse, double contact);
 
 }  // namespace fracture::sound

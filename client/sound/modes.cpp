@@ -15,8 +15,9 @@ struct Named {
   SoundMaterial material;
 };
 
-// Ashby, "Materials Selection in Mechanical Design", 2011, appendix A: middle of the ranges, wood across and along its
-// grain in the geometric mean. Ice: Petrovic, "Mechanical properties of ice and snow", 2003.
+// Ashby, "Materials Selection in Mechanical Design", 2011, appendix A: middle of the ranges; for wood, the
+// geometric mean of the values across and along the grain. Ice: Petrovic, "Mechanical properties of ice and
+// snow", 2003.
 constexpr std::array<Named, 12> kMaterials = {{
     {"stone", {50e9, 2700, 0.25, 6e-3}},
     {"glass", {70e9, 2500, 0.22, 1.2e-3}},
@@ -32,11 +33,11 @@ constexpr std::array<Named, 12> kMaterials = {{
     {"plaster", {5e9, 1200, 0.2, 2e-2}},
 }};
 
-constexpr double kLowest = 30, kHighest = 16000;  // Hz: what is heard
+constexpr double kLowest = 30, kHighest = 16000;  // Hz: the audible range
 constexpr std::size_t kMostModes = 24;
 constexpr int kMostWaves = 8;               // along a side
 constexpr double kAir = 413, kSpeed = 343;  // impedance of air, Pa·s/m; speed of sound, m/s
-constexpr double kLying = 12, kHeld = 40;   // 1/s: what the support of a body takes from all its modes
+constexpr double kLying = 12, kHeld = 40;   // 1/s: damping of all modes by the body's support
 
 }  // namespace
 
@@ -56,11 +57,12 @@ double random_unit(std::uint64_t seed, std::uint64_t number) {
 
 glm::dvec3 sides_of(double mass, const glm::dvec3& moments, double density) {
   if (!(mass > 0)) return glm::dvec3(0);
-  // Moments of a box: m (b² + c²) / 12 and so on.
+  // Moments of a box: m (b² + c²) / 12 etc.
   const double sum = 0.5 * (moments.x + moments.y + moments.z);
   glm::dvec3 sides;
   for (int k = 0; k < 3; ++k) sides[k] = std::sqrt(std::max(0.0, 12 / mass * (sum - moments[k])));
-  // Moments ascend, so that sides descend. What is hollow or ragged has less mass than its box: thinner walls.
+  // Moments ascend, so sides descend. A hollow or ragged body has less mass than its box, so its walls are
+  // thinner.
   const double filled = mass / density;
   sides.z = std::min(sides.z, filled / std::max(sides.x * sides.y, 1e-12));
   return glm::max(sides, glm::dvec3(1e-4));
@@ -82,14 +84,17 @@ std::vector<Mode> modes_of(const SoundMaterial& material, double mass, const glm
     for (int n = 1; n <= kMostWaves; ++n) {
       const double waves = m * m / (length * length) + n * n / (width * width);  // 1/m²
       const double bending = stiffness * waves;
-      // Short waves of a thick plate are shear waves (Mindlin, 1951); the slower of the two rules, and between them both.
+      // Short waves of a thick plate are shear waves (Mindlin, 1951). The formula approaches the slower of
+      // the two, and blends them in between.
       const double shearing = 0.5 * shear * std::sqrt(waves);
       const double frequency = 1 / (1 / bending + 1 / shearing);
       if (frequency < kLowest || frequency > kHighest) continue;
       const double shape = std::sin(m * pi * at_x) * std::sin(n * pi * at_y);
-      // A mode's mass is a quarter of the plate's; its mean square velocity over surface and time an eighth of A².
+      // A mode's mass is a quarter of the plate's. Its mean square velocity over surface and time is an
+      // eighth of A².
       const double velocity = 4 * shape / mass;
-      // A surface that is small for its wavelength moves the air around itself and sends little of it away.
+      // A surface that is small relative to the wavelength moves the air around itself and radiates little
+      // sound.
       const double ka = 2 * pi * frequency / kSpeed * radius, efficiency = ka * ka / (1 + ka * ka);
       const double pressure =
           kAir * velocity * std::sqrt(0.125 * surface * efficiency / (2 * pi)) * std::sqrt(2);

@@ -49,7 +49,7 @@ void Player::run() {
   Expected<Speakers> speakers = Speakers::device();
   std::unique_lock lock(mutex_);
   state_ = speakers ? State::kPlaying : State::kNoDevice;
-  waiting_.clear();  // of the time in which the device was looked for
+  waiting_.clear();  // voices from the time before the device was found
   if (!speakers) return;
   for (;;) {
     wake_.wait(lock, [this] { return end_ || moved_ || !waiting_.empty(); });

@@ -1,5 +1,5 @@
-// Sound beside a game that must not wait: a thread of its own makes clips and talks to OpenAL. Where there is no device
-// it is silent, and says so.
+// Plays sound for a game that must not wait: a separate thread makes clips and calls OpenAL. If there is no
+// device, the state says so.
 #pragma once
 
 #include <condition_variable>
@@ -19,8 +19,8 @@ class Player {
   Player();
   ~Player();  ///< waits for the clip that is being made
 
-  /// What a frame brings, and from where it is heard. Takes as long as a lock; the oldest voices are dropped where the
-  /// thread falls behind by more than kMostWaiting.
+  /// Passes a frame's voices and the listener's position. Takes no longer than a lock. If more than
+  /// kMostWaiting voices are waiting for the thread, the oldest are dropped.
   void hear(std::vector<Voice> voices, const glm::dvec3& eye, const glm::dvec3& forward);
   void set_volume(double volume);  ///< 0 … 1
   State state() const;
@@ -37,7 +37,7 @@ class Player {
   double volume_ = 1;
   bool moved_ = false, end_ = false;
   State state_ = State::kStarting;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, because it uses the others
 };
 
 }  // namespace fracture::sound

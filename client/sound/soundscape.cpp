@@ -6,21 +6,21 @@
 namespace fracture::sound {
 namespace {
 
-constexpr double kFaintest = 0.02;  // Pa at one metre: 60 dB, a word in the same room
+constexpr double kFaintest = 0.02;  // Pa at one metre: 60 dB, like speech in the same room
 constexpr std::uint64_t kMasking =
     8;  // steps: 67 ms, in which a louder sound of the same body covers another
 constexpr double kRinging =
     0.01;  // share of a bond's energy that becomes vibration; the crack takes the rest
-constexpr double kCrackSpeed = 1000;  // m/s: cracks in brittle things run at a third of the speed of sound
-constexpr double kFullPressure = 60;  // Pa at one metre that has the amplitude kFullAmplitude
+constexpr double kCrackSpeed = 1000;  // m/s: cracks in brittle materials run at a third of the speed of sound
+constexpr double kFullPressure = 60;  // Pa at one metre, played with the amplitude kFullAmplitude
 constexpr double kFullAmplitude = 0.45;
 constexpr int kCrackKind = 3;
 
 constexpr std::size_t kLookedAt =
-    32;  // knocks, and cracks, of a call: modes of all of them would cost a frame
+    32;  // knocks, and cracks, per call: modes of all of them would take a whole frame
 constexpr std::size_t kRemembered = 4096;
 
-/// Those with the largest `key`, in their order.
+/// The items with the largest `key`, in their original order.
 template <class Item, class Key>
 std::vector<Item> hardest(std::vector<Item> items, Key key) {
   if (items.size() <= kLookedAt) return items;
@@ -55,7 +55,7 @@ bool Soundscape::masked(const Candidate& candidate) {
 std::vector<Voice> Soundscape::voices(const world::Witnessed& witnessed, const MaterialOf& material_of) {
   using Kind = world::Knock::Side::Kind;
   std::vector<Candidate> all;
-  // The ground and what stands on it are taken for concrete, balls for iron.
+  // The ground and everything fixed to it sounds like concrete, and balls like iron.
   const auto material = [&](const world::Knock::Side& side) -> const SoundMaterial& {
     return sound_material(side.kind == Kind::kObject ? material_of(side.object)
                           : side.kind == Kind::kBall ? "cast_iron"
@@ -66,7 +66,7 @@ std::vector<Voice> Soundscape::voices(const world::Witnessed& witnessed, const M
     const SoundMaterial &a = material(knock.a), &b = material(knock.b);
     const glm::dvec3 sides_a = sides_of(knock.a.mass, knock.a.moments, a.density),
                      sides_b = sides_of(knock.b.mass, knock.b.moments, b.density);
-    // What meets with a corner or an edge: a tenth of the smaller body's middle side.
+    // A corner or an edge makes the contact; its radius is a tenth of the smaller body's middle side.
     const double size_a = knock.a.mass > 0 ? sides_a.y : 1, size_b = knock.b.mass > 0 ? sides_b.y : 1;
     const double contact =
         contact_time(knock.a.mass, a, knock.b.mass, b, 0.1 * std::min(size_a, size_b), knock.approach);
@@ -90,7 +90,7 @@ std::vector<Voice> Soundscape::voices(const world::Witnessed& witnessed, const M
     const SoundMaterial& of = sound_material(material_of(crack.object));
     if (!(crack.area > 0)) continue;
     const double size = std::sqrt(crack.area);
-    // Stored in a bond of this area, as deep as it is wide, at its strength.
+    // Energy stored in a bond of this area at its strength, if the bond is as deep as it is wide.
     const double energy = crack.strength * crack.strength * size / (2 * of.young * crack.area);
     Candidate candidate{{kCrackKind, crack.object, crack.bond}, crack.step, {}};
     Voice& voice = candidate.voice;

@@ -1,8 +1,8 @@
-// What of a game's knocks and cracks is heard, and how loud.
+// Decides which of a game's knocks and cracks are heard, and how loud.
 //
-// Every body that is met rings with the impulse it got; every bond that breaks sets its lighter fragment ringing with a
-// share of the energy that the bond had stored. A step of a collapse has hundreds of both: the loudest are kept, and no
-// body begins again before it has been heard.
+// Every body that is hit rings with its impulse. Every bond that breaks makes its lighter fragment ring with
+// a share of the bond's stored energy. A step of a collapse has hundreds of both, so only the loudest are
+// kept, and a body does not start again before it has been heard.
 #pragma once
 
 #include <functional>
@@ -13,24 +13,25 @@
 
 namespace fracture::sound {
 
-/// Something to play.
+/// A sound to play.
 struct Voice {
   std::vector<Mode> modes;
   double impulse = 0;  ///< N·s
   double contact = 0;  ///< seconds
   glm::dvec3 where{0};
-  double loudest = 0;  ///< Pa at one metre, at most
+  double loudest = 0;  ///< Pa at one metre; upper bound
 };
 
-/// An amplitude of 0 … 1 for a pressure (Pa at one metre). From a shard that settles to a wall that falls are 100 dB,
-/// which no loudspeaker in a room has: as many decibels become half of them.
+/// An amplitude of 0 … 1 for a pressure (Pa at one metre). Between a settling shard and a falling wall there
+/// are 100 dB, more than loudspeakers in a room can reproduce. So differences in decibels are halved.
 double amplitude_of(double pressure);
 
 class Soundscape {
  public:
   using MaterialOf = std::function<std::string(world::ObjectId)>;
 
-  /// The loudest first, at most kVoicesPerStep for each step that is in it. Equal for equal arguments and histories.
+  /// The loudest voices first, at most kVoicesPerStep per step. Equal arguments and histories give equal
+  /// results.
   std::vector<Voice> voices(const world::Witnessed& witnessed, const MaterialOf& material_of);
 
   static constexpr std::size_t kVoicesPerStep = 6;
@@ -40,7 +41,7 @@ class Soundscape {
     std::uint64_t step = 0;
     double loudest = 0;
   };
-  struct Source {  ///< what rings
+  struct Source {  ///< the part that rings
     int kind = 0;
     world::ObjectId object = 0;
     std::uint32_t part = 0;

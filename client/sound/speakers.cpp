@@ -13,7 +13,7 @@
 namespace fracture::sound {
 namespace {
 
-constexpr float kNear = 3;  // metres: as far from a scene as a player stands
+constexpr float kNear = 3;  // metres: a player's usual distance from a scene
 
 template <class Call>
 Call loopback_call(const char* name) {
@@ -77,7 +77,7 @@ Expected<Speakers> Speakers::loopback() {
   auto state = std::make_unique<State>();
   state->device = loopback_call<LPALCLOOPBACKOPENDEVICESOFT>("alcLoopbackOpenDeviceSOFT")(nullptr);
   state->render = loopback_call<LPALCRENDERSAMPLESSOFT>("alcRenderSamplesSOFT");
-  // Said in full: the user's configuration of OpenAL must not change what is rendered.
+  // All attributes are set, because the user's OpenAL configuration must not change the result.
   constexpr int kAttributes[] = {ALC_FORMAT_CHANNELS_SOFT,
                                  ALC_STEREO_SOFT,
                                  ALC_FORMAT_TYPE_SOFT,

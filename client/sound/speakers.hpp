@@ -1,7 +1,8 @@
-// OpenAL Soft: clips at places, heard from another place. It plays on the machine's device, or renders what would be
-// played into memory (ALC_SOFT_loopback), which needs no device and takes as long as it takes.
+// Plays clips at positions through OpenAL Soft, for a listener at another position. It uses the machine's
+// device, or renders into memory (ALC_SOFT_loopback), which needs no device and is independent of real time.
 //
-// OpenAL has one current context in a process: only one of these at a time, and all calls from one thread.
+// OpenAL has one current context per process, so create only one Speakers at a time and call it from one
+// thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,21 +16,22 @@ namespace fracture::sound {
 
 class Speakers {
  public:
-  /// Voices at the same time; beyond it the faintest goes.
+  /// Maximum number of simultaneous voices; beyond it, the faintest is stopped.
   static constexpr std::size_t kVoices = 32;
 
-  /// May take seconds where a sound server has to be found. kNoSound.
+  /// May take seconds if a sound server must be found. kNoSound.
   static Expected<Speakers> device();
-  /// Stereo in 32-bit floats at kRate. kNoSound.
+  /// Renders stereo in 32-bit floats at kRate. kNoSound.
   static Expected<Speakers> loopback();
   Speakers(Speakers&&) noexcept;
   ~Speakers();
 
-  /// `gain`: 0 … 1, the amplitude within three metres; beyond it falls with the distance (6 dB for twice of it).
+  /// `gain`: 0 … 1, the amplitude within three metres. Beyond that, it falls with the distance (6 dB per
+  /// doubling).
   void play(const Clip& clip, const glm::dvec3& where, double gain);
   void listen(const glm::dvec3& eye, const glm::dvec3& forward);
   void set_volume(double volume);  ///< 0 … 1
-  /// Loopback: the next samples.size() / 2 frames, left and right in turn.
+  /// Loopback only: renders the next samples.size() / 2 frames, left and right interleaved.
   void render(std::span<float> samples);
 
  private:

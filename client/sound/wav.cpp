@@ -9,7 +9,7 @@
 namespace fracture::sound {
 namespace {
 
-constexpr std::uint32_t kHeader = 44, kFrame = 4;  // bytes: of the header, of a sample of both channels
+constexpr std::uint32_t kHeader = 44, kFrame = 4;  // bytes: header; one frame of both channels
 
 void put(std::string& text, std::uint32_t value, int bytes) {
   for (int k = 0; k < bytes; ++k) text += static_cast<char>((value >> (8 * k)) & 0xff);
@@ -34,7 +34,7 @@ std::string header(std::uint32_t bytes) {
 }  // namespace
 
 Expected<WavFile> WavFile::create(const std::string& path) {
-  // A pipe would also hold open() until somebody reads.
+  // Opening a pipe would also block until somebody reads from it.
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::is_fifo(status) || std::filesystem::is_socket(status))
@@ -53,7 +53,7 @@ void WavFile::add(std::span<const float> samples) {
     const double bent = x / std::sqrt(std::sqrt(1 + std::pow(static_cast<double>(x), 4)));
     put(bytes, static_cast<std::uint16_t>(std::lround(32767 * bent)), 2);
   }
-  // The format counts in 32 bits: what does not fit (six hours) is left out.
+  // The format has 32-bit lengths, so samples beyond them (six hours) are left out.
   if (bytes.size() > std::numeric_limits<std::uint32_t>::max() - kHeader - bytes_) return;
   out_ << bytes;
   bytes_ += static_cast<std::uint32_t>(bytes.size());

@@ -1,4 +1,4 @@
-// A sound as a file, while it is made.
+// Writes a sound file incrementally.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace fracture::sound {
 
-/// RIFF WAVE, 16-bit PCM, stereo at kRate. The header's lengths stand in it after finish().
+/// RIFF WAVE, 16-bit PCM, stereo at kRate. The lengths in the header are valid after finish().
 class WavFile {
  public:
   /// kFileAccess.
   static Expected<WavFile> create(const std::string& path);
-  /// Left and right in turn, 1 is full scale. Nothing is clipped: what is loud is bent, x / (1 + x⁴)^(1/4), which leaves a
-  /// quarter of full scale as it is to a thousandth and never reaches 1.
+  /// Left and right interleaved; 1 is full scale. Loud samples are not clipped but compressed by x / (1 +
+  /// x⁴)^(1/4), which changes values up to a quarter of full scale by at most a thousandth and never reaches
+  /// 1.
   void add(std::span<const float> samples);
-  /// Whether all of it is in the file; false on a full disk, say.
+  /// Whether the file is complete; false on a full disk, for example.
   bool finish();
 
  private:

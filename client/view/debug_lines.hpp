@@ -15,7 +15,7 @@ class DebugLines {
     vertices_.push_back({a, color});
     vertices_.push_back({b, color});
   }
-  /// Draws and forgets what was added, into the bound framebuffer.
+  /// Draws the added lines into the bound framebuffer, and forgets them.
   void draw(const render::Camera& camera, bool through);
 
  private:

@@ -19,7 +19,7 @@ std::vector<bool> in_whole_groups(const world::FragmentSet& set,
       if (!holds) loose[f] = true;
     }
   }
-  // Cracks run through all that hangs together with one that has come off.
+  // If one fragment has come off, the whole connected group counts as cracked.
   std::set<std::uint32_t> cracked;
   for (std::size_t f = 0; f < loose.size(); ++f)
     if (loose[f]) cracked.insert(fragments[f].group);

@@ -1,4 +1,4 @@
-// Whole glass shows no faces inside: which cuts of clear fragments are not to be seen.
+// Finds the cut faces of clear fragments that must be hidden, because intact glass shows no faces inside.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,14 @@
 
 namespace fracture::view {
 
-/// For each fragment: has it bonds, and do all bonds of its group hold? `loads` as World::bond_states says; a bond between
-/// fragments of different groups, or of one that is gone, does not hold.
+/// For each fragment: whether it has bonds and all bonds of its group hold. `loads`: from World::bond_states.
+/// A bond does not hold if its fragments are in different groups or one is gone.
 std::vector<bool> in_whole_groups(const world::FragmentSet& set,
                                   const std::vector<world::FragmentState>& fragments,
                                   const std::vector<float>& loads);
 
-/// Hides the cuts of a broken part's groups that have lost nothing, where it is of glass or ice and its loads are known. `uncut`: of the layer's objects, 1 where they are hidden.
+/// Hides the cut faces of intact groups in a broken part of glass or ice, if its loads are known. `uncut`:
+/// one entry per object of the layer, 1 if its cut faces are hidden.
 void hide_held_cuts(const scenes::SceneObject& object, const game::Moment::Part& part,
                     const game::Decoded::Layer& layer, std::span<std::uint8_t> uncut);
 

@@ -15,7 +15,7 @@ using render::ObjectState;
 
 constexpr std::size_t kBallObjects = 64;
 
-/// Several boxes, or a ball several times, as one model with an object for each.
+/// Combines several boxes, or copies of a ball, into one model with an object for each.
 std::shared_ptr<const render::Model> scene_of(const std::vector<scenes::SurfaceMesh>& meshes,
                                               render::Material material) {
   auto model = std::make_shared<render::Model>();
@@ -101,7 +101,7 @@ Expected<std::uint32_t> SceneView::add(render::SolidLook look, const render::Mod
 
 Expected<SceneView::Place> SceneView::upload(const scenes::SceneObject& object, const LayerModel& layer) {
   const render::Model& model = layer ? *layer : *object.mesh->model;
-  // The solid texture is that of the whole object, so that it stays when it breaks.
+  // The solid texture belongs to the whole object, so it does not change when the object breaks.
   render::SolidPlacement solid;
   solid.frame = bounding_sphere(*object.mesh->model, {});
   solid.frame.radius *= object.look_scale;
@@ -121,7 +121,7 @@ void SceneView::hide(const Place& place) {
 
 Expected<void> SceneView::upload_coming(const scenes::Scene& scene,
                                         const std::vector<game::Game::Coming>& coming) {
-  // Of a hit the last layer is new: the others are there already.
+  // A hit adds only the last layer. The others are already uploaded.
   const auto model_of = [](const game::Game::Coming& next) { return next.fragments->layers.back().model; };
   std::erase_if(waiting_, [&](const auto& entry) {
     return std::none_of(coming.begin(), coming.end(),
@@ -191,7 +191,7 @@ void SceneView::set_fragments(const Place& place, const game::Decoded::Layer& la
     }
     const world::FragmentState& f = fragments[fragment];
     state.visible = true;
-    // The node's own transform is a translation to the fragment's origin: it shrinks about that.
+    // The node's own transform moves to the fragment's origin, so the fragment shrinks about that point.
     state.transform = glm::mat4(f.asset_to_world.matrix()) * objects[k].transform;
     if (f.size < 1) state.transform = glm::scale(state.transform, glm::vec3(f.size));
     state.tint =
@@ -209,7 +209,7 @@ void SceneView::add_lines(const game::Moment& moment, DebugView debug) {
         if (!states[k].present) continue;
         const glm::vec3 color = render::distinct_color(static_cast<std::uint32_t>(k));
         const world::Pose& pose = states[k].asset_to_world;
-        // From each corner to its three nearest: enough to see the hull.
+        // Connects each corner with its three nearest, which is enough to show the hull.
         for (const world::Hull& hull : set.fragments[k].hulls)
           for (std::size_t a = 0; a < hull.size(); ++a) {
             std::vector<std::pair<double, std::size_t>> near;
@@ -245,7 +245,7 @@ Expected<void> SceneView::upload_furniture(const scenes::Scene& scene) {
     const auto model =
         scene_of({scenes::box(size, std::min(0.01f, 0.1f * std::min({size.x, size.y, size.z})))}, paint);
     render::SolidPlacement solid;
-    solid.frame.radius = 1;  // metres: the texture of all boxes has one scale
+    solid.frame.radius = 1;  // metres: textures of all boxes have the same scale
     solid.grain = size.x > size.y ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
     const Expected<std::uint32_t> first = add(box.look, *model, solid);
     if (!first) return tl::unexpected(first.error());
@@ -278,7 +278,7 @@ void SceneView::place_marks(const game::Moment& moment, const effects::Debris& d
       if (found == moment.parts.end()) continue;
       part = &*found;
     }
-    // Gone, or broken into pieces that are an object of their own.
+    // Skips a fragment that is gone, or that broke into pieces, which are a separate object.
     if (mark.fragment >= part->fragments.size() || !part->fragments[mark.fragment].present) continue;
     const world::FragmentState& state = part->fragments[mark.fragment];
     if (state.size < 1) continue;

@@ -19,8 +19,8 @@ render::RenderSettings render_settings(const scenes::Scene& scene, const ViewSet
       settings.debug == DebugView::kInterior ? render::Highlight::kInterior : render::Highlight::kNone;
   how.tier = settings.tier;
   if (settings.tier == render::Tier::kLow) return how;
-  // A sunny day: warm light, blue shadows, ground of light stone.
-  constexpr int kLeastDirections = 24;  // without noise fewer would be counted
+  // A sunny day: warm light, blue shadows, and a ground of light stone.
+  constexpr int kLeastDirections = 24;  // without noise, fewer would be visible one by one
   if (settings.sky_shadows > 0) how.lighting.sky_shadows = std::max(kLeastDirections, settings.sky_shadows);
   how.lighting.sun = {3.5f, 3.15f, 2.6f};
   how.lighting.sky = {0.40f, 0.50f, 0.68f};

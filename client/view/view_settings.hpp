@@ -1,4 +1,4 @@
-// How a game is shown, and the light that it stands in.
+// How a game is shown, and its lighting.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct ViewSettings {
   bool sun_shadow = true;
   render::Tier tier = render::Tier::kLow;   ///< debug views are always low
   const effects::Debris* debris = nullptr;  ///< dust, crumbs and marks; null: none
-  /// What will be broken soon, to upload it ahead; null: what was uploaded so waits on.
+  /// Things that will break soon, to upload them ahead. Null: earlier uploads are kept.
   const std::vector<game::Game::Coming>* coming = nullptr;
 };
 

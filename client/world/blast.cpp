@@ -1,8 +1,9 @@
-// An explosion: an impulse away from a point, on everything around it.
+// An explosion: an impulse on everything around a point, away from it.
 //
-// Without a shield in between, each body takes the share of the impulse that it fills of all directions around the point: a
-// ball of radius r at distance d fills the solid angle 2π (1 − cos θ) of 4π, sin θ = r / d, half of all when it is at the
-// point. So what is large is pushed harder, and what is far less; towards the blast's radius that falls to nothing.
+// Nothing shields a body from the blast. Each body takes a share of the impulse equal to its share of all
+// directions around the point. A ball of radius r at distance d fills the solid angle 2π (1 − cos θ) of 4π,
+// with sin θ = r / d. At the point itself, it fills half of all directions. So large bodies are pushed harder
+// and distant ones less. The share falls to zero at the blast's radius.
 #include <algorithm>
 #include <cmath>
 
@@ -11,16 +12,17 @@
 namespace fracture::world {
 namespace {
 
-/// m/s: no faster than the gas that pushes, however many blasts do. What is small and near would fly off like a bullet.
+/// m/s: a body gets no faster than the gas that pushes it, however many blasts there are. Otherwise a small
+/// body nearby would fly off like a bullet.
 constexpr double kGasSpeed = 20;
 
-/// Of the solid ball with the same mass and the same sum of moments, 3 · 2/5 m r².
+/// Radius of the solid ball with the same mass and the same sum of moments, 3 · 2/5 m r².
 double radius_of(const MassProperties& mass) {
   const double sum = mass.inertia[0][0] + mass.inertia[1][1] + mass.inertia[2][2];
   return std::sqrt(std::max(sum, 0.0) / (1.2 * std::max(mass.mass, 1e-12)));
 }
 
-/// N·s, in the frame of the blast, in which the body is.
+/// N·s. Blast and body are given in the same frame.
 glm::dvec3 impulse_on(const Blast& blast, const MassProperties& body) {
   const glm::dvec3 away = body.center - blast.point;
   const double distance = glm::length(away), radius = radius_of(body);
@@ -64,7 +66,8 @@ std::vector<PointForce> World::State::forces_of(const Blast& blast, const Fragme
   return forces;
 }
 
-/// A whole that the blast would break takes it when it is in pieces; until then it stands as it stood.
+/// A whole object that the blast would break gets the impulse once it is in pieces. Until then, its motion
+/// does not change.
 void World::State::blast_whole(Body& body, const Blast& blast) {
   Object& object = *objects[body.object];
   const Pose pose = body.asset_to_world();
@@ -79,7 +82,7 @@ void World::State::blast_whole(Body& body, const Blast& blast) {
   object.blasts.push_back(there);
   if (object.asked) return;
   object.asked = true;
-  // It is hit where it is nearest, as far as its box knows.
+  // The hit is at the nearest point of its bounding box.
   glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
   for (const Hull& hull : object.spec.hulls)
     for (const glm::dvec3& p : hull) {
@@ -118,7 +121,7 @@ void World::State::blast_group(Body& body, const Blast& blast) {
 void World::explode(const Blast& blast) {
   State& s = *state_;
   if (!(blast.impulse > 0) || !(blast.radius > 0)) return;
-  const std::size_t count = s.bodies.size();  // what they come apart into stands behind them
+  const std::size_t count = s.bodies.size();  // new pieces are appended after these
   for (std::size_t k = 0; k < count; ++k) {
     Body& body = *s.bodies[k];
     if (body.gone) continue;

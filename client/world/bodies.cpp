@@ -1,4 +1,4 @@
-// Making, removing and fading of bodies.
+// Creates, removes and fades bodies.
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -28,7 +28,8 @@ Body& World::State::add(std::unique_ptr<Body> body, btCollisionShape* shape, con
   info.m_startWorldTransform = to_bullet(pose);
   info.m_friction = friction;
   info.m_restitution = restitution;
-  // calm() says what rests. By thresholds of its own Bullet would wake a heap for one small shard that turns slowly.
+  // calm() decides which bodies rest. Bullet's own thresholds would wake a whole heap for one small shard
+  // that turns slowly.
   info.m_linearSleepingThreshold = info.m_angularSleepingThreshold = 1e6;
   info.m_angularDamping = moves ? 0.04 : 0;
   body->rigid = std::make_unique<btRigidBody>(info);
@@ -104,7 +105,7 @@ void World::State::sweep_out() {
   std::erase_if(bodies, [](const std::unique_ptr<Body>& body) { return body->gone; });
 }
 
-/// Ascending, by number: what something else lies on.
+/// Numbers of the bodies that support another one, ascending.
 std::vector<std::uint64_t> World::State::bearers() {
   std::vector<std::uint64_t> found;
   for (const auto& body : bodies)
@@ -120,9 +121,9 @@ std::vector<std::uint64_t> World::State::bearers() {
 
 void World::State::fade() {
   std::size_t moving = 0;
-  std::optional<std::vector<std::uint64_t>> bearing;  // looked for where it is asked
+  std::optional<std::vector<std::uint64_t>> bearing;  // computed when first needed
   for (const auto& body : bodies) moving += body->is_loose() && body->fading < 0;
-  std::vector<std::pair<double, Body*>> loose;  // volume, for the budget
+  std::vector<std::pair<double, Body*>> loose;  // volume and body, to choose those beyond the limit
   for (const auto& body : bodies) {
     if (body->kind != Body::Kind::kGroup || body->held || body->members.size() != 1 || body->gone) continue;
     Object& owner = *objects[body->object];
@@ -141,7 +142,7 @@ void World::State::fade() {
     body->asleep = body->rigid->isActive() ? 0 : body->asleep + settings.step;
     bool fades =
         body->asleep > settings.fade_after && volume < settings.debris_share * owner.fragments->volume;
-    if (fades) {  // not from under something, which would fall
+    if (fades) {  // unless it supports something, which would fall
       if (!bearing) bearing = bearers();
       fades = !std::binary_search(bearing->begin(), bearing->end(), body->number);
     }

@@ -10,15 +10,16 @@ namespace fracture::world {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kTolerance = 1e-3;  ///< of the residual: strengths are known to a digit at best
+constexpr double kTolerance = 1e-3;  ///< relative residual: strengths are known to one digit at best
 constexpr int kMaxIterations = 60;   ///< keeps the worst case of 500 fragments near a millisecond
 
 struct Spring {
-  std::uint32_t a, b;  ///< of the case's members
+  std::uint32_t a, b;  ///< positions among the case's members
   double stiffness;
 };
 
-/// Conjugate gradients with Jacobi's preconditioner, three right sides at once that share the matrix.
+/// Conjugate gradients with Jacobi's preconditioner, for three right-hand sides at once that share the
+/// matrix.
 class SpringNetwork {
  public:
   SpringNetwork(std::span<const Spring> springs, const std::vector<bool>& held, std::vector<double> inertia)
@@ -29,7 +30,7 @@ class SpringNetwork {
     }
   }
 
-  /// u of (L + inertia) u = force, L = Σ k (u_a − u_b) …, held members at 0.
+  /// Solves (L + inertia) u = force for u, with L = Σ k (u_a − u_b) … and held members at 0.
   std::vector<glm::dvec3> solve(std::vector<glm::dvec3> residual) const {
     const std::size_t n = held_.size();
     std::vector<glm::dvec3> u(n, glm::dvec3(0)), z(n), p(n), lp(n);
@@ -86,13 +87,13 @@ class SpringNetwork {
   std::vector<double> inertia_, diagonal_;
 };
 
-/// Position among the members; they are sorted.
+/// Position among the sorted members.
 std::uint32_t place(std::span<const std::uint32_t> members, std::uint32_t fragment) {
   const auto it = std::lower_bound(members.begin(), members.end(), fragment);
   return it != members.end() && *it == fragment ? static_cast<std::uint32_t>(it - members.begin()) : kNone;
 }
 
-/// What the bonds of a group are loaded with, for several loads on the same network.
+/// A group of bonded fragments, for several load cases on the same network.
 class Group {
  public:
   Group(const FragmentSet& set, const LoadCase& load) : held_(load.members.size()) {
@@ -114,11 +115,11 @@ class Group {
     }
   }
 
-  /// Adds to the force of each bond, on its first fragment. reach 0: unlimited.
+  /// Adds to the force of each bond, as it acts on its first fragment. reach 0: unlimited.
   void add(const Forces& forces, const glm::dvec3& gravity, double reach,
            std::vector<glm::dvec3>& on_bond) const {
     const std::size_t n = held_.size();
-    // What is left for the bonds to hold.
+    // The forces that the bonds must carry.
     std::vector<glm::dvec3> pull = forces.on_member;
     pull.resize(n, glm::dvec3(0));
     for (std::size_t k = 0; k < n; ++k) pull[k] += masses_[k].mass * gravity;
@@ -159,7 +160,7 @@ std::vector<double> bond_loads(const FragmentSet& set, const LoadCase& load) {
   for (std::size_t k = 0; k < on_bond.size(); ++k) {
     const Bond& bond = set.bonds[load.bonds[k]];
     const glm::dvec3& f = on_bond[k];
-    const double along = glm::dot(f, bond.normal);  // > 0: pulled
+    const double along = glm::dot(f, bond.normal);  // > 0: tension
     const double pulled = along > 0 ? along : -kCompressionShare * along;
     const double shear = glm::length(f - along * bond.normal);
     const double all = kStressConcentration * std::sqrt(pulled * pulled + shear * shear);

@@ -1,4 +1,4 @@
-// Bullet's world with boxes that reach no farther than contacts do. Private to this folder.
+// Bullet's world with bounding boxes that reach no farther than contacts do. Private to this folder.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,9 @@
 
 namespace fracture::world {
 
-/// Bullet's own boxes reach two centimetres beyond each body, and five more in its tree, whatever the body's size: around a
-/// shard of a few centimetres that is dozens of others to look at in every step. In a heap of 800 pieces a third of the
-/// pairs go, of crates three fifths, and no contact.
+/// Bullet's own boxes reach 2 cm beyond each body, and another 5 cm in its tree, whatever the body's size. A
+/// shard of a few centimetres then has dozens of neighbours to check in every step. The smaller boxes remove
+/// a third of the pairs in a heap of 800 pieces, and three fifths among crates, but no contact.
 class BoxedWorld final : public btDiscreteDynamicsWorld {
  public:
   BoxedWorld(btDispatcher* dispatcher, btBroadphaseInterface* boxes, btConstraintSolver* solver,
@@ -18,7 +18,7 @@ class BoxedWorld final : public btDiscreteDynamicsWorld {
   void updateAabbs() override;
   void calculateSimulationIslands() override;
 
-  std::function<void()> when_contacts_are_found;  ///< before they are solved
+  std::function<void()> when_contacts_are_found;  ///< called before they are solved
 };
 
 }  // namespace fracture::world

@@ -1,4 +1,4 @@
-// Bullet's headers and the way to glm and back. Private to this folder.
+// Bullet's headers, and conversions to glm and back. Private to this folder.
 #pragma once
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
@@ -8,7 +8,7 @@
 #include "client/world/hull_shape.hpp"
 #include "client/world/world.hpp"
 
-// In single precision, touching pieces would jitter and creep ten metres from the origin.
+// In single precision, touching pieces would jitter and creep at ten metres from the origin.
 #ifndef BT_USE_DOUBLE_PRECISION
 #error "Bullet has to be the one in double precision (pkg-config bullet-float64)"
 #endif
@@ -26,14 +26,15 @@ inline Pose from_bullet(const btTransform& t) {
   return {from_bullet(t.getOrigin()), glm::normalize(glm::dquat(q.w(), q.x(), q.y(), q.z()))};
 }
 
-/// A hull shape whose surface with Bullet's margin is that of the hull: points are moved inwards by it.
+/// A hull shape that has the hull's surface once Bullet adds its margin: the points are moved inwards by the
+/// margin.
 std::unique_ptr<HullShape> make_hull(std::span<const glm::dvec3> points);
 
 struct PreparedFragments : ChangedFragments {
-  /// What they are a change of, if they are; the fragments that stay have the same shapes there.
+  /// The fragments that this changes, if it is a change. Unchanged fragments share their shapes.
   std::weak_ptr<const PreparedFragments> before;
   struct Part {
-    Pose frame;  ///< centre of mass and principal axes, in the asset's frame
+    Pose frame;  ///< origin at the centre of mass, principal axes; in the asset's frame
     glm::dvec3 moments;
     std::vector<std::shared_ptr<HullShape>> hulls;  ///< in `frame`
   };

@@ -21,7 +21,7 @@ std::string no_such(std::uint64_t id) {
 Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChange change) {
   ChangedFragments out{.set = before, .replaced = {}, .made = {}, .first_bond = before.bonds.size()};
   FragmentSet& set = out.set;
-  std::unordered_map<std::uint64_t, std::uint32_t> number;  // only looked up
+  std::unordered_map<std::uint64_t, std::uint32_t> number;  // used only for lookups
   int systems = 0;
   for (std::uint32_t k = 0; k < set.fragments.size(); ++k) {
     systems = std::max(systems, set.fragments[k].system + 1);
@@ -35,12 +35,12 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     }
   for (const std::uint64_t id : change.gone) {
     const auto at = number.find(id);
-    if (at == number.end()) return fail(ErrorCode::kMalformedMesh, no_such(id));  // named twice
+    if (at == number.end()) return fail(ErrorCode::kMalformedMesh, no_such(id));  // the file lists it twice
     set.fragments[at->second].gone = true;
     number.erase(at);
   }
   for (Fragment& fragment : change.fragments) {
-    if (fragment.system >= 0) fragment.system += systems;  // each file counts its own from 0
+    if (fragment.system >= 0) fragment.system += systems;  // each file counts its systems from 0
     const auto at = number.find(fragment.id);
     const bool changed =
         std::find(change.changed.begin(), change.changed.end(), fragment.id) != change.changed.end();

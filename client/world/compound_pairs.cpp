@@ -11,16 +11,17 @@
 namespace fracture::world {
 namespace {
 
-/// From so many hulls on the body's tree is asked which are near.
+/// Minimum number of hulls for which a body's tree is used to find near hulls.
 constexpr int kMany = 8;
-/// Metres beyond a hull's box within which the tree is asked: what it does not name is as far away.
+/// Metres around a hull's box in which the tree is searched. Hulls that it does not find are at least this
+/// far away.
 constexpr btScalar kAround = 0.02;
 
 struct Box {
   btVector3 low, high;
 };
 
-/// Metres between the two along the axis that parts them most; negative: they overlap.
+/// Distance in metres along the axis that separates the two most. Negative: they overlap.
 btScalar between(const Box& a, const Box& b) {
   btScalar most = -SIMD_INFINITY;
   for (int axis = 0; axis < 3; ++axis)
@@ -34,7 +35,7 @@ Box seen_from(const btTransform& frame, const Box& box) {
   return seen;
 }
 
-/// The hulls of a body, one or several.
+/// The hulls of a body: one or more.
 class Hulls {
  public:
   explicit Hulls(const btCollisionObjectWrapper& body) : body_(body) {
@@ -47,7 +48,7 @@ class Hulls {
   const btDbvt* tree() const { return compound_ != nullptr ? compound_->getDynamicAabbTree() : nullptr; }
   Box box(int k) const {
     if (compound_ == nullptr) return only_;
-    // Bullet gives the list to those alone who may change it.
+    // Bullet gives the list only to callers that may change it.
     const btDbvtNode* node = const_cast<btCompoundShape*>(compound_)->getChildList()[k].m_node;
     if (node != nullptr) return {node->volume.Mins(), node->volume.Maxs()};
     Box box;
@@ -70,7 +71,7 @@ class Hulls {
   Box only_{};
 };
 
-/// Calls `found` for each leaf of a tree that is asked for.
+/// Calls `found` for each leaf that a query of the tree returns.
 template <class Found>
 struct Leaves : btDbvt::ICollide {
   explicit Leaves(Found f) : found(std::move(f)) {}
@@ -80,7 +81,7 @@ struct Leaves : btDbvt::ICollide {
 
 }  // namespace
 
-/// What one look at the two bodies needs.
+/// Arguments of a check of two bodies.
 struct CompoundPair::Look {
   const Hulls &first, &second;
   btManifoldResult& result;
@@ -100,7 +101,7 @@ void CompoundPair::getAllContactManifolds(btManifoldArray& manifolds) {
 }
 
 void CompoundPair::meet(const Look& look, int first, int second, btScalar& gap) {
-  // Bullet's wrappers refer to places, and do not hold them.
+  // Bullet's wrappers only refer to the transforms, so these must stay alive.
   const btTransform place_of_first = look.first.place(first), place_of_second = look.second.place(second);
   const btCollisionObjectWrapper a(&look.first.body(), look.first.shape(first),
                                    look.first.body().getCollisionObject(), place_of_first, -1,
@@ -140,7 +141,7 @@ void CompoundPair::processCollision(const btCollisionObjectWrapper* first,
   const Hulls a(*first), b(*second);
   const Look look{a, b, *result};
   for (Meeting& meeting : meetings_) meeting.seen = false;
-  // The one with fewer hulls is compared, hull by hull, with those of the other.
+  // Compares each hull of the body that has fewer hulls with all hulls of the other body.
   const bool first_has_more = a.count() >= b.count();
   const Hulls &many = first_has_more ? a : b, &few = first_has_more ? b : a;
   const btTransform few_in_many =

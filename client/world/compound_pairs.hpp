@@ -1,4 +1,4 @@
-// Contacts of two bodies of which one at least has several hulls. Private to this folder.
+// Contacts between two bodies, at least one of which has several hulls. Private to this folder.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -12,11 +12,12 @@
 
 namespace fracture::world {
 
-/// Replaces Bullet's own algorithms for two compounds, or a compound and a hull or box, and makes the same contacts where
-/// they are looked at. Bullet's walk two trees and copy contacts in every step; a ragged piece has two to four hulls, and of
-/// those of two neighbours most do not meet. We compare the boxes of hulls in the frames of both bodies (two thirds of the
-/// axes of Gottschalk, Lin and Manocha, "OBBTree", 1996), and know from them and from HullPair how far
-/// apart the bodies are as a whole: until they can have come so near, nothing is done (steady_pairs.hpp).
+/// Replaces Bullet's own algorithms for two compounds, or for a compound and a hull or box. It makes the same
+/// contacts whenever it checks a pair. Bullet walks two trees and copies contacts in every step. A ragged
+/// piece has two to four hulls, and most hulls of two neighbours do not meet. We compare the boxes of hulls
+/// in the frames of both bodies (two thirds of the axes of Gottschalk, Lin and Manocha, "OBBTree", 1996).
+/// Together with HullPair, this gives the distance between the bodies as a whole. Nothing is done until they
+/// can have come that much nearer (steady_pairs.hpp).
 class CompoundPair final : public btCollisionAlgorithm {
  public:
   CompoundPair(const btCollisionAlgorithmConstructionInfo& info, HullPair::CreateFunc& hulls)
@@ -24,7 +25,7 @@ class CompoundPair final : public btCollisionAlgorithm {
   ~CompoundPair() override;
   void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                         const btDispatcherInfo& info, btManifoldResult* result) override;
-  /// Bullet has none for compounds either.
+  /// Not needed; Bullet does not compute it for compounds either.
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
                                  btManifoldResult*) override {
     return 1;
@@ -40,9 +41,9 @@ class CompoundPair final : public btCollisionAlgorithm {
   };
 
  private:
-  /// Two hulls whose boxes overlap.
+  /// Two hulls with overlapping boxes.
   struct Meeting {
-    int first, second;  ///< which of the bodies' hulls
+    int first, second;  ///< index of each body's hull
     HullPair* pair;
     bool seen;  ///< in this step
   };

@@ -1,4 +1,4 @@
-// What the solver's contact impulses do to objects.
+// Applies the solver's contact impulses to objects.
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace fracture::world {
 namespace {
 
-/// Impulse of a manifold's point on its first body, in the world: along the normal and the two friction
+/// Impulse of a manifold's point on its first body, in the world, along the normal and the two friction
 /// directions. The normal points from the second body to the first.
 glm::dvec3 impulse_on_first(const btManifoldPoint& p) {
   return from_bullet(p.m_appliedImpulse * p.m_normalWorldOnB +
@@ -21,7 +21,7 @@ glm::dvec3 velocity_before(const Body& body, const glm::dvec3& point) {
          glm::cross(body.spin_before, point - from_bullet(body.rigid->getCenterOfMassPosition()));
 }
 
-/// Of a hit of `other` on `body`: what is faster has come.
+/// The cause of a hit of `other` on `body`. The faster of the two counts as the hitting body.
 Cause cause_of(const Body& body, const Body& other, const glm::dvec3& where) {
   if (other.kind == Body::Kind::kBall) return Cause::kBall;
   const bool piece = other.kind == Body::Kind::kGroup &&
@@ -29,11 +29,11 @@ Cause cause_of(const Body& body, const Body& other, const glm::dvec3& where) {
   return piece ? Cause::kPiece : Cause::kFall;
 }
 
-/// A young contact of bodies that came at one another is a hit, whose impulse comes within the contact time.
-/// Others carry weight.
+/// A new contact between bodies that approached each other is a hit, whose impulse comes within the contact
+/// time. Other contacts carry weight.
 constexpr int kFreshSteps = 2;
 constexpr double kHitSpeed = 0.3;       ///< m/s
-constexpr std::uint64_t kParting = 30;  ///< steps
+constexpr std::uint64_t kParting = 30;  ///< steps: see `parting`
 
 }  // namespace
 
@@ -73,10 +73,10 @@ void World::State::collect_contacts() {
     auto* first = static_cast<Body*>(manifold.getBody0()->getUserPointer());
     auto* second = static_cast<Body*>(manifold.getBody1()->getUserPointer());
     if (first == nullptr || second == nullptr || first->gone || second->gone) continue;
-    // Of two that sleep Bullet keeps impulses of long ago.
+    // Bullet keeps old impulses between two sleeping bodies.
     if (!first->rigid->isActive() && !second->rigid->isActive()) continue;
-    // What has just come off wedges itself fast in the hole that it leaves; real edges crumble there. It
-    // loads no bonds before it is out, else every hit would run through a wall from end to end.
+    // A piece that has just come loose gets stuck in the hole that it leaves, where real edges would crumble.
+    // It loads no bonds until it is out. Otherwise, every hit would crack a wall from end to end.
     const bool parting = first->kind == Body::Kind::kGroup && second->kind == Body::Kind::kGroup &&
                          first->object == second->object &&
                          steps - std::max(first->born, second->born) < kParting;
@@ -164,8 +164,9 @@ void World::State::raise_impacts() {
   }
 }
 
-/// As if it had met nothing. Its height has changed as it did, though, and it gets no energy for that: the same blow may
-/// be undone in several steps, as a crack goes through a wall.
+/// Gives the body its motion from before the step, as if it had met nothing. Its height did change, and it
+/// gets no energy for that, because the same blow may be undone in several steps while a crack runs through a
+/// wall.
 void World::State::restore(Body& body) const {
   const double g = glm::length(settings.gravity), rose = height(body) - body.height_before;
   glm::dvec3 velocity = body.velocity_before;
@@ -174,14 +175,14 @@ void World::State::restore(Body& body) const {
     const glm::dvec3 up = -settings.gravity / g;
     const double rise = glm::dot(velocity, up), square = rise * rise - 2 * rose;
     velocity += ((rise > 0 ? 1 : -1) * std::sqrt(std::max(square, 0.0)) - rise) * up;
-    if (square < 0) {  // it was lifted by more than its own rise could: out of an overlap
+    if (square < 0) {  // an overlap lifted it higher than its own speed could
       const double rest = body.kinetic_before - 0.5 * body.mass.mass * rise * rise;
       kept = std::sqrt(std::max(0.0, 1 + 0.5 * body.mass.mass * square / std::max(rest, 1e-12)));
     }
   }
   velocity *= kept;
   set_motion(body, velocity, kept * body.spin_before);
-  // It has turned on: about another axis of its own the same spin may be more energy.
+  // The body has turned since, and about another of its axes the same spin may have more energy.
   const double most = body.kinetic_before - body.mass.mass * rose,
                straight = 0.5 * body.mass.mass * glm::dot(velocity, velocity), all = kinetic_energy(body);
   if (all > std::max(most, straight))
@@ -217,21 +218,21 @@ void World::State::split_overloaded() {
       body->borne = body->total_force;
     }
   }
-  // The impulses were those of bodies that do not exist: see world.hpp. All that touch, also by way of a
-  // third, share their momentum, and go back together.
+  // The impulses were computed for unbroken groups, so they are wrong (see world.hpp). Bodies that touch,
+  // even through others, share their momentum, so all of them are reset together.
   for (Body* body : overloaded) body->restore = true;
   for (bool spread = !overloaded.empty(); spread;) {
     spread = false;
     for (const Touch& touch : touches) {
       if (!touch.pressed || touch.a->restore == touch.b->restore) continue;
       Body& through = touch.a->restore ? *touch.a : *touch.b;
-      // The ground and what is held pass nothing on, except where they are what came apart.
+      // The ground and held bodies pass nothing on, unless they are the bodies that broke.
       if (!through.moves() && std::find(overloaded.begin(), overloaded.end(), &through) == overloaded.end())
         continue;
       touch.a->restore = touch.b->restore = spread = true;
     }
   }
-  // A blow that is undone has cost nothing yet.
+  // A blow that is undone has not cost any energy yet.
   for (const Touch& touch : touches)
     if (touch.a->restore || touch.b->restore)
       for (const Body* body : {touch.a, touch.b})

@@ -1,4 +1,4 @@
-// Threads that help with a piece of work. Private to this folder.
+// Threads that help with a task. Private to this folder.
 #pragma once
 
 #include <condition_variable>
@@ -10,8 +10,9 @@
 
 namespace fracture::world {
 
-/// The caller and so many helpers do the same work together: it has to share itself out among those who call it. Helpers
-/// that have not begun when the caller is done are not waited for, so that a machine that is busy elsewhere costs nothing.
+/// The caller and its helpers run the same function together, which must divide its work among its callers.
+/// Helpers that have not started when the caller is done are not waited for, so other load on the machine
+/// does not delay the caller.
 class Crew {
  public:
   explicit Crew(std::size_t helpers);
@@ -26,7 +27,7 @@ class Crew {
   std::mutex mutex_;
   std::condition_variable begins_, ends_;
   const std::function<void()>* work_ = nullptr;
-  std::size_t open_ = 0, busy_ = 0;  ///< helpers that may still begin; that are at work
+  std::size_t open_ = 0, busy_ = 0;  ///< helpers that may still start; helpers at work
   bool over_ = false;
   std::vector<std::thread> threads_;
 };

@@ -1,17 +1,17 @@
-// Pieces of a heap sleep one by one while others move.
+// Lets single pieces of a heap sleep while others move.
 //
-// Bullet lets what touches sleep together or not at all: one shard that creeps keeps hundreds awake, for seconds. Here a
-// piece that has hardly moved for a moment, as far as its size goes, dozes: it is as fast as the ground, and to Bullet it
-// is a part of the ground, so that contacts among those that doze cost nothing, and what still moves falls into small
-// islands. (Sleep of single bodies is that of Schmidl and Milenkovic, "A Fast Impulsive Contact Suite for Rigid Body
-// Simulation", 2004; the rules are ours.) It wakes
+// Bullet lets touching bodies sleep only together, so one creeping shard keeps hundreds awake, for seconds.
+// Here, a piece that has hardly moved for a moment, relative to its size, dozes: it does not move, and Bullet
+// treats it as part of the ground. So contacts among dozing pieces cost nothing, and the moving pieces form
+// small islands. (Sleep of single bodies follows Schmidl and Milenkovic, "A Fast Impulsive Contact Suite for
+// Rigid Body Simulation", 2004; the rules are ours.) A dozing piece wakes in three cases:
 //
-//   where something is about to hit it, with those around it, as many as the blow can move;
-//   where something that it touched when it fell asleep has moved away, so that nothing hangs in the air;
-//   where that has come apart or faded, held or not, or a blast goes off.
+// 1. Something is about to hit it. As many of its neighbours as the blow can move wake, too.
+// 2. Something that it touched when it fell asleep has moved away. So nothing hangs in the air.
+// 3. Something that it touched has broken or faded, even if it was held, or a blast pushes the piece.
 //
-// It gains nothing: it has no motion when it wakes. A bond breaks in it by hits alone, for what lies on it bears on the
-// ground. A few pieces are not worth it, and sleep as Bullet has it.
+// Dozing adds no energy, because the piece is at rest when it wakes. Only hits break its bonds, because the
+// load on it rests on the ground. A few pieces are not worth it and sleep by Bullet's rules.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -21,25 +21,26 @@
 namespace fracture::world {
 namespace {
 
-constexpr std::size_t kFewPieces = 40;  ///< are no heap
-/// Of its radius: what moves by less within the time lies. A shard of 10 cm may creep by 2 cm a second, and what falls
-/// moves by as much in a thirtieth of a second.
+constexpr std::size_t kFewPieces = 40;  ///< a heap has more pieces than this
+/// Fraction of the radius. A piece that moves less than this within kMoment is at rest. A shard of 10 cm may
+/// creep by 2 cm per second; a falling one moves that far in a thirtieth of a second.
 constexpr double kHardly = 0.05, kMoment = 0.3;  // seconds
-/// Times as long, for what has its weight beside its contacts: it begins to fall slowly.
+/// Times as long for a piece whose centre is not above its contacts, because it starts to fall slowly.
 constexpr double kTilted = 4;
-/// Of its radius: so far its neighbours may go. More than they may creep until they doze themselves.
+/// Fraction of the radius by which neighbours may move away. It is more than they may creep before they doze
+/// themselves.
 constexpr double kGone = 0.1;
-constexpr double kWakingSpeed = 0.3;  ///< m/s of approach, as of all hits
-/// m/s: a blow wakes what it could give this speed, all of it together. The rest would not be seen to move.
+constexpr double kWakingSpeed = 0.3;  ///< m/s of approach, as for all hits
+/// m/s: a blow wakes as many pieces as it could give this speed together. Others would not visibly move.
 constexpr double kFelt = 0.5;
-/// Of the normal of a contact, upwards: there one bears the other.
+/// Minimum upward component of a contact's normal at which one body supports the other.
 constexpr double kBears = 0.3;
-constexpr double kInTouch = 0.002;  ///< metres: a contact that will be as near at the end of the step is one
+constexpr double kInTouch = 0.002;  ///< metres: contacts at most this far apart after the step count
 
-/// All others may be taken away from under a piece.
+/// Whether the body can never be removed from under a piece.
 bool stays(const Body& body) { return body.kind == Body::Kind::kGround || body.kind == Body::Kind::kStatic; }
 
-/// Metres by which its farthest point has moved, at most.
+/// Upper bound in metres on how far its farthest point has moved.
 double moved(const Body& body, const btTransform& from) {
   const btTransform& now = body.rigid->getWorldTransform();
   double turned = 0;
@@ -47,7 +48,7 @@ double moved(const Body& body, const btTransform& from) {
   return (now.getOrigin() - from.getOrigin()).length() + body.radius * std::sqrt(turned);
 }
 
-/// How fast a body comes at what it touches within the step, m/s.
+/// Speed in m/s at which a body approaches what it meets within the step.
 double approach_of(const Body& body, const btPersistentManifold& manifold, double step) {
   double fastest = 0;
   for (int k = 0; k < manifold.getNumContacts(); ++k) {
@@ -62,7 +63,7 @@ double approach_of(const Body& body, const btPersistentManifold& manifold, doubl
 
 }  // namespace
 
-/// Bodies stand in the order of their numbers.
+/// Bodies are sorted by number.
 Body* World::State::numbered(std::uint64_t number) const {
   const auto at =
       std::lower_bound(bodies.begin(), bodies.end(), number,
@@ -100,8 +101,8 @@ const Body* bearer(const btPersistentManifold& manifold) {
   return static_cast<const Body*>((up > 0 ? manifold.getBody1() : manifold.getBody0())->getUserPointer());
 }
 
-/// Those that sleep as Bullet has it, too: it wakes nobody when a body is taken away. (A crumb that fades beside a heap
-/// is no reason for the heap to wake.)
+/// Also wakes bodies that sleep by Bullet's rules, because Bullet wakes nothing when a body is removed. (A
+/// crumb that fades next to a heap need not wake it.)
 void World::State::wake_around(const Body& gone, bool only_borne) {
   for (const auto& body : bodies)
     if (std::any_of(body->touched.begin(), body->touched.end(), [&](const Body::Touched& other) {
@@ -120,7 +121,7 @@ void World::State::wake_around(const Body& gone, bool only_borne) {
   }
 }
 
-/// From neighbour to neighbour, until they are heavier than what the blow could move.
+/// Wakes neighbour after neighbour, until the blow could move no more mass.
 void World::State::wake_by(Body& struck, double momentum) const {
   std::vector<Body*> reached{&struck};
   double mass = 0;
@@ -138,13 +139,13 @@ void World::State::rouse() const {
   for (const auto& body : bodies) {
     const bool lost =
         std::any_of(body->touched.begin(), body->touched.end(), [&](const Body::Touched& other) {
-          const Body* now = numbered(other.number);  // none: it is gone, which woke this one
+          const Body* now = numbered(other.number);  // null: it is gone, which has already woken this one
           return now != nullptr && now->moves() && moved(*now, other.then) > kGone * body->radius;
         });
     if (lost) wake(*body);
   }
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    // Of Bullet's own, which gives its list to those alone who may change it.
+    // Bullet gives its own list only to callers that may change it.
     const btPersistentManifold& manifold =
         *const_cast<PairDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
     auto &first = *static_cast<Body*>(manifold.getBody0()->getUserPointer()),

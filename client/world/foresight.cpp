@@ -1,4 +1,4 @@
-// What will be hit soon: its fragments are asked for ahead, and are there at the contact.
+// Predicts hits, so that fragments are requested ahead and are ready at the contact.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,15 +9,16 @@ namespace fracture::world {
 namespace {
 
 constexpr std::uint64_t kEvery = 4;  ///< steps
-constexpr double kYouth = 5;         ///< seconds: a ball that is older rolls
-constexpr int kPieces = 5;           ///< of the parabola
-constexpr int kBehind = 3;           ///< things that a ball may meet after the first one
-constexpr double kTopples = 0.3;     ///< m/s: what moves faster on its support may fall over
-/// Of the strength: so hard a contact lets fragments take the place of the whole. There are more where a face lands.
+constexpr double kYouth = 5;         ///< seconds: older balls roll
+constexpr int kPieces = 5;           ///< segments of the parabola
+constexpr int kBehind = 3;           ///< further things that a ball may meet after the first one
+constexpr double kTopples = 0.3;     ///< m/s: a body moving faster on its support may fall over
+/// Fraction of the strength. A predicted contact this hard lets fragments replace the whole, because a face
+/// lands with several contacts.
 constexpr double kLikely = 0.5;
 constexpr double kInTime =
-    0.1;  ///< seconds: an answer takes half of it; a later one finds pieces that have come loose
-constexpr std::uint64_t kSoon = 6;  ///< steps: the path is looked at once more in that time
+    0.1;  ///< seconds: an answer takes half of it, and a later one would find pieces already loose
+constexpr std::uint64_t kSoon = 6;  ///< steps: within this time, the path is checked once more
 
 struct Sweep : btCollisionWorld::ClosestConvexResultCallback {
   using ClosestConvexResultCallback::ClosestConvexResultCallback;
@@ -28,7 +29,7 @@ struct Sweep : btCollisionWorld::ClosestConvexResultCallback {
   }
 };
 
-/// A body that meets nothing until then.
+/// The motion of a body in free flight.
 struct Flight {
   glm::dvec3 from, velocity, spin, gravity;
   glm::dquat rotation;
@@ -41,14 +42,14 @@ struct Flight {
 };
 
 struct Meeting {
-  double time;  ///< s from now
-  Pose pose;    ///< of the moving body then
+  double time;  ///< seconds from now
+  Pose pose;    ///< of the moving body at that time
   const Body* other;
   glm::dvec3 point, normal;  ///< in the world; the normal points to the moving body
 };
 
-/// What a convex shape of a body in flight meets first within seconds, `but` for what it flies through. `place`: the
-/// shape in its body.
+/// The first meeting of a convex shape of a body in flight within the given seconds. `but`: bodies that it
+/// flies through. `place`: the shape's pose in its body.
 std::optional<Meeting> first_meeting(const btDiscreteDynamicsWorld& bullet,
                                      std::span<const btCollisionObject* const> but,
                                      const btConvexShape& shape, const Pose& place, const Flight& flight,
@@ -69,7 +70,7 @@ std::optional<Meeting> first_meeting(const btDiscreteDynamicsWorld& bullet,
   return std::nullopt;
 }
 
-/// 1/kg: how much speed at a point an impulse along the normal gives a body there (Mirtich, "Impulse-based
+/// 1/kg: the speed at a point that an impulse along the normal gives a body there (Mirtich, "Impulse-based
 /// Dynamic Simulation of Rigid Body Systems", 1996).
 double mobility(const Body& body, const Pose& pose, const glm::dvec3& point, const glm::dvec3& normal) {
   if (!body.moves()) return 0;
@@ -97,7 +98,7 @@ void World::State::ask_ahead(ObjectId id, const Pose& asset_to_world, const Fore
   ask_for_neighbours(*object.whole, hit.impulse, hit.approach);
 }
 
-/// What touches a thing that is hit gets at most the impulse that the thing got.
+/// Objects that touch a hit object receive at most the impulse that it received.
 void World::State::ask_for_neighbours(const Body& body, double impulse, double approach) {
   if (!(settings.foresight > 0)) return;
   for (const Touch& touch : touches) {
@@ -110,8 +111,8 @@ void World::State::ask_for_neighbours(const Body& body, double impulse, double a
   }
 }
 
-/// What tilts on its support falls by its radius at most, and half of it weighs on the edge that lands (a guess: it is
-/// asked for once, and waits where nothing comes of it).
+/// A body tilting on its support falls by at most its radius, and half its mass acts on the edge that lands.
+/// This is a guess: the request is sent once, and the answer waits unused if nothing happens.
 void World::State::ask_for_toppling(const Body& body, const Touch& support) {
   const double speed = glm::length(from_bullet(body.rigid->getLinearVelocity())) +
                        body.radius * glm::length(from_bullet(body.rigid->getAngularVelocity()));
@@ -123,8 +124,9 @@ void World::State::ask_for_toppling(const Body& body, const Touch& support) {
       {support.point, support.a == &body ? support.normal : -support.normal, impulse, impulse, landing, {}});
 }
 
-/// Bonded fragments that stand still, in time for finer ones to take their place: once they are hit, they part where
-/// they are. What lies near the hit is finer than what is farther away, so that balls at other places find it coarse.
+/// Requests finer fragments for bonded fragments at rest. This must happen before the hit, because hit
+/// fragments separate. Only fragments near the hit become finer, so balls that hit elsewhere still find
+/// coarse ones.
 void World::State::ask_again(const Body& ball, const Body& other, const Foreseen& hit) {
   if (other.kind != Body::Kind::kGroup || other.bonds.empty() || !(*hit.time > kInTime)) return;
   const Object& object = *objects[other.object];
@@ -152,8 +154,8 @@ bool World::expects_hit(ObjectId id) const {
          (object.awaited && now + kSoon >= *object.awaited && now <= *object.awaited + 2 * kEvery);
 }
 
-/// Nothing that is there bears less than what the ball could give it. One that lies on something falls no more: it may roll
-/// in a heap for seconds, among dozens of pieces that its path would be tried on.
+/// Whether the ball is too slow to break anything in the world; a ball that lies on something does not get
+/// faster. This saves time, because a ball may roll in a heap for seconds among dozens of pieces.
 bool World::State::is_harmless(const Body& ball) const {
   const auto speed_of = [](const Body& body) {
     return body.moves() ? glm::length(from_bullet(body.rigid->getLinearVelocity())) +
@@ -237,11 +239,11 @@ void World::State::look_ahead() {
       const double approach = std::max(0.0, -glm::dot(mine - its, met->normal));
       const double impulse = approach / (mobility(*body, met->pose, met->point, met->normal) +
                                          mobility(other, there, met->point, met->normal));
-      // All that both could give, if nothing turned: several contacts at once come near it.
+      // Upper bound: the impulse if neither body turned. Several simultaneous contacts come close to it.
       const double free_mobility =
           (body->moves() ? 1 / body->mass.mass : 0) + (other.moves() ? 1 / other.mass.mass : 0);
       Foreseen hit{met->point, met->normal, impulse, approach / free_mobility, approach, {}};
-      // What is behind another thing is hit by less, later, or not at all.
+      // A thing behind another is hit more weakly, later, or not at all, so its time is not known.
       if (behind == 0) hit.time = met->time;
       if (!ball) ask_ahead(body->object, met->pose * inverse(body->local), hit);
       hit.push = -hit.push;

@@ -73,7 +73,8 @@ glm::dvec3 to_world(const Transform& t, double x, double y, double z) {
           t.t.z + x * t.x.z + y * t.y.z + z * t.z.z};
 }
 
-/// Rigid: what the service writes has no other node transforms, and bodies cannot be scaled.
+/// Returns the rotation. The transform must be rigid: the service writes no others, and bodies cannot be
+/// scaled.
 glm::dquat rotation_of(const Transform& t, const std::string& where) {
   const glm::dmat3 r(t.x.x, t.x.y, t.x.z, t.y.x, t.y.y, t.y.z, t.z.x, t.z.y, t.z.z);
   const glm::dmat3 unit = glm::transpose(r) * r - glm::dmat3(1);
@@ -126,7 +127,7 @@ class FragmentReader {
   }
 
  private:
-  /// Fragments, and the extras of the root of all.
+  /// Reads the fragments, and returns the extras of the root.
   const json& read_nodes() {
     static const json kNothing = json::object();
     const GltfScene graph = walk_gltf_scene(model_);
@@ -248,7 +249,7 @@ class FragmentReader {
     }
   }
 
-  /// One physics material for all, as the service writes it.
+  /// Reads the one physics material that the service writes for all fragments.
   void read_surface() {
     const json* extensions = find(surfaces_, "extensions");
     const json* own = extensions ? find(*extensions, kExtension) : nullptr;
@@ -268,8 +269,8 @@ class FragmentReader {
   std::map<std::uint64_t, std::uint32_t> index_;
 };
 
-/// The document's own extensions, which the checked document leaves out (it has been checked: the first chunk
-/// of the container is JSON).
+/// The document's own extensions, which the checked document omits. The container has been checked, so its
+/// first chunk is JSON.
 json document_extensions(std::span<const std::byte> glb) {
   std::uint32_t length = 0;
   std::memcpy(&length, glb.data() + 12, 4);
@@ -279,7 +280,7 @@ json document_extensions(std::span<const std::byte> glb) {
   });
 }
 
-/// What `read` makes of a FragmentReader of the file.
+/// Calls `read` with a FragmentReader of the file.
 template <class Result, class Read>
 Expected<Result> read_with(std::span<const std::byte> glb, const Read& read) {
   try {

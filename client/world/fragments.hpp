@@ -1,5 +1,5 @@
-// Reads bodies, hulls and bonds from the service's answer (KHR_physics_rigid_bodies and extras.fracture of the
-// GLB) and checks them. Computes none of them itself.
+// Reads bodies, hulls and bonds from the service's answer (KHR_physics_rigid_bodies and the GLB's
+// extras.fracture) and checks them. It computes none of them.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,9 @@ struct Fragment {
   MassProperties mass;  ///< in the frame of the asset
   std::vector<Hull> hulls;
   bool anchored = false;
-  int system = -1;  ///< fragments of one system do not collide with one another; -1: none
-  /// A later hit has put others in its place (change.hpp). It stays in the set, so that the others keep their numbers.
+  int system = -1;  ///< fragments of the same system do not collide with one another; -1: none
+  /// A later hit has replaced it by others (change.hpp). It stays in the set so that the others keep their
+  /// numbers.
   bool gone = false;
 };
 
@@ -31,9 +32,9 @@ struct Bond {
   std::uint32_t a = 0, b = 0;  ///< indices of fragments
   double area = 0;             ///< m²
   double strength = 0;         ///< newtons
-  glm::dvec3 normal{0};        ///< unit length, from a to b; zero where the two share no plane
-  glm::dvec3 center{0};        ///< of what they share, in the frame of the asset
-  bool gone = false;           ///< of a fragment that a later hit changed or took away
+  glm::dvec3 normal{0};        ///< unit length, from a to b; zero if the two share no plane
+  glm::dvec3 center{0};        ///< centre of the shared face, in the frame of the asset
+  bool gone = false;           ///< a later hit changed or removed one of its fragments
 };
 
 struct FragmentSet {
@@ -42,27 +43,27 @@ struct FragmentSet {
   double friction = 0.6, restitution = 0.1;
 };
 
-/// What a hit changed of an earlier answer, as an answer with delta=only says it.
+/// The changes that a hit made to an earlier answer: the content of an answer with delta=only.
 struct FragmentChange {
-  std::vector<Fragment> fragments;                  ///< those that are new and those that changed
-  std::vector<std::uint64_t> added, changed, gone;  ///< ids; the last are not among `fragments`
+  std::vector<Fragment> fragments;                  ///< new and changed fragments
+  std::vector<std::uint64_t> added, changed, gone;  ///< ids; those in `gone` are not in `fragments`
   struct End {
-    std::uint64_t a = 0, b = 0;  ///< ids, also of fragments that the hit left as they were
+    std::uint64_t a = 0, b = 0;  ///< ids, possibly of fragments that the hit did not change
   };
   std::vector<Bond>
-      bonds;  ///< of the fragments here, with one another and with those that stay; `a` and `b` unset
-  std::vector<End> ends;  ///< of each bond
+      bonds;  ///< of these fragments, with one another and with unchanged ones; `a` and `b` are not set
+  std::vector<End> ends;  ///< of each bond, in the same order
 };
 
-inline constexpr std::size_t kMaxFragments = 20'000;  ///< of one answer, for physics
+inline constexpr std::size_t kMaxFragments = 20'000;  ///< limit per answer, for physics
 
-/// kMalformedMesh (what is missing or contradicts itself: unknown ids in bonds, indices out of range, a body
-/// without mass or hull), kNotFinite (NaN or infinite numbers), kTooLarge, kNoFragments, and what
-/// common/import refuses.
+/// kMalformedMesh if something is missing or contradictory (unknown ids in bonds, indices out of range, a
+/// body without mass or hull). Also kNotFinite (NaN or infinite numbers), kTooLarge, kNoFragments, and the
+/// errors of common/import.
 Expected<FragmentSet> read_fragments(std::span<const std::byte> glb);
 
-/// The same for an answer with delta=only; kMalformedMesh also where it does not say what has changed, or has other
-/// fragments than it says.
+/// Reads an answer with delta=only. Errors are as for read_fragments(). kMalformedMesh also means that the
+/// answer does not list its changes, or that its fragments are not those listed.
 Expected<FragmentChange> read_change(std::span<const std::byte> glb);
 
 }  // namespace fracture::world

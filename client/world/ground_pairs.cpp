@@ -15,18 +15,19 @@
 namespace fracture::world {
 namespace {
 
-/// Metres that count as near for a body at rest; gravity alone moves it by less within a step.
+/// Distance in metres that counts as near for a body at rest. In a step, gravity alone moves it by less.
 constexpr btScalar kNear = 0.003;
 
 struct Corner {
-  int index;          ///< of the hull's points
+  int index;          ///< among the hull's points
   btVector3 local;    ///< on the hull's surface, in its body
-  btVector3 world;    ///< the same point
+  btVector3 world;    ///< the same point in the world
   btScalar height;    ///< above the plane
   btScalar nearness;  ///< 1: touches; 0: just out of reach
 };
 
-/// The lowest one, and up to three that make the largest quadrangle with it seen from above; near ones count more.
+/// Chooses the lowest corner, and up to three that span the largest quadrilateral with it, seen from above.
+/// Near ones have more weight.
 int choose(const std::vector<Corner>& corners, const btVector3& up, std::array<const Corner*, 4>& chosen) {
   const auto flat = [&](const btVector3& v) { return v - up.dot(v) * up; };
   const auto best = [&](auto value) -> const Corner* {
@@ -96,7 +97,7 @@ void GroundPair::meet(const btCollisionObjectWrapper& hull, const btCollisionObj
   const btVector3 velocity = body != nullptr ? body->getLinearVelocity() : btVector3(0, 0, 0),
                   spin = body != nullptr ? body->getAngularVelocity() : btVector3(0, 0, 0),
                   center = hull.getCollisionObject()->getWorldTransform().getOrigin();
-  // A corner that meets the ground turns the body, and the others come down faster than they would have: hence twice.
+  // Factor 2, because a corner that hits the ground turns the body, and the others then come down faster.
   const btScalar radius = shape.getAngularMotionDisc(),
                  farthest = (pose.getOrigin() - center).length() + radius,
                  reach = kNear + 2 * step * (velocity.length() + spin.length() * farthest);
@@ -142,11 +143,11 @@ void GroundPair::meet(const btCollisionObjectWrapper& hull, const btCollisionObj
       point.m_localPointB = floor.invXform(below);
       point.m_normalWorldOnB = up;
       point.m_distance1 = corner.height;
-      point.m_lifeTime = pressed ? same->m_lifeTime + 1 : 0;  // it is as old as it has borne something
+      point.m_lifeTime = pressed ? same->m_lifeTime + 1 : 0;  // counts the steps in which it carried load
     }
     point.m_positionWorldOnA = corner.world;
     point.m_positionWorldOnB = below;
-    point.m_index0 = hull.m_index;  // which hull of a compound
+    point.m_index0 = hull.m_index;  // index of the hull in its compound
     point.m_index1 = corner.index;
     const btCollisionObject &a = *hull.getCollisionObject(), &b = *plane.getCollisionObject();
     point.m_combinedFriction = gCalculateCombinedFrictionCallback(&a, &b);

@@ -1,4 +1,4 @@
-// Contacts of a convex hull with the ground, found before it is reached. Private to this folder.
+// Contacts of a convex hull with the ground, found before the hull reaches it. Private to this folder.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -12,14 +12,13 @@ class btPersistentManifold;
 
 namespace fracture::world {
 
-/// Replaces Bullet's own algorithm for a hull and a plane. That one finds a single corner in each step, and only
-/// once it is within two hundredths of the hull's size: a shard that falls at 5 m/s is 4 cm under the ground by
-/// then, and a plate that lies on it rocks from corner to corner. We look at every corner that may
-/// be at the ground after this step, and keep four of them that spread widely. A contact that is not
-/// closed yet lets the corner come exactly as far as the ground (speculative contacts: Catto, "Continuous Collision",
-/// Game Developers Conference 2013).
+/// Replaces Bullet's own algorithm for a hull and a plane. Bullet finds only one corner per step, and only
+/// within two hundredths of the hull's size. A shard that falls at 5 m/s is 4 cm below the ground by then,
+/// and a plate on the ground rocks from corner to corner. We check every corner that may reach the ground in
+/// this step, and keep four that are spread widely. A contact that is still open lets its corner come exactly
+/// down to the ground (speculative contacts: Catto, "Continuous Collision", Game Developers Conference 2013).
 ///
-/// Of a compound each hull has contacts of its own.
+/// Each hull of a compound has its own contacts.
 class GroundPair final : public btCollisionAlgorithm {
  public:
   explicit GroundPair(const btCollisionAlgorithmConstructionInfo& info) : btCollisionAlgorithm(info) {}
@@ -43,7 +42,7 @@ class GroundPair final : public btCollisionAlgorithm {
             btPersistentManifold*& manifold);
 
   std::vector<btPersistentManifold*>
-      manifolds_;  ///< of the body, then the plane; one for each hull, null: not yet
+      manifolds_;  ///< between the body and the plane, one per hull; null: not created yet
 };
 
 }  // namespace fracture::world

@@ -1,4 +1,4 @@
-// How finely things come apart while many bodies move already.
+// Makes things break less finely while many bodies are moving.
 #include <algorithm>
 #include <iterator>
 
@@ -7,15 +7,16 @@
 
 namespace fracture::world {
 
-/// Time for a step is shared by all that moves. Where that is much, what breaks next comes apart into fewer, larger pieces,
-/// as a heap hides its crumbs: of the bonds that would break, the strongest hold on, until no part is smaller than its
-/// share of the object. The share grows with what moves, so that a collapse brings forth bodies ever more slowly
-/// (Kruskal's rule, "On the Shortest Spanning Subtree of a Graph", 1956: the strongest bonds first, each where it
-/// joins a part that is too small). They may break later, when there is time.
+/// All moving bodies share the time for a step. If many move, things break into fewer, larger pieces, because
+/// a heap hides its crumbs. Among the bonds that would break, the strongest hold until no part is smaller
+/// than a minimum share of the object. The share grows with the number of moving bodies, so a collapse
+/// creates bodies ever more slowly. (Kruskal's rule, "On the Shortest Spanning Subtree of a Graph", 1956:
+/// takes the strongest bonds first, each if it joins a part that is too small.) These bonds may break later,
+/// when there is time.
 std::size_t World::State::hold_together(Object& object, std::span<const std::uint32_t> members,
                                         std::span<const std::uint32_t> before,
                                         std::vector<std::uint32_t>& bonds) const {
-  constexpr double kShare = 0.03;  // of the object's volume, at the budget; beyond it in proportion
+  constexpr double kShare = 0.03;  // of the object's volume, at the budget; in proportion beyond it
   if (live <= settings.live_bodies) return 0;
   const FragmentSet& set = object.fragments->set;
   const double least = kShare * static_cast<double>(live) /
@@ -36,7 +37,7 @@ std::size_t World::State::hold_together(Object& object, std::span<const std::uin
     parts.unite(a, b);
     volume[parts.find(a)] = both;
   }
-  // Within a part nothing is cracked that could have held.
+  // Bonds inside a part are not cracked, because they could have held.
   for (const std::uint32_t bond : broken)
     if (parts.find(set.bonds[bond].a) == parts.find(set.bonds[bond].b)) {
       object.bond_load[bond] = 1;

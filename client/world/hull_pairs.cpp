@@ -9,11 +9,11 @@
 namespace fracture::world {
 namespace {
 
-constexpr int kMostRounds = 32;  ///< of GJK; what begins near the end takes two or three
-/// Of the square of the distance: so little nearer is near enough. The distance is known to eight digits then, its direction
-/// to a ten-thousandth.
+constexpr int kMostRounds = 32;  ///< of GJK; with a good start, two or three are enough
+/// Relative to the squared distance: a smaller improvement ends the search. The distance then has eight
+/// correct digits, its direction four.
 constexpr btScalar kNearEnough = 1e-8;
-/// Metres: between nearer hulls the direction is not certain. Margins are a hundred times as wide.
+/// Metres: between nearer hulls the direction is uncertain. Margins are a hundred times as wide.
 constexpr btScalar kTooNear = 1e-5;
 
 }  // namespace
@@ -22,7 +22,7 @@ struct HullPair::Hulls {
   const btConvexShape &a, &b;
   btTransform b_in_a;
 
-  /// The corner of their difference that is farthest against `v`.
+  /// The corner of the Minkowski difference that is farthest in the direction −`v`.
   Corners corners(const btVector3& v) const {
     return {a.localGetSupportVertexWithoutMarginNonVirtual(-v),
             b.localGetSupportVertexWithoutMarginNonVirtual(v * b_in_a.getBasis())};
@@ -30,7 +30,7 @@ struct HullPair::Hulls {
 };
 
 struct HullPair::Contact {
-  btVector3 normal, on_second;  ///< the normal points to the first; margins are counted
+  btVector3 normal, on_second;  ///< the normal points to the first; both include the margins
   btScalar distance;
 };
 
@@ -43,9 +43,9 @@ void HullPair::getAllContactManifolds(btManifoldArray& manifolds) {
 }
 
 btScalar HullPair::gap(const Hulls& hulls) {
-  constexpr int kTries = 2;  // more find little, and cost what GJK does
+  constexpr int kTries = 2;  // further tries rarely succeed and cost as much as GJK
   btVector3 direction = direction_;
-  if (direction.fuzzyZero()) direction = hulls.b_in_a.getOrigin();  // hulls stand about their centres of mass
+  if (direction.fuzzyZero()) direction = hulls.b_in_a.getOrigin();  // origins are the centres of mass
   for (int k = 0; k < kTries && !direction.fuzzyZero(); ++k) {
     direction.normalize();
     const Corners ends = hulls.corners(-direction);
@@ -62,13 +62,13 @@ btScalar HullPair::gap(const Hulls& hulls) {
   return 0;
 }
 
-/// GJK (Gilbert, Johnson and Keerthi 1988) for the hulls without their margins, with Bullet's rule for the nearest point of a
-/// simplex (Ericson, "Real-Time Collision Detection", 2005).
+/// GJK (Gilbert, Johnson and Keerthi 1988) for the hulls without their margins, with Bullet's rule for the
+/// nearest point of a simplex (Ericson, "Real-Time Collision Detection", 2005).
 HullPair::Outcome HullPair::nearest(const Hulls& hulls, Contact& contact, btScalar& beyond) {
   btVoronoiSimplexSolver simplex;
   simplex.reset();
   btVector3 v = hulls.b_in_a.getOrigin();
-  btScalar square = BT_LARGE_FLOAT;  // of the distance, as far as it is known
+  btScalar square = BT_LARGE_FLOAT;  // of the distance found so far
   for (int k = 0; k < known_; ++k) {
     const Corners& ends = corners_[static_cast<std::size_t>(k)];
     const btVector3 there = hulls.b_in_a * ends.second;
@@ -86,7 +86,7 @@ HullPair::Outcome HullPair::nearest(const Hulls& hulls, Contact& contact, btScal
     if (!(length2 > kTooNear * kTooNear)) return Outcome::kUnclear;
     const Corners ends = hulls.corners(v);
     const btVector3 there = hulls.b_in_a * ends.second, w = ends.first - there;
-    const btScalar along = v.dot(w);  // no two points are nearer than this along `v`
+    const btScalar along = v.dot(w);  // lower bound on the distance, along `v`
     if (along > 0 && along * along > length2 * reach_ * reach_) {
       direction_ = -v / btSqrt(length2);
       beyond = along / btSqrt(length2) - reach_;
@@ -117,7 +117,7 @@ HullPair::Outcome HullPair::nearest(const Hulls& hulls, Contact& contact, btScal
   return Outcome::kUnclear;
 }
 
-/// From nothing, also where the two overlap.
+/// Bullet's result from scratch, which also handles overlap.
 bool HullPair::asked_of_bullet(const Hulls& hulls, Contact& contact) const {
   btVoronoiSimplexSolver simplex;
   btGjkPairDetector detector(&hulls.a, &hulls.b, &simplex, &depths_);
@@ -151,7 +151,7 @@ btScalar HullPair::collide(const btCollisionObjectWrapper& first, const btCollis
                                  gContactBreakingThreshold),
                              second.getCollisionObject()->getCollisionShape()->getContactBreakingThreshold(
                                  gContactBreakingThreshold));
-  // Contacts of the last step are Bullet's to keep or to drop.
+  // Bullet decides whether to keep or drop contacts of the last step.
   const bool touched = manifold_ != nullptr && manifold_->getNumContacts() > 0;
   if (!touched)
     if (const btScalar beyond = gap(hulls); beyond > 0) return beyond;

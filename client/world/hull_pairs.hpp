@@ -1,4 +1,4 @@
-// Collides two convex hulls, beginning where the last step ended. Private to this folder.
+// Collides two convex hulls, starting from the result of the last step. Private to this folder.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -13,17 +13,18 @@ class btConvexPenetrationDepthSolver;
 
 namespace fracture::world {
 
-/// Replaces Bullet's own algorithm for pairs of hulls and makes the same contacts where they are looked at.
+/// Replaces Bullet's own algorithm for pairs of hulls. It makes the same contacts whenever it checks a pair.
 ///
 /// Right after something broke, the boxes of many fragments overlap, but five in six of these pairs do not
-/// touch, and Bullet runs GJK from scratch for each of them in every step. We keep a direction along which the
-/// two hulls are farther apart than a contact may be: it saves that work, and mostly still separates them in the
-/// next step (Chung and Wang, "Quick elimination of non-interference polytopes in virtual environments", 1996).
+/// touch. Bullet runs GJK from scratch for each of them in every step. We keep a direction along which the
+/// two hulls are farther apart than a contact may be. It saves that work and usually still separates them in
+/// the next step (Chung and Wang, "Quick elimination of non-interference polytopes in virtual environments",
+/// 1996).
 ///
-/// Where there is none, GJK begins with the corners between which the nearest points were in the last step, and ends at once
-/// where they still are there (Cameron, "Enhancing GJK: computing minimum and penetration distances between convex
-/// polyhedra", 1997). Where it comes to no clear end (hulls overlap by more than their margins, or nearly), Bullet decides.
-/// What stands as it did is not looked at (steady_pairs.hpp).
+/// If there is no such direction, GJK starts from the corners between which the nearest points were in the
+/// last step. It ends at once if they still are there (Cameron, "Enhancing GJK: computing minimum and
+/// penetration distances between convex polyhedra", 1997). If the result is unclear (hulls overlap by about
+/// their margins or more), Bullet decides. A pair that has hardly moved is not checked (steady_pairs.hpp).
 class HullPair final : public btCollisionAlgorithm {
  public:
   HullPair(const btCollisionAlgorithmConstructionInfo& info, btConvexPenetrationDepthSolver& depths)
@@ -31,11 +32,11 @@ class HullPair final : public btCollisionAlgorithm {
   ~HullPair() override;
   void processCollision(const btCollisionObjectWrapper* first, const btCollisionObjectWrapper* second,
                         const btDispatcherInfo& info, btManifoldResult* result) override;
-  /// The same without regard to how they stood. Metres by which the two are apart beyond the reach of contacts; zero: not
-  /// known.
+  /// Collides the two even if they have not moved. Returns the metres by which they are apart beyond the
+  /// reach of contacts, or 0 if that is unknown.
   btScalar collide(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second,
                    btManifoldResult& result);
-  /// What is fast enough for it is a ball, which Bullet sweeps.
+  /// Not needed: only balls are fast enough, and Bullet sweeps balls.
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
                                  btManifoldResult*) override {
     return 1;
@@ -51,7 +52,7 @@ class HullPair final : public btCollisionAlgorithm {
   };
 
  private:
-  struct Hulls;    ///< the two, as the first sees them
+  struct Hulls;    ///< both hulls, in the first's frame
   struct Contact;  ///< in the first's frame
   enum class Outcome { kApart, kNear, kUnclear };
 
@@ -61,17 +62,17 @@ class HullPair final : public btCollisionAlgorithm {
 
   btConvexPenetrationDepthSolver& depths_;
   Steadiness steadiness_;
-  btPersistentManifold* manifold_ = nullptr;  ///< null: they have not touched yet
+  btPersistentManifold* manifold_ = nullptr;  ///< null: the two have not touched yet
   btManifoldArray manifolds_;
-  /// Metres: as far apart there is no contact in Bullet either, by the rule of its dispatcher. Negative: not known yet.
+  /// Metres: at this distance, Bullet's dispatcher has no contacts either. Negative: not known yet.
   btScalar reach_ = -1;
-  btVector3 direction_{0, 0, 0};  ///< from the first to the second, in the first's frame; zero: none yet
-  /// Between which the nearest points were, each in its own hull's frame.
+  btVector3 direction_{0, 0, 0};  ///< in the first's frame, towards the second; zero: none yet
+  /// The corners between which the nearest points were, each in its own hull's frame.
   struct Corners {
     btVector3 first, second;
   };
   std::array<Corners, 3> corners_;
-  int known_ = 0;  ///< of them
+  int known_ = 0;  ///< number of valid corners
 };
 
 }  // namespace fracture::world

@@ -7,10 +7,11 @@
 namespace fracture::world {
 namespace {
 
-/// Of the largest coordinate times the sum of the direction's: twice what rounding does to a float's product of three. Each
-/// factor, product and sum is off by 2⁻²⁴ at most, which makes 5 · 2⁻²⁴, and both sides of a comparison are off.
+/// Relative to the largest coordinate times the sum of the direction's components: twice the rounding error
+/// of a scalar product of floats. Each factor, product and sum is off by at most 2⁻²⁴, in total 5 · 2⁻²⁴, and
+/// both sides of a comparison are off.
 constexpr float kUnsure = 7e-7F;
-/// A direction shorter than this would lose digits to floats' smallest numbers.
+/// For shorter directions, floats would lose digits to underflow.
 constexpr btScalar kShortest = 1e-20, kLongest = 1e20;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A convex hull that finds its farthest corner quickly. Private to this folder.
+// A convex hull with a fast search for its farthest corner. Private to this folder.
 #pragma once
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
@@ -8,34 +8,36 @@
 
 namespace fracture::world {
 
-/// Bullet's hull, with the same answers. A third of a step's instructions went into the search for the corner that is
-/// farthest in a direction: Bullet's looks at all of some fifty in double precision, one by one. Here four at a time are
-/// compared in floats, and only those that may be the farthest, by what rounding can do, are looked at in doubles.
+/// Bullet's hull with the same answers. The search for the farthest corner in a direction took a third of a
+/// step's instructions, because Bullet examines all of about fifty corners one by one in double precision.
+/// Here, four at a time are compared in floats. Only those that may be farthest despite rounding are examined
+/// in doubles.
 ///
-/// Bullet knows it as a polyhedron of ours (kType): it would not ask this class if it took it for its own.
+/// To Bullet, this is a custom polyhedron (kType). If Bullet took it for its own hull, it would not call this
+/// class.
 class HullShape final : public btConvexHullShape {
  public:
   static constexpr int kType = CUSTOM_POLYHEDRAL_SHAPE_TYPE;
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   HullShape() { m_shapeType = kType; }
-  /// After the last point and the margin: before it is asked for anything.
+  /// Call after adding the last point and setting the margin, before any query.
   void finish();
 
   btVector3 localGetSupportingVertexWithoutMargin(const btVector3& direction) const override;
   btScalar getAngularMotionDisc() const override { return reach_; }
 
  private:
-  using Four = float __attribute__((vector_size(16)));  // g++ and clang++, of any processor
+  using Four = float __attribute__((vector_size(16)));  // works with g++ and clang++ on any processor
   struct Corners {
     Four x, y, z;
   };
-  static constexpr std::size_t kMostFours = 64;  ///< of a larger hull all corners are looked at
+  static constexpr std::size_t kMostFours = 64;  ///< larger hulls are searched completely
 
   int farthest_of_all(const btVector3& direction) const;
 
-  std::vector<Corners> fours_;  ///< the last one is filled up with the last corner
-  btScalar largest_ = 0;        ///< of all coordinates, without their signs
+  std::vector<Corners> fours_;  ///< the last one is padded with the last corner
+  btScalar largest_ = 0;        ///< largest absolute coordinate
   btScalar reach_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What the run shows about its own physics: see Ledger in world.hpp.
+// Keeps the run's own physics statistics: see Ledger in world.hpp.
 #include <algorithm>
 
 #include "client/world/state.hpp"
@@ -37,7 +37,7 @@ void World::State::keep_ledger() {
       ledger.deepest = std::max(
           ledger.deepest, -pose.point(objects[body->object]->fragments->set.fragments[m].mass.center).y);
   }
-  // Bullet wakes what comes near before it touches.
+  // Bullet wakes approaching bodies before they touch.
   constexpr std::uint64_t kNear = 12;  // steps
   if (!asleep && ledger.asleep_since) awake_since = steps;
   if (awake_since && steps <= *awake_since + kNear && knocked) {

@@ -1,4 +1,4 @@
-// What a solver that only nearly converges must not add, and when a heap rests.
+// Limits what a solver that converges only roughly may add, and decides when a heap rests.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,17 +8,16 @@
 namespace fracture::world {
 namespace {
 
-/// Bodies that move and touch, also by way of others that move.
+/// Moving bodies that touch, directly or through other moving bodies.
 struct Island {
-  bool grounded = false;  ///< touches what does not move, which takes momentum and gives no energy
+  bool grounded = false;  ///< touches a fixed body, which takes momentum and gives no energy
   double mass = 0, kinetic = 0;
   double gained = 0;  ///< J, in this step
-  double lifted = 0;  ///< J: by all that went up
+  double lifted = 0;  ///< J: of all bodies that rose
   glm::dvec3 momentum{0};
-  double swiftest =
-      0;  ///< m²/s²: twice the kinetic energy for each kilogram, of the body that had most before the step
-  glm::dvec3 taken{0};   ///< momentum, from those that got too fast …
-  double free_mass = 0;  ///< … to those that did not
+  double swiftest = 0;  ///< m²/s²: twice the largest kinetic energy per kilogram of any body before the step
+  glm::dvec3 taken{0};   ///< total momentum taken from bodies that got too fast …
+  double free_mass = 0;  ///< … and mass of the other bodies, which share it
 };
 
 std::size_t root_of(std::vector<std::size_t>& parent, std::size_t k) {
@@ -26,13 +25,14 @@ std::size_t root_of(std::vector<std::size_t>& parent, std::size_t k) {
   return k;
 }
 
-/// Of a convex shape that stands there.
+/// Height of the lowest point of a convex shape in this pose.
 double lowest(const btConvexShape& shape, const btTransform& place) {
   const btVector3 down = place.getBasis().transpose() * btVector3(0, -1, 0);
   return (place * shape.localGetSupportVertexWithoutMarginNonVirtual(down)).y() - shape.getMarginNonVirtual();
 }
 
-/// Its contacts all lie on one side of a line through its centre, seen from above: it tilts over them.
+/// Whether all contacts lie on one side of a line through its centre, seen from above: it then tilts over
+/// them.
 bool topples(const Body& body, std::vector<double>& angles) {
   angles.clear();
   for (const glm::dvec2& arm : body.leans_on) angles.push_back(std::atan2(arm.y, arm.x));
@@ -63,9 +63,9 @@ double lowest(const Body& body) {
   return least;
 }
 
-/// The solver weighs contacts against one another, and a shard under a heavy block may lose: it is pressed through the
-/// floor, from where it would come back late. What is deeper than two millimetres is put back at once; what lies on
-/// it has to give way, and energy that the lifting took is taken from the motion (limit_gains).
+/// The solver weighs contacts against one another, so a shard under a heavy block may be pressed through the
+/// floor and come back late. A body deeper than two millimetres is raised at once. The things on it must give
+/// way, and the energy for lifting is taken from the motion (limit_gains).
 void World::State::keep_above_ground() {
   for (const auto& body : bodies) {
     if (!body->moves() || !body->rigid->isActive()) continue;
@@ -81,7 +81,7 @@ void World::State::keep_above_ground() {
   }
 }
 
-/// By so many J/kg, as far as the ground allows.
+/// Lowers the body by up to `by` J/kg, as far as the ground allows.
 void World::State::lower(Body& body, double by) const {
   const double g = glm::length(settings.gravity), way = std::min(by / g, lowest(body) + kDeepest);
   if (!(way > 0)) return;
@@ -91,19 +91,20 @@ void World::State::lower(Body& body, double by) const {
   body.rigid->setInterpolationWorldTransform(place);
 }
 
-/// Two laws that Bullet's contacts break now and then, for each island of bodies that touch:
+/// Enforces two laws, which Bullet's contacts sometimes break, for each island of touching bodies:
 ///
-/// No body has more kinetic energy for each kilogram after the step than the swiftest had before it, plus what its
-/// own fall gave. Contacts of heavy pieces with light ones with lighter ones would hand on speed as a whip does; real
-/// pieces crumble there. What is taken from a piece in flight goes to the others that it touches: momentum stays.
+/// 1. After the step, no body has more kinetic energy per kilogram than the fastest had before it, plus the
+/// energy of its own fall. Otherwise a chain from heavy to ever lighter pieces would pass on speed like a
+/// whip; real pieces crumble there. In a flying island, momentum taken from one piece goes to the others, so
+/// the total is conserved.
 ///
-/// The island as a whole has no more energy, kinetic and potential, than before. Corrections of overlaps lift bodies,
-/// and impulses of unequal masses miss their mark: what came from nowhere is taken from the motion, in flight from the
-/// motion about the common centre alone, and where that is too little (a heavy block is lifted out of what has wedged
-/// itself under it) the lifting is taken back: the overlap stays.
+/// 2. The island as a whole gains no energy, kinetic and potential. Corrections of overlaps lift bodies, and
+/// impulses between unequal masses miss their target. The excess is taken from the motion; in flight, only
+/// from the motion relative to the common centre. If that is too little (a heavy block is lifted off
+/// something wedged under it), part of the lift is undone and the overlap remains.
 ///
-/// The bound of a body is that of its island, never of the world, and an island gets none by resting: so it does
-/// not creep upwards from step to step.
+/// A body's limit depends on its own island, not on the whole world, and a resting island gains no allowance.
+/// So the limit does not creep upwards from step to step.
 void World::State::limit_gains() {
   std::vector<std::size_t> parent(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k]->island = parent[k] = k;
@@ -125,7 +126,7 @@ void World::State::limit_gains() {
       islands[(touch.a->moves() ? touch.a : touch.b)->island].grounded = true;
 
   const double least = std::pow(settings.step * glm::length(settings.gravity), 2);
-  constexpr int kRounds = 4;  // what is handed on may make another one too fast
+  constexpr int kRounds = 4;  // momentum passed on may make another body too fast
   std::vector<char> limited(bodies.size(), 0);
   for (int round = 0; round < kRounds; ++round) {
     bool any = false;
@@ -184,13 +185,14 @@ void World::State::limit_gains() {
   }
 }
 
-/// The solver never quite settles a heap of slivers: each step pushes some by what the last left over. Below
-/// the speed that gravity gives within a step and a half such motion is only that. And one shard that
-/// twitches must not keep the heap awake: sleep goes by the mean over some twenty steps, and by that of the
-/// heap. What has its weight beside all of its contacts begins as slowly, but to fall: it is left alone.
+/// The solver never quite settles a heap of slivers: each step pushes some with the error of the last. Motion
+/// slower than one and a half steps of gravity is only such error, so it is damped. One twitching shard must
+/// not keep the heap awake, so sleep depends on the mean speed over about twenty steps, and on the mean of
+/// the heap. A body whose centre is not above its contacts also starts slowly, but it is falling, so it is
+/// not damped.
 void World::State::calm() {
   const double slow = 1.5 * settings.step * glm::length(settings.gravity);
-  constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; of the speed after a step
+  constexpr double kSlowSpin = 1.5, kLeft = 0.8;  // rad/s; fraction of the speed left after a step
   std::vector<double> room;
   for (const Touch& touch : touches)
     for (Body* body : {touch.a, touch.b}) {
@@ -201,16 +203,17 @@ void World::State::calm() {
       if (!body->tips) body->tips = topples(*body, room);
       if (!*body->tips) set_motion(*body, kLeft * velocity, kLeft * spin);
     }
-  constexpr double kWeight = 0.05;  // of a step in the mean
-  // m/s. Long after something broke, what still moves so much is the solver at work on pieces that are wedged: the longer,
-  // the surer.
-  constexpr double kPatience = 3, kMostPatience = 6;  // seconds; times
+  constexpr double kWeight = 0.05;  // weight of one step in the moving mean
+  // still_speed (m/s): slower bodies count as still. The longer ago the last break was, the more certainly
+  // such motion comes only from the solver's work on wedged pieces. So the limit grows with time.
+  constexpr double kPatience = 3, kMostPatience = 6;  // seconds; maximum factor
   const double since = settings.step * static_cast<double>(steps - ledger.last_swap);
   const double waited = since / kPatience,
                still_speed = 0.08 * std::clamp(waited * waited, 1.0, kMostPatience);
-  // Metres: what is squeezed so far in, has to come out first. What is wedged never does, so that is not waited for long.
+  // Metres: bodies pressed deeper into others must come out first. Wedged bodies never do, so the wait is
+  // limited.
   constexpr double kSunk = 0.004, kLongestWait = 1;  // seconds
-  // By Bullet's island (bodies that touch, also by way of others), which sleeps as a whole or not at all.
+  // Per Bullet island (bodies that touch, directly or through others), which sleeps only as a whole.
   struct Island {
     double mass = 0, motion = 0, fastest = 0, sunk = 0;
     bool quiet(double speed) const { return motion < 0.5 * speed * mass && fastest < 5 * speed; }

@@ -62,7 +62,7 @@ MassProperties solid_mass(std::span<const glm::vec3> positions,
     high = glm::max(high, glm::dvec3(p));
   }
   if (positions.empty()) low = high = glm::dvec3(0);
-  const glm::dvec3 origin = 0.5 * (low + high);  // near the solid, for the digits
+  const glm::dvec3 origin = 0.5 * (low + high);  // near the solid, to keep precision
   double volume = 0;
   glm::dvec3 first(0);
   glm::dmat3 second(0);  // ∫ x xᵀ

@@ -9,8 +9,8 @@
 namespace fracture::world {
 namespace {
 
-constexpr std::size_t kChunk = 16;  ///< pairs: some tens of microseconds
-constexpr std::size_t kFew = 96;    ///< so many pairs are done before a helper wakes
+constexpr std::size_t kChunk = 16;  ///< pairs: some tens of microseconds of work
+constexpr std::size_t kFew = 96;    ///< pairs that are processed before a helper is woken
 
 btCollisionObject* object_of(const btBroadphaseProxy* proxy) {
   return static_cast<btCollisionObject*>(proxy->m_clientObject);

@@ -1,4 +1,4 @@
-// Bullet's dispatcher of pairs of bodies, on several threads. Private to this folder.
+// Bullet's dispatcher of pairs of bodies, using several threads. Private to this folder.
 #pragma once
 
 #include <atomic>
@@ -12,19 +12,19 @@
 
 namespace fracture::world {
 
-/// Finds the contacts of all pairs whose boxes overlap. Each pair has its own algorithm and contacts, so that pairs can be
-/// looked at in any order; what pairs share is the list of all contacts, whose order the solver goes by. Pairs are sorted
-/// and cut into chunks of a fixed size, each chunk notes what it adds to the list and takes from it, and afterwards that is
-/// done in the order of the chunks: the list is the same with any number of threads (Box2D 3 does so with its islands:
-/// Catto, "Determinism", 2024). Bullet's own dispatcher
-/// for threads leaves the order to chance.
+/// Finds the contacts of all pairs whose boxes overlap. Each pair has its own algorithm and contacts, so
+/// pairs can be processed in any order. They share only the list of all contacts, and the solver depends on
+/// its order. So pairs are sorted and cut into chunks of fixed size, and each chunk notes its additions to
+/// the list and removals from it. These are applied afterwards in chunk order, so the list is the same with
+/// any number of threads. (Box2D 3 treats its islands the same way: Catto, "Determinism", 2024.) In Bullet's
+/// own threaded dispatcher, the order is random.
 class PairDispatcher final : public btCollisionDispatcher {
  public:
-  /// `threads`: with the caller's; they are started when they are needed for the first time.
+  /// `threads`: including the caller's. They are started when first needed.
   PairDispatcher(btCollisionConfiguration* configuration, std::size_t threads);
   void dispatchAllCollisionPairs(btOverlappingPairCache* cache, const btDispatcherInfo& info,
                                  btDispatcher* dispatcher) override;
-  // Bullet's pools are for one thread.
+  // Bullet's pools are not thread-safe.
   btPersistentManifold* getNewManifold(const btCollisionObject* first,
                                        const btCollisionObject* second) override;
   void releaseManifold(btPersistentManifold* manifold) override;
@@ -42,7 +42,7 @@ class PairDispatcher final : public btCollisionDispatcher {
   void look_at(btBroadphasePair& pair, const btDispatcherInfo& info);
   void add(btPersistentManifold* manifold);
 
-  static thread_local Chunk* chunk_;  ///< that this thread is at; null: none
+  static thread_local Chunk* chunk_;  ///< the chunk that this thread processes; null: none
   std::size_t threads_;
   std::unique_ptr<Crew> crew_;
   std::vector<Work> work_;

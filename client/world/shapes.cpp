@@ -8,9 +8,9 @@
 namespace fracture::world {
 namespace {
 
-constexpr double kMargin = 0.002;      ///< metres, for hulls that have room for it
-constexpr double kMarginShare = 0.04;  ///< of the smallest side of the hull's box
-/// Direction k of n that are spread evenly over the sphere (a Fibonacci lattice).
+constexpr double kMargin = 0.002;      ///< metres, for hulls thick enough for it
+constexpr double kMarginShare = 0.04;  ///< of the shortest side of the hull's box
+/// Direction k of n directions spread evenly over the sphere (a Fibonacci lattice).
 glm::dvec3 spread_direction(std::size_t k, std::size_t n) {
   const double golden = 3.14159265358979323846 * (3 - std::sqrt(5.0));
   const double y = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(n);
@@ -32,10 +32,10 @@ std::size_t farthest(const Points& points, const glm::dvec3& direction) {
   return best;
 }
 
-/// The corners of the hull where its sides moved inwards by the margin have put them. A corner of many sides
-/// becomes a cluster of corners there, of which one is enough (Bullet looks at every point in every iteration
-/// of GJK). A sharp one is shortened by much more than the margin, and would sink into the ground by that: it
-/// stays, but for the margin.
+/// The hull's corners after its sides were moved inwards by the margin. A corner with many sides becomes a
+/// cluster of corners, of which one is enough (Bullet examines every point in every iteration of GJK). A
+/// sharp corner would move inwards by much more than the margin and later sink into the ground by that
+/// distance. So it moves only by the margin.
 Hull inner_corners(std::span<const glm::dvec3> points, const btConvexHullComputer& inside, double margin) {
   constexpr double kMostMargins = 2.5;
   Hull corners;
@@ -75,7 +75,7 @@ std::unique_ptr<HullShape> make_hull(std::span<const glm::dvec3> points) {
   const btScalar shrunk = computer.compute(&points[0].x, static_cast<int>(sizeof(glm::dvec3)),
                                            static_cast<int>(points.size()), margin, 0.5);
   auto shape = std::make_unique<HullShape>();
-  // A flat hull cannot be shrunk; it keeps its points.
+  // A flat hull cannot be shrunk, so it keeps its points.
   const bool usable = shrunk >= 0 && computer.vertices.size() >= 4;
   const Hull corners = usable ? inner_corners(points, computer, margin) : Hull(points.begin(), points.end());
   for (const glm::dvec3& p : corners) shape->addPoint(to_bullet(p), false);
@@ -133,14 +133,14 @@ bool is_replaced(const PreparedFragments& prepared, std::uint32_t fragment) {
 }
 
 Hull reduced_hull(std::span<const glm::vec3> points, std::size_t most) {
-  // The farthest points in evenly spread directions (a Fibonacci sphere): some of the hull's own corners.
+  // The farthest points in evenly spread directions (a Fibonacci sphere), all of them corners of the hull.
   Hull hull;
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < 8 * most && !points.empty(); ++k) {
     const std::size_t best = farthest(points, spread_direction(k, 8 * most));
     if (std::find(chosen.begin(), chosen.end(), best) == chosen.end()) chosen.push_back(best);
   }
-  // Keep those that stand farthest from one another.
+  // Keeps the points that are farthest from one another.
   while (chosen.size() > most) {
     std::size_t closest = 0;
     double least = HUGE_VAL;

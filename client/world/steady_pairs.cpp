@@ -6,7 +6,7 @@ namespace fracture::world {
 
 namespace {
 
-/// The root of all squares of what a rotation changed by: no vector of unit length is turned by more.
+/// The Frobenius norm of a rotation's change, an upper bound on how far a unit vector moves.
 btScalar turned(const btMatrix3x3& from, const btMatrix3x3& to) {
   btScalar sum = 0;
   for (int row = 0; row < 3; ++row) sum += (to[row] - from[row]).length2();

@@ -1,4 +1,4 @@
-// Bodies replaced by others: at the answer of the server, and where bonds break.
+// Replaces bodies by others: when an answer arrives, and when bonds break.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -8,7 +8,7 @@
 namespace fracture::world {
 namespace {
 
-constexpr int kRounds = 4;  ///< of loads and breaking within one step; later ones follow in later steps
+constexpr int kRounds = 4;  ///< of loading and breaking within one step; further rounds follow in later steps
 
 std::vector<Motion> motions(std::span<Body* const> bodies) {
   std::vector<Motion> result;
@@ -26,7 +26,7 @@ void set_motions(std::span<Body* const> bodies, std::span<const Motion> wanted) 
     }
 }
 
-/// The same angular momentum about another point.
+/// The same angular momentum, about another point.
 glm::dvec3 about(const Momentum& momentum, const glm::dvec3& center) {
   return momentum.angular + glm::cross(momentum.center - center, momentum.linear);
 }
@@ -137,7 +137,7 @@ std::vector<Body*> World::State::spawn(ObjectId object, std::span<const std::uin
   return made;
 }
 
-/// Makes the momentum of the new bodies that of the old ones, and notes both.
+/// Gives the new bodies the old ones' momentum, and records both.
 void World::State::replace(std::span<Body* const> old, std::span<Body* const> by, Swap swap) {
   swap.step = steps;
   for (const Body* body : old) swap.held = swap.held || body->held;
@@ -150,7 +150,8 @@ void World::State::replace(std::span<Body* const> old, std::span<Body* const> by
     set_momentum(now, swap.before.linear, about(swap.before, momentum(now).center));
     set_motions(by, now);
   }
-  // Another mass than the whole had (of an open mesh, say) stands as high.
+  // The pieces' total mass may differ from the whole's, for example if the mesh is open. The ledger must not
+  // count the difference in potential energy as a gain.
   for (const Body* body : old) ledger.brought -= body->mass.mass * height(*body);
   for (const Body* body : by) ledger.brought += body->mass.mass * height(*body);
   ledger.last_swap = steps;
@@ -172,7 +173,7 @@ void World::State::burst(std::span<Body* const> pieces, const glm::dvec3& point,
   for (Motion& body : thrown) {
     const glm::dvec3 away = body.mass.center - point;
     const double distance = glm::length(away);
-    if (distance > 1e-9) body.velocity += away / distance;  // 1 m/s for all: scaled below
+    if (distance > 1e-9) body.velocity += away / distance;  // 1 m/s for all; scaled below
   }
   set_momentum(thrown, before.linear, before.angular);
   double unit = 0, most = 0;
@@ -199,7 +200,7 @@ void World::State::split(Body& body) {
   const Motion field = body.moves() ? body.motion() : Motion{};
   const std::vector<std::uint32_t> members = body.members, bonds = body.bonds;
   Body* const old[] = {&body};
-  // A crack that parts nothing leaves the body as it is: another one would have to find all of its contacts anew.
+  // A crack that separates nothing keeps the body, because a new one would have to find all contacts again.
   if (components(members, bonds, object.fragments->set).size() == 1) {
     body.borne = 0;
     return replace(old, old, swap);
@@ -246,7 +247,7 @@ void World::fracture(ObjectId id, std::shared_ptr<const PreparedFragments> fragm
     if (!whole.held) {
       s.burst(made, pose.point(first.point), object.stored, 0.5 * approach);
     } else if (Body* hit = object.body_of[forces.front().fragment]; hit->moves()) {
-      // A held object took the impulse into the ground; what comes loose gets it, as far as the hit was fast.
+      // A held object passed the impulse to the ground. The loose piece gets it, limited by the hit's speed.
       const double speed =
           std::min({first.impulse / hit->mass.mass, approach, std::sqrt(2 * object.stored / hit->mass.mass)});
       set_motion(*hit, speed * (pose.rotation * first.direction), glm::dvec3(0));
@@ -298,7 +299,7 @@ bool World::change(ObjectId id, std::shared_ptr<const PreparedFragments> changed
       bonds.push_back(static_cast<std::uint32_t>(k));
     } else if (k >= now.first_bond || bond.gone) {
       object.bond_load[k] = -1;
-      object.cracked[k] = true;  // not now, and nobody heard it
+      object.cracked[k] = true;  // broken before, so no crack is witnessed now
     }
   }
   const Pose pose = body->asset_to_world();
@@ -350,7 +351,7 @@ std::optional<ObjectId> World::fracture_fragment(ObjectId id, std::uint32_t frag
   child.bond_load.assign(set.bonds.size(), -1);
   std::vector<std::uint32_t> members(set.fragments.size());
   for (std::uint32_t k = 0; k < members.size(); ++k) members[k] = k;
-  // Hit hard enough to be asked for: the pieces of a single fragment come apart.
+  // The hit was hard enough to request this, so the pieces of a single fragment all come apart.
   std::vector<Body*> made = s.spawn(made_id, members, {}, body.asset_to_world(), body.motion());
   Body* const old[] = {&body};
   s.replace(old, made, {.object = made_id, .broken_bonds = set.bonds.size()});

@@ -1,4 +1,4 @@
-// What is seen and heard of a step. Only reads the world.
+// Records what is seen and heard in a step. Only reads the world.
 #include <algorithm>
 #include <cmath>
 
@@ -7,9 +7,9 @@
 namespace fracture::world {
 namespace {
 
-/// Slower meetings are those of things that lie: no sound, no dust.
+/// Slower contacts are those of resting things: no sound, no dust.
 constexpr double kAudibleSpeed = 0.15;  // m/s
-/// A contact is a meeting while it is so young; later it carries weight.
+/// A contact counts as a knock for this many steps; after that it carries weight.
 constexpr int kYoungSteps = 2;
 
 glm::dvec3 speed_at(const Body& body, const glm::dvec3& point) {

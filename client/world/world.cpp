@@ -22,7 +22,8 @@ Pose inverse(const Pose& pose) {
 
 namespace {
 
-/// Pieces of one cell may overlap: the file says which must not collide. Crumbs do not collide with one another.
+/// Pieces of one cell may overlap, so the file states which must not collide. Crumbs do not collide with one
+/// another.
 struct SystemFilter : btOverlapFilterCallback {
   const std::vector<std::unique_ptr<Object>>& objects;
   explicit SystemFilter(const std::vector<std::unique_ptr<Object>>& o) : objects(o) {}
@@ -49,9 +50,10 @@ struct SystemFilter : btOverlapFilterCallback {
   }
 };
 
-/// With the ground and what stands on it for good the mean, as KHR_physics_rigid_bodies has it where a file says nothing:
-/// Bullet's product would let ice slide over stone as over ice. Among pieces the product: they wedge where real edges
-/// crumble, and with the mean a ball would stick in the hole that it made.
+/// Contacts with the ground and fixed objects use the mean, the default of KHR_physics_rigid_bodies. With
+/// Bullet's product, ice would slide over stone as easily as over ice. Contacts between pieces use the
+/// product, because pieces get stuck where real edges crumble. With the mean, a ball would stick in the hole
+/// that it made.
 btScalar friction_between(const btCollisionObject* a, const btCollisionObject* b) {
   const auto stands = [](const btCollisionObject* object) {
     const auto* body = static_cast<const Body*>(object->getUserPointer());
@@ -67,7 +69,7 @@ World::State::State(WorldSettings s)
     : settings(s),
       dispatcher(&configuration, s.threads),
       bullet(&dispatcher, &broadphase, &solver, &configuration) {
-  gCalculateCombinedFrictionCallback = friction_between;  // one for all of Bullet, as is the next
+  gCalculateCombinedFrictionCallback = friction_between;  // global for all of Bullet, as is the next line
   gDeactivationTime = 0.8;                                // seconds of stillness before sleep
   const auto* theirs =
       static_cast<btConvexConvexAlgorithm::CreateFunc*>(configuration.getCollisionAlgorithmCreateFunc(
@@ -88,12 +90,14 @@ World::State::State(WorldSettings s)
   for (const int body : {kHull, kCompound}) meet_by(body, kPlane, ground_pairs);
   bullet.setGravity(to_bullet(settings.gravity));
   bullet.getSolverInfo().m_numIterations = 30;
-  // Enough where no contact changes a velocity by more than three millimetres a second: gravity gives 27 times that in a step.
+  // The solver stops when no contact changes a velocity by more than 3 mm/s. In a step, gravity changes it by
+  // 27 times that.
   bullet.getSolverInfo().m_leastSquaresResidualThreshold = 1e-5;
-  // Penetration is mended without adding speed: fragments that touch must not fly apart.
+  // Corrects penetration without adding speed, because touching fragments must not fly apart.
   bullet.getSolverInfo().m_splitImpulse = true;
-  bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // however little it is
-  // Hulls of ragged pieces overlap: they part slowly, for they rise by it. What meets the ground is put right at once.
+  bullet.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // even the smallest penetration
+  // Overlapping hulls of ragged pieces part slowly, because parting lifts them. Penetration of the ground is
+  // corrected at once.
   bullet.getSolverInfo().m_erp2 = 0.2;
   filter = std::make_unique<SystemFilter>(objects);
   bullet.when_contacts_are_found = [this] { rouse(); };
@@ -181,7 +185,7 @@ BallId World::throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, dou
                      {from, {1, 0, 0, 0}}, 0.6, 0.35);
   ball.rigid->setRollingFriction(0.01);
   ball.rigid->setSpinningFriction(0.01);
-  // A pane is thinner than a step is long.
+  // A pane is thinner than the ball's path in a step.
   ball.rigid->setCcdMotionThreshold(0.5 * radius);
   ball.rigid->setCcdSweptSphereRadius(0.7 * radius);
   set_motion(ball, velocity, glm::dvec3(0));
@@ -221,7 +225,7 @@ void World::ask_again(ObjectId id) {
   object.awaited.reset();
   object.impacts.clear();
   object.stored = 0;
-  // Nothing came that could have come apart: it is pushed as it is.
+  // No fragments came for the blast to act on, so it pushes the whole.
   if (object.whole != nullptr)
     for (const Blast& blast : object.blasts)
       state_->push(*object.whole,
@@ -236,7 +240,7 @@ void World::scale_mass(ObjectId id, double factor) {
   state_->ledger.brought += (factor - 1) * state_->energy(body);
   object.spec.mass.mass *= factor;
   object.spec.mass.inertia *= factor;
-  if (!body.held) object.spec.strength *= factor;  // what is held breaks where it is hit, whatever it weighs
+  if (!body.held) object.spec.strength *= factor;  // a held object's strength does not depend on its weight
   body.mass = object.spec.mass;
   if (body.moves())
     body.rigid->setMassProps(body.mass.mass, to_bullet(principal_axes(body.mass.inertia).moments));
@@ -245,7 +249,7 @@ void World::scale_mass(ObjectId id, double factor) {
 
 bool World::is_whole(ObjectId object) const { return state_->objects.at(object)->whole != nullptr; }
 bool World::stands(ObjectId object) const {
-  constexpr double kStands = 0.05;  // m/s: after one step of its fall it is faster
+  constexpr double kStands = 0.05;  // m/s: a falling body exceeds it after one step
   const Body* whole = state_->objects.at(object)->whole;
   return whole != nullptr && glm::length(from_bullet(whole->rigid->getLinearVelocity())) < kStands;
 }

@@ -1,5 +1,5 @@
-// The game's rigid bodies (Bullet) and the rules by which they break. Fixed steps, one thread; the same calls give the
-// same motion.
+// The game's rigid bodies (Bullet) and the rules by which they break. Steps are fixed, and one thread may
+// call this. The same calls give the same motion.
 //
 // An object is whole until fracture() supplies its fragments. From then on it consists of groups of bonded
 // fragments; each group is one compound body. A group splits on its own if an impact overloads its bonds, without
@@ -60,8 +60,9 @@ struct WorldSettings {
   /// cracks. Adds no momentum.
   double burst = 0.05;
   std::size_t max_bodies = 800;  ///< maximum that move; beyond it, the smallest loose fragments fade at once
-  /// While more bodies than this move, things break into fewer, larger pieces (holding.cpp), new small loose fragments
-  /// (debris_share) collide with the ground and larger bodies but not with one another, and loose fragments do not break again.
+  /// While more bodies than this move, things break into fewer, larger pieces (holding.cpp), and loose
+  /// fragments do not break again. New small loose fragments (debris_share) then collide with the ground and
+  /// larger bodies, but not with one another.
   std::size_t live_bodies = 120;
   std::size_t max_balls = 24;  ///< beyond it, the oldest ball is removed
   /// Share of an object's volume: smaller loose fragments that support nothing fade once they have slept …
@@ -104,7 +105,7 @@ struct Impact {
 struct Event {
   enum class Kind {
     kBreak,          ///< a whole object was hit beyond its strength
-    kAhead,          ///< it probably will within WorldSettings::foresight: a ball approaches, or it falls
+    kAhead,          ///< it will probably be hit that hard within WorldSettings::foresight
     kBreakFragment,  ///< a large single fragment was hit beyond its share of the strength
     kAgain,  ///< a ball will probably hit bonded fragments beyond their strength; repeated every few steps
   };
@@ -240,8 +241,9 @@ class World {
   void add_static_box(const Pose& pose, const glm::dvec3& half_sides);
   BallId throw_ball(const glm::dvec3& from, const glm::dvec3& velocity, double radius, double density);
 
-  /// Pushes and breaks what is around. Whole objects hit beyond their strength request their fragments, which receive the impulse when
-  /// they arrive. The ledger records the added energy. Does nothing if impulse or radius is not positive.
+  /// Pushes and breaks everything around the point. Whole objects hit beyond their strength request their
+  /// fragments, which receive the impulse when they arrive. The ledger records the added energy. Does nothing
+  /// if impulse or radius is not positive.
   void explode(const Blast& blast);
   /// The first point at which a ray meets a body or the ground.
   std::optional<glm::dvec3> first_met(const glm::dvec3& from, const glm::dvec3& to) const;
@@ -254,10 +256,10 @@ class World {
   std::optional<ObjectId> fracture_fragment(ObjectId object, std::uint32_t fragment,
                                             std::shared_ptr<const PreparedFragments> pieces);
 
-  /// Replaces fragments with the result of a further hit on the current set, which prepare() received as `before`, where
-  /// and as they move now. All replaced fragments must be connected, directly or through others: a change is all or
-  /// nothing, because its new fragments fill the old ones' place together, and loose fragments are elsewhere. Otherwise
-  /// returns false and changes nothing.
+  /// Replaces fragments, where and as they move now, with the result of a further hit on the current set,
+  /// which prepare() received as `before`. The change is all or nothing, because the new fragments together
+  /// fill the place of the old ones. So all replaced fragments must be connected, directly or through others.
+  /// Otherwise returns false and changes nothing.
   bool change(ObjectId object, std::shared_ptr<const PreparedFragments> changed);
   /// Number of fragments connected to this one whose centres are within `radius` metres of a point in the
   /// asset's frame; 0 if it is gone.
@@ -277,7 +279,7 @@ class World {
   std::vector<Swap> take_swaps();
   /// Once per object: when its fragments arrive after the hit, or when the first bond of ready fragments breaks.
   std::vector<Break> take_breaks();
-  /// Since the last call; at most WorldSettings::max_witnessed of each.
+  /// The events since the last call, at most WorldSettings::max_witnessed of each kind.
   Witnessed take_witnessed();
 
   bool is_whole(ObjectId object) const;

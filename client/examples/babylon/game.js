@@ -19,7 +19,7 @@ new DirectionalLight('sun', new Vector3(-0.4, -0.9, -0.5), scene);
 new FreeCamera('eye', new Vector3(0, 2.6, 8), scene).setTarget(new Vector3(0, 2, 0));
 const colored = hex => Object.assign(new StandardMaterial(hex, scene), { diffuseColor: Color3.FromHexString(hex), specularColor: Color3.Black() });
 const skins = new MultiMaterial('fragment', scene), red = colored('#b3262e');
-skins.subMaterials = [colored('#7b8890'), colored('#b0a793')];  // outside, cut faces; glTF's order of corners, which is not Babylon's own
+skins.subMaterials = [colored('#7b8890'), colored('#b0a793')];  // outside, cut faces; corners in glTF's order
 for (const skin of skins.subMaterials) skin.sideOrientation = Material.CounterClockWiseSideOrientation;
 const floor = Object.assign(CreateBox('floor', { width: 60, depth: 60 }, scene), { position: new Vector3(0, -0.5, 0), material: colored('#7d868c') });
 new PhysicsAggregate(floor, PhysicsShapeType.BOX, { mass: 0 }, scene);

@@ -1,5 +1,5 @@
-// Edges that samples do not see (in glass, of shadows and glints): a pixel of high contrast is blended along the edge that
-// its neighbours' brightness makes. After the idea of Lottes, "FXAA", 2009.
+// Smooths edges that multisampling misses (in glass, of shadows and glints). A pixel of high contrast is
+// blended along the edge seen in its neighbours' brightness. Based on Lottes, "FXAA", 2009.
 in vec2 ndc;
 uniform sampler2D source;
 layout(location = 0) out vec4 result;
@@ -21,6 +21,6 @@ void main() {
   vec4 near = 0.5 * (textureLod(source, uv + 0.5 * t * along, 0.0) + textureLod(source, uv - 0.5 * t * along, 0.0));
   vec4 wide = 0.5 * near + 0.25 * (textureLod(source, uv + 1.5 * t * along, 0.0) + textureLod(source, uv - 1.5 * t * along, 0.0));
   float of_wide = bright(wide.rgb);
-  // Where the wider mean leaves the range it has met another edge.
+  // A wider mean outside the range has met another edge.
   result = mix(here, of_wide < low || of_wide > high ? near : wide, 0.75);
 }

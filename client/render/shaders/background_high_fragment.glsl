@@ -8,7 +8,7 @@ void main() {
     d = normalize(far_away.xyz / far_away.w - eye.xyz);
   }
   vec3 color = sky_with_clouds(d);
-  // The disc of the sun, half a degree wide, larger by what the eye makes of it.
+  // The disc of the sun: half a degree wide, enlarged by glare.
   color += 4.0 * sun.rgb * smoothstep(0.9998, 0.99995, dot(d, towards_sun.xyz));
   result = vec4(tone_map(eye.w * color), 1.0);
 }

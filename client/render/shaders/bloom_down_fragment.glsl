@@ -1,9 +1,9 @@
-// Half the size; thirteen readings that overlap, so that nothing flickers: Jimenez, "Next Generation Post Processing in
-// Call of Duty: Advanced Warfare", 2014.
+// Halves the size. Thirteen overlapping readings prevent flicker: Jimenez, "Next Generation Post Processing
+// in Call of Duty: Advanced Warfare", 2014.
 in vec2 ndc;
 uniform sampler2D source;
-uniform float threshold;  // only what is brighter comes through; 0: all
-uniform float dearest;    // of a reading
+uniform float threshold;  // only brighter light passes; 0: all
+uniform float dearest;    // upper limit of a reading's brightness
 layout(location = 0) out vec4 result;
 
 vec3 reading(vec2 uv) {

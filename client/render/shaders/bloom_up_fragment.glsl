@@ -1,4 +1,4 @@
-// Twice the size, a tent over nine readings; added to what is there.
+// Doubles the size, with a tent filter of nine readings; added to the target.
 in vec2 ndc;
 uniform sampler2D source;
 layout(location = 0) out vec4 result;

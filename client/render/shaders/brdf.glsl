@@ -1,5 +1,5 @@
-// How surfaces reflect light: glTF 2.0 specification, appendix B.3 (GGX of Trowbridge-Reitz, visibility
-// term of Smith correlated by height, Heitz 2014; Fresnel by Schlick 1994).
+// How surfaces reflect light: glTF 2.0 specification, appendix B.3 (Trowbridge-Reitz GGX; height-correlated
+// Smith visibility, Heitz 2014; Schlick's Fresnel term, 1994).
 const float PI = 3.14159265358979;
 
 // The environment's share of reflected light: Karis, "Physically Based Shading on Mobile", 2014, after Lazarov.

@@ -1,6 +1,6 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec4 center;  // w: half its length
+layout(location = 2) in vec4 center;  // w: half the length
 layout(location = 3) in vec4 turn;    // axis, radians
 layout(location = 4) in vec4 albedo;  // w: length over width
 

@@ -3,7 +3,7 @@ in float mask_alpha;
 uniform sampler2D base_color_map;
 uniform float cutoff;        // negative: no mask
 uniform float alpha_factor;
-uniform float coverage;      // share of the light that is kept back
+uniform float coverage;      // share of the light that is blocked
 
 // Interleaved gradient noise: Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014.
 float dither(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715)))); }

@@ -1,4 +1,4 @@
-// Only where something is: masks cut holes.
+// Writes depth only, with holes where the mask cuts.
 in vec4 vertex_uv, vertex_color;
 uniform sampler2D base_color_map;
 uniform vec4 base_color, more;  // as in surface_fragment.glsl

@@ -3,7 +3,7 @@ layout(location = 3) in vec4 uv;
 layout(location = 4) in vec4 color;
 layout(location = 5) in uint object;
 
-uniform int map;  // -1 the sun, else a direction of the sky
+uniform int map;  // -1: the sun; otherwise a direction of the sky
 uniform int alpha_uv;
 out vec2 mask_uv;
 out float mask_alpha;

@@ -1,4 +1,4 @@
-// What every program knows of the current picture; Renderer::Frame in std140.
+// The data of the current picture that every program gets; the FrameBlock of frame_block.hpp in std140.
 #define MAX_SKY 64
 layout(std140) uniform Frame {
   mat4 view_projection, inverse_view_projection, sun_matrix;
@@ -8,13 +8,13 @@ layout(std140) uniform Frame {
   vec4 towards_sun;  // w: softness in texels
   vec4 sun;          // irradiance; w: 1 with shadow
   vec4 sky;          // radiance; w: number of sky directions
-  vec4 ground;       // radiance; w: 1 where the camera is orthographic
+  vec4 ground;       // radiance; w: 1 if the camera is orthographic
   vec4 background_top, background_bottom;
-  vec4 sphere;       // of what is drawn: centre, radius
-  vec4 plane;        // of the ground: colour, height
-  vec4 texel;        // metres of a texel: sun, sky; 1 / side: sun, sky
+  vec4 sphere;       // around the drawn objects: centre, radius
+  vec4 plane;        // of the ground: rgb colour, w: height
+  vec4 texel;        // metres per texel: sun, sky; 1 / side: sun, sky
   vec4 forward;      // the camera's direction
-  vec4 fog;          // high tier: 1 / metres to fog; radius of occlusion, metres; 1 / pixels of the picture
+  vec4 fog;          // high tier: 1 / metres to fog; occlusion radius in metres; 1 / pixels of the picture
 };
 
 vec3 background_at(float ndc_y) { return mix(background_bottom.rgb, background_top.rgb, 0.5 + 0.5 * ndc_y); }

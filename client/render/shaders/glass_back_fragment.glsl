@@ -1,4 +1,4 @@
-// Where light leaves glass: normal, towards the eye's side, and distance from the eye's plane.
+// The point where light leaves glass: normal on the eye's side, and distance from the eye's plane.
 in vec3 world_position, world_normal;
 layout(location = 0) out vec4 result;
 

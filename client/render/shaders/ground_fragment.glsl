@@ -3,7 +3,7 @@ in vec4 clip;
 uniform int grid, fade;
 layout(location = 0) out vec4 result;
 
-// 1 on lines every `step` metres, as wide as a pixel.
+// 1 on lines every `step_length` metres, each a pixel wide.
 float lines(vec2 p, float step_length) {
   vec2 q = p / step_length, width = fwidth(q);
   vec2 d = abs(fract(q - 0.5) - 0.5) / max(width, vec2(1e-6));

@@ -3,10 +3,10 @@ uniform int grid;
 uniform sampler2D screen_occlusion;
 layout(location = 0) out vec4 result;
 
-// Flags of stone: how near a joint is (1: in it), and a number of each flag.
+// Flagstones: closeness to a joint (1: in it), and a random number of each flagstone.
 vec2 paving(vec2 p, float side) {
   vec2 q = p / side, inside = abs(fract(q) - 0.5), width = fwidth(q);
-  // Softer than a pixel, and fainter where a pixel is wider than the joint.
+  // Joints are softer than a pixel, and fainter if a pixel is wider than the joint.
   const float kJoint = 0.008;
   vec2 joint = smoothstep(0.5 - kJoint - width, vec2(0.5 - 0.5 * kJoint) + 0.3 * width, inside) * min(vec2(1.0), 2.5 * kJoint / width);
   float seen = 1.0 - smoothstep(0.10, 0.45, max(width.x, width.y));
@@ -18,7 +18,7 @@ void main() {
   float scale = pow(10.0, floor(log(max(sphere.w, 1e-6)) / log(10.0) + 0.5));
   vec2 q = p.xz / scale;
   float pixel = length(fwidth(q));
-  // Stains, and grain where it is near enough not to flicker.
+  // Stains, and grain that is only drawn near enough not to flicker.
   float tone = 0.14 * (fractal(vec3(2.1 * q, 2.0), 5) - 0.5) + 0.10 * (noise(vec3(0.7 * q, 9.0)) - 0.5);
   tone += 0.12 * (noise(vec3(260.0 * q, 1.0)) - 0.5) * (1.0 - smoothstep(0.001, 0.0035, pixel));
   tone += 0.10 * (noise(vec3(900.0 * q, 4.0)) - 0.5) * (1.0 - smoothstep(0.0003, 0.001, pixel));

@@ -1,5 +1,5 @@
 out vec3 world_position;
-// As far as the fog leaves anything to be seen.
+// Extends as far as the fog lets anything be seen.
 void main() {
   vec2 corner = vec2(gl_VertexID % 2 == 0 ? -1.0 : 1.0, gl_VertexID < 2 ? -1.0 : 1.0);
   vec3 middle = ground.w > 0.5 ? sphere.xyz : eye.xyz;

@@ -2,9 +2,10 @@
 uniform sampler2DShadow sun_map;
 uniform sampler2DArrayShadow sky_maps;
 
-// Percentage-closer filtering (Reeves, Salesin, Cook, 1987) over a Vogel disc. All pixels have the same disc: one that
-// turned from pixel to pixel left a pattern in the shadows, and what is between two taps the map's own filter smooths.
-// The point is moved along its normal by what a texel can hide (Holbert, "Saying Goodbye to Shadow Acne", 2011).
+// Percentage-closer filtering (Reeves, Salesin, Cook, 1987) over a Vogel disc. All pixels use the same disc,
+// because turning it from pixel to pixel left a pattern in the shadows. The map's own filter smooths between
+// two taps. The point is moved along its normal by the distance that a texel can hide (Holbert, "Saying
+// Goodbye to Shadow Acne", 2011).
 float sun_visibility(vec3 p, vec3 n) {
   if (sun.w < 0.5) return 1.0;
   float facing = clamp(dot(n, towards_sun.xyz), 0.0, 1.0);
@@ -20,15 +21,15 @@ float sun_visibility(vec3 p, vec3 n) {
   return lit / float(kTaps);
 }
 
-// Share of the sky's light (weighted with the cosine) that reaches the point; 1 without sky shadows.
+// Share of the sky's light (weighted by the cosine) that reaches the point; 1 without sky shadows.
 float sky_visibility(vec3 p, vec3 n) {
   int count = int(sky.w);
   if (count == 0) return 1.0;
-  const float kRadius = 3.0;  // texels: neighbouring directions run into each other
+  const float kRadius = 3.0;  // texels: neighbouring directions overlap
   vec3 moved = p + n * (1.0 + kRadius) * texel.y;
   float all = 0.02, lit = 0.02;
   for (int k = 0; k < count; ++k) {
-    float weight = dot(n, sky_direction[k].xyz) + 0.15;  // a little beyond the horizon: no hard edge of the sum
+    float weight = dot(n, sky_direction[k].xyz) + 0.15;  // slightly below the horizon, to soften the edge
     if (weight <= 0.0) continue;
     vec3 q = (sky_matrix[k] * vec4(moved, 1.0)).xyz;
     float angle = 2.39996323 * float(k);
@@ -48,7 +49,7 @@ float soft_box(vec3 r, vec3 towards, vec3 up, vec2 half_size, float blur) {
   return edge.x * edge.y * min(half_size.x * half_size.y, 1.0) / min((half_size.x + blur) * (half_size.y + blur), 1.0);
 }
 
-// What a mirror direction shows: ground and sky, and two lamps of a studio.
+// The mirrored surroundings: ground and sky, and two studio lamps.
 vec3 environment(vec3 r, float roughness) {
   float blur = 0.04 + 0.9 * roughness * roughness;
   vec3 horizon = mix(sky.rgb, vec3(1.0), 0.25);

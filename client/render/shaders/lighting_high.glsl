@@ -1,15 +1,15 @@
-// Light and shadows of the high tier: no pixel is darker than its neighbour by chance.
+// Light and shadows of the high tier, without noise between neighbouring pixels.
 uniform sampler2DShadow sun_map;
 uniform sampler2D sun_depths;         // the same map, without comparison
-uniform sampler2DShadow clear_map;    // what lets light through stands in the sun's way
+uniform sampler2DShadow clear_map;    // casters that let light through
 uniform sampler2DArrayShadow sky_maps;
 uniform samplerCube sky_map;          // levels by roughness
-const float kRoughestLevel = 5.0;     // as in sky_light.hpp
+const float kRoughestLevel = 5.0;     // as in sky_light.cpp
 const float kClearShadow = 0.35;      // as in surface_pass.cpp
-const float kBrightest = 24.0;        // what a single point of light may be
+const float kBrightest = 24.0;        // upper limit for a single point of light
 
-// Percentage-closer filtering on a regular grid, as wide as what throws the shadow is far away: Fernando,
-// "Percentage-Closer Soft Shadows", 2005. Neighbouring taps overlap, so that no pattern is seen.
+// Percentage-closer filtering on a regular grid, wider the farther away the caster is: Fernando,
+// "Percentage-Closer Soft Shadows", 2005. Neighbouring taps overlap to avoid a pattern.
 float sun_visibility(vec3 p, vec3 n) {
   if (sun.w < 0.5) return 1.0;
   float facing = clamp(dot(n, towards_sun.xyz), 0.0, 1.0);
@@ -25,7 +25,8 @@ float sun_visibility(vec3 p, vec3 n) {
       found += in_front;
       gap += in_front * before;
     }
-  // The map is 2.2 radii deep and 2 wide; the sun's edge is blurred as by a disc four times its size.
+  // The map covers 2.2 radii in depth and 2 in width. The sun's disc is blurred as if it were four times as
+  // large.
   const float kSpread = 0.036;
   float wide = found > 0.0 ? kSpread * 1.1 * gap / found / texel.z : 0.0;  // texels
   const int kReach = 3;
@@ -42,7 +43,7 @@ float sun_visibility(vec3 p, vec3 n) {
   return lit / all;
 }
 
-// Share of the sky's light (weighted with the cosine) that reaches the point; 1 without sky shadows.
+// Share of the sky's light (weighted by the cosine) that reaches the point; 1 without sky shadows.
 float sky_visibility(vec3 p, vec3 n) {
   int count = int(sky.w);
   if (count == 0) return 1.0;
@@ -62,13 +63,13 @@ float sky_visibility(vec3 p, vec3 n) {
   return lit / all;
 }
 
-// What a mirror direction shows.
+// The mirrored surroundings.
 vec3 environment(vec3 r, float roughness) { return textureLod(sky_map, r, kRoughestLevel * roughness).rgb; }
 
-// Light stays light until the picture is finished.
+// Light stays linear until the picture is finished.
 vec3 tone_map(vec3 c) { return clamp(c, vec3(0.0), vec3(kBrightest)); }
 
-// 1 behind endless fog, which begins at the eye, or at what is drawn where all lines of sight are parallel.
+// 1 in complete fog, which begins at the eye, or at the drawn objects if all lines of sight are parallel.
 float fog_at(vec3 p) {
   float way = distance(p, ground.w > 0.5 ? sphere.xyz : eye.xyz) * fog.x;
   return 1.0 - exp(-way * way);

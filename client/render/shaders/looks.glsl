@@ -1,7 +1,7 @@
-// Solid textures by name (looks.hpp). q is the place in the whole object: -1 … 1 in its bounding sphere.
+// Solid textures by name (looks.hpp). q is the position in the whole object: -1 … 1 in its bounding sphere.
 const int kGlass = 1, kWood = 2, kConcrete = 3, kStone = 4, kBrick = 5, kCeramic = 6, kMetal = 7, kIce = 8, kPlaster = 9;
 uniform int look;
-vec3 grain;  // of the object
+vec3 grain;  // the object's grain
 
 struct Looked {
   vec3 color;
@@ -16,7 +16,7 @@ vec3 along_grain(vec3 q) {
   return vec3(dot(q, x), dot(q, y), dot(q, grain));
 }
 
-// Year rings around a pith outside of the object, so that boards show their cathedral pattern.
+// Year rings around a pith outside the object, so that boards show a cathedral pattern.
 float wood_rings(vec3 g) {
   vec2 pith = vec2(0.35, -1.3);
   float r = length(g.xy - pith + 0.05 * vec2(noise(vec3(2.0 * g.xy, 0.9 * g.z)), noise(vec3(2.0 * g.yx, 0.9 * g.z + 9.0))));
@@ -24,7 +24,7 @@ float wood_rings(vec3 g) {
   return smoothstep(0.15, 0.80, ring) * (1.0 - smoothstep(0.90, 1.0, ring));
 }
 
-// Height of the surface's fine relief, for the normal; in units of q.
+// Height of the surface's fine relief, in units of q; gives the normal.
 float relief(vec3 q, bool cut) {
   if (look == kWood) {
     vec3 g = along_grain(q);
@@ -40,14 +40,14 @@ float relief(vec3 q, bool cut) {
   return 0.0;
 }
 
-// In a wall of bricks (x along it, y up; wall: its low and high corner): which brick (0 … 1, by chance), and how far
-// from its edge in metres.
+// In a brick wall (x along it, y up; wall: its low and high corner): a random number for each brick (0 … 1),
+// and the distance from the brick's edge in metres.
 vec2 brick_at(vec2 p, vec2 size, vec4 wall) {
   vec2 from_end = min(p - wall.xy, wall.zw - p), at = clamp(p, wall.xy + 1e-3, wall.zw - 1e-3) - wall.xy;
   float row = floor(at.y / size.y);
   vec2 brick = vec2(at.x / size.x + 0.5 * mod(row, 2.0), at.y / size.y), inside = fract(brick);
   vec2 edge = min(inside, 1.0 - inside) * size;
-  edge = mix(edge, vec2(1.0), vec2(lessThan(from_end, vec2(2e-3))));  // no joint shows on the ends and the top
+  edge = mix(edge, vec2(1.0), vec2(lessThan(from_end, vec2(2e-3))));  // no joints at the ends and the top
   return vec2(random3(ivec3(int(floor(brick.x)), int(row), 7)).x, min(edge.x, edge.y));
 }
 

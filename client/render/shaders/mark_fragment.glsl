@@ -1,4 +1,5 @@
-// A decal on whatever is inside its box, by the depth of the picture: Persson, "Volume Decals", GPU Pro 2, 2011.
+// A decal on anything inside its box, found by the picture's depth: Persson, "Volume Decals", GPU Pro 2,
+// 2011.
 flat in vec3 middle, x_axis, y_axis, z_axis;
 flat in vec4 paint;
 uniform sampler2D scene_depth;
@@ -13,11 +14,11 @@ void main() {
   float r = length(q.xy);
   if (depth >= 1.0 || r > 1.0 || abs(q.z) > 0.5) discard;
   vec3 n = normalize(z_axis);
-  // No two alike: where they are decides.
+  // The position varies the marks, so that no two look alike.
   vec3 cell = 7.0 * middle;
   float angle = atan(q.y, q.x);
   float edge = noise(vec3(2.5 * q.xy, 0.0) + cell), grain = noise(vec3(14.0 * q.xy, 3.0) + cell);
-  float inner = paint.w < 0.0 ? 0.30 : 0.75;  // with rays the spot is small
+  float inner = paint.w < 0.0 ? 0.30 : 0.75;  // with rays, the spot is small
   float spot = smoothstep(inner, 0.25 * inner, r * (0.6 + 0.8 * edge)) * (0.45 + 0.55 * grain);
   float rays = 0.0;
   if (paint.w < 0.0) {

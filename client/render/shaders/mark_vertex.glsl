@@ -1,7 +1,7 @@
 layout(location = 0) in vec3 corner;   // of the cube of side 2
 layout(location = 1) in vec4 center;   // w: radius
-layout(location = 2) in vec4 upright;  // normal of the surface; w: turned by so many radians
-layout(location = 3) in vec4 albedo;   // w: opacity, negative: with rays
+layout(location = 2) in vec4 upright;  // normal of the surface; w: rotation about it in radians
+layout(location = 3) in vec4 albedo;   // w: opacity; negative: with rays
 
 flat out vec3 middle, x_axis, y_axis, z_axis;
 flat out vec4 paint;

@@ -1,5 +1,5 @@
-// Noise on a lattice, the same on every driver: its random numbers are made of integers (Jarzynski & Olano, "Hash
-// Functions for GPU Rendering", 2020: pcg3d).
+// Noise on a lattice, identical on every driver because its random numbers come from integers (Jarzynski &
+// Olano, "Hash Functions for GPU Rendering", 2020: pcg3d).
 uvec3 pcg3d(uvec3 v) {
   v = v * 1664525u + 1013904223u;
   v.x += v.y * v.z;
@@ -25,7 +25,7 @@ float noise(vec3 p) {
   return mix(mix(a, b, f.y), mix(d, e, f.y), f.z);
 }
 
-// Octaves of it, 0 … 1.
+// A sum of octaves, 0 … 1.
 float fractal(vec3 p, int octaves) {
   float sum = 0.0, amplitude = 0.5, all = 0.0;
   for (int k = 0; k < octaves; ++k) {

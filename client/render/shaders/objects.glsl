@@ -1,4 +1,4 @@
-// The table of objects: eleven texels each. See GpuScene::set_states.
+// The table of objects, eleven texels each. See GpuModel::set_states.
 uniform samplerBuffer object_table;
 
 vec4 object_texel(uint object, int texel) { return texelFetch(object_table, int(object) * 11 + texel); }

@@ -1,4 +1,4 @@
-// The mean over four by four pixels of the same surface.
+// The mean over the pixels of a four by four square that show the same surface.
 uniform sampler2D scene_depth, raw_occlusion;
 uniform mat4 inverse_projection;
 layout(location = 0) out vec4 result;
@@ -11,7 +11,7 @@ float distance_at(ivec2 pixel) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy), last = textureSize(scene_depth, 0) - 1;
   float here = distance_at(pixel);
-  // What a surface seen from the side may differ by, from pixel to pixel.
+  // The change in depth from pixel to pixel that a tilted surface may have.
   float slope = max(abs(dFdx(here)), abs(dFdy(here)));
   float room = 0.004 * abs(here) + min(2.5 * slope, 0.05 * abs(here));
   float sum = 0.0, all = 0.0;

@@ -1,6 +1,6 @@
-// How much of its surroundings within a radius a point of the picture sees, from the depth of its neighbours: Jimenez,
-// Wu, Pesce, Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016 (horizons to both sides of
-// some planes through the view, between which the cosine is integrated in closed form).
+// The unoccluded share of a point's surroundings, from the depth of neighbouring pixels: Jimenez, Wu, Pesce,
+// Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion", 2016. (Finds the horizons to both
+// sides in some planes through the view, and integrates the cosine between them in closed form.)
 uniform sampler2D scene_depth;
 uniform mat4 inverse_projection, projection;
 layout(location = 0) out vec4 result;
@@ -14,7 +14,7 @@ vec3 place(ivec2 pixel, float depth) {
 }
 vec3 place_at(ivec2 pixel) { return place(pixel, depth_at(pixel)); }
 
-// Towards the neighbour on the same surface: the one whose depth differs less.
+// Difference to the neighbour on the same surface, the one whose depth differs less.
 vec3 slope(ivec2 pixel, vec3 p, ivec2 step_by) {
   vec3 a = place_at(pixel + step_by) - p, b = p - place_at(pixel - step_by);
   return abs(a.z) < abs(b.z) ? a : b;
@@ -32,7 +32,7 @@ void main() {
   bool parallel = projection[3][3] == 1.0;
   vec3 v = parallel ? vec3(0, 0, 1) : normalize(-p);
   if (dot(n, v) < 0.0) n = -n;
-  p += 1e-3 * fog.y * n + 2e-4 * abs(p.z) * v;  // the depth's own steps are no walls
+  p += 1e-3 * fog.y * n + 2e-4 * abs(p.z) * v;  // so depth steps do not look like walls
   float radius = fog.y;
   float reach = radius * projection[1][1] / (parallel ? 1.0 : -p.z) * 0.5 / fog.w;  // pixels
   reach = min(reach, 0.25 / fog.w);
@@ -40,7 +40,7 @@ void main() {
     result = vec4(1.0);
     return;
   }
-  // All of these numbers are there once in each square of four by four pixels, over which the blur goes.
+  // Each of these values occurs once in every square of four by four pixels, over which the blur averages.
   int in_square = (pixel.x & 3) + 4 * (pixel.y & 3);
   float turn = float((in_square * 5) & 15) / 16.0, start = float((in_square * 11 + 3) & 15) / 16.0;
   const int kPlanes = 3, kSteps = 5;
@@ -60,7 +60,7 @@ void main() {
         float t = (float(j) + start + 0.15) / float(kSteps);
         ivec2 at = pixel + ivec2(round(towards * max(reach * t * t, float(j) + 1.0) * along));
         float d = depth_at(at);
-        if (d >= 1.0) continue;  // the sky hides nothing
+        if (d >= 1.0) continue;  // the sky occludes nothing
         vec3 to = place(at, d) - p;
         float far_off = length(to);
         float fade = 1.0 - smoothstep(0.6, 1.0, far_off / radius);

@@ -19,7 +19,7 @@ void main() {
   depth_of_puff = gl_Position.w;
   vec2 at = mat2(c, s, -s, c) * corner / 1.4143;
   uv = vec2((0.5 + 0.5 * at.x + turned.y) / 4.0, 0.5 + 0.5 * at.y);
-  // Dust sends light on in all directions: one light for all of a puff, with the sun at its middle and near it.
+  // Dust scatters light in all directions, so a puff has one light, with the sun sampled around its centre.
   float sunny = 0.0;
   if (sun.w < 0.5) {
     sunny = 1.0;
@@ -31,7 +31,7 @@ void main() {
   }
   lit = vec4(albedo.rgb * (0.3 * sun.rgb * sunny + 0.6 * sky.rgb + 0.3 * ground.rgb), albedo.w);
 #ifdef HIGH
-  lit.rgb *= 0.7;  // a brighter sun: white dust is no lamp
+  lit.rgb *= 0.7;  // the high tier's sun is brighter, and white dust would glow
 #endif
   thick = center.w;
 }

@@ -1,5 +1,5 @@
-// The samples of each pixel to one colour; bright ones weigh less, so that edges of what glares are smooth once it is
-// shown: Karis, "High-Quality Temporal Supersampling", 2014.
+// Combines each pixel's samples into one colour. Bright samples have less weight, so that edges of glaring
+// areas are smooth after tone mapping: Karis, "High-Quality Temporal Supersampling", 2014.
 uniform sampler2DMS samples;
 uniform int count;
 layout(location = 0) out vec4 result;

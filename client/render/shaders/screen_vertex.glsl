@@ -1,4 +1,4 @@
-// All of the picture as one triangle.
+// Covers the whole picture with one triangle.
 out vec2 ndc;
 void main() {
   ndc = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);

@@ -1,18 +1,18 @@
-// The sky of a clear day as a function of the direction: light that air and haze scatter once. Optical depths of air at
-// 650, 550 and 450 nm: Hansen & Travis, "Light Scattering in Planetary Atmospheres", 1974. Air mass: Kasten & Young,
-// "Revised Optical Air Mass Tables", 1989. Around the sun: Henyey & Greenstein, 1941.
+// A clear sky as a function of the direction: light scattered once by air and haze. Optical depths of air at
+// 650, 550 and 450 nm: Hansen & Travis, "Light Scattering in Planetary Atmospheres", 1974. Air mass: Kasten &
+// Young, "Revised Optical Air Mass Tables", 1989. Around the sun: Henyey & Greenstein, 1941.
 const vec3 kAir = vec3(0.049, 0.097, 0.221);
 const float kHaze = 0.035;
-const float kTurbid = 1.9;           // as if there were so much more air: a sky that is not too dark overhead
-const float kMostAir = 11.0;         // air masses: from a hill, not in a plain, where all that is far is white
-const float kDaylight = 1.5;         // endless air is so much brighter than the sky in the mean
+const float kTurbid = 1.9;           // multiplies the air, so that the sky is not too dark overhead
+const float kMostAir = 11.0;         // air masses: as from a hill; in a plain, everything distant is white
+const float kDaylight = 1.5;         // brightness of infinitely deep air, relative to the mean sky
 
 float air_mass(float height) {
   float degrees_up = degrees(asin(clamp(height, 0.0, 1.0)));
   return 1.0 / (max(height, 0.0) + 0.50572 * pow(degrees_up + 6.07995, -1.6364));
 }
 
-// At the horizon and below it, too: what fog has for its colour.
+// Also defined at and below the horizon, because it is the fog's colour.
 vec3 clear_sky(vec3 d) {
   vec3 scattered = 1.0 - exp(-(kTurbid * kAir + kHaze) * min(air_mass(d.y), kMostAir));
   const float kForward = 0.76;

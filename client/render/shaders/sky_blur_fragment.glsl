@@ -1,6 +1,6 @@
-// The sky as a rough surface mirrors it, for a view along the normal: Karis, "Real Shading in Unreal Engine 4", 2013. Each
-// direction reads a blurred level that fits the solid angle it stands for: Krivanek & Colbert, "Real-time Shading with
-// Filtered Importance Sampling", 2008.
+// The sky as mirrored by a rough surface, viewed along the normal: Karis, "Real Shading in Unreal Engine 4",
+// 2013. Each sample reads a blurred level that matches its solid angle: Krivanek & Colbert, "Real-time
+// Shading with Filtered Importance Sampling", 2008.
 uniform samplerCube sky_source;
 uniform mat3 face;
 uniform int side, source_side;

@@ -1,4 +1,5 @@
-// One face of the sky as surfaces mirror it: the sky above, below the ground that runs out into fog.
+// One face of the surroundings that surfaces mirror: the sky above, and below it the ground, which fades into
+// fog.
 uniform mat3 face;
 uniform int side;
 layout(location = 0) out vec4 result;

@@ -11,17 +11,18 @@ uniform int uv_set[5];
 uniform int interior, highlight;
 #ifdef HIGH
 uniform sampler2D screen_occlusion;
-uniform int layer;  // 0: opaque; of glass 1: what the nearest front hides, 2: the nearest front
+uniform int layer;  // 0: opaque; for glass 1: hidden behind the nearest front face, 2: the nearest front face
 #endif
 
-// Two colours for the blender: what comes from the surface, and the share of what lies behind that comes through.
+// Two outputs for blending: the surface's own light, and the share of the light from behind that passes
+// through.
 layout(location = 0, index = 0) out vec4 reflected;
 layout(location = 0, index = 1) out vec4 transmitted;
 
 vec2 uv_of(int slot) { return uv_set[slot] == 0 ? vertex_uv.xy : vertex_uv.zw; }
 
-// Tangent frame from the picture's own derivatives, where the file has no tangents: Schueler, "Normal Mapping without
-// Precomputed Tangents", ShaderX 5, 2006.
+// Tangent frame from the picture's derivatives, if the file has no tangents: Schueler, "Normal Mapping
+// without Precomputed Tangents", ShaderX 5, 2006.
 mat3 derived_frame(vec3 n, vec2 uv) {
   vec3 dp1 = dFdx(world_position), dp2 = dFdy(world_position);
   vec2 d1 = dFdx(uv), d2 = dFdy(uv);
@@ -43,13 +44,13 @@ vec3 shading_normal(bool front) {
     vec3 b = cross(normalize(world_normal), t) * world_tangent.w;
     return normalize(mat3(t, b, n) * mapped);
   }
-  // glTF's v points down, its green channel up: the bitangent is -dp/dv.
+  // glTF's v axis points down and its green channel up, so the bitangent is -dp/dv.
   mat3 frame = derived_frame(n, uv);
   return normalize(frame[0] * mapped.x - frame[1] * mapped.y + frame[2] * mapped.z);
 }
 
-// The normal of the surface raised by relief(): n minus the height's slope along the surface. Slopes are taken where
-// the fragment was and turned with it.
+// The normal of a surface with relief(): n minus the height's slope along the surface. Slopes are computed at
+// the fragment's original position and turned with it.
 vec3 relief_normal(vec3 n, vec3 q, bool cut) {
   if (look == 0) return n;
   const float kStep = 0.004;
@@ -63,7 +64,7 @@ vec3 relief_normal(vec3 n, vec3 q, bool cut) {
 
 void main() {
 #ifdef HIGH
-  // Of the glass that is nearest to the eye its front is drawn last, over all that it bends.
+  // The nearest front face of glass is drawn last, over everything that it refracts.
   const float kSameDepth = 4e-7;
   if (layer > 0 && gl_FrontFacing) {
     bool nearest = gl_FragCoord.z <= texelFetch(glass_front, ivec2(gl_FragCoord.xy), 0).r + kSameDepth;
@@ -107,8 +108,8 @@ void main() {
   float occlusion = 1.0 + more.y * (texture(occlusion_map, uv_of(3)).r - 1.0);
 #ifdef HIGH
   float open = layer == 0 ? texelFetch(screen_occlusion, ivec2(gl_FragCoord.xy), 0).r : 1.0;
-  // Bright corners light themselves (Jimenez et al. 2016, fitted there); mirrors see past what is near (Lagarde & de
-  // Rousiers, "Moving Frostbite to Physically Based Rendering", 2014).
+  // Bright corners light themselves (fit from Jimenez et al. 2016). Mirrors see past near objects (Lagarde &
+  // de Rousiers, "Moving Frostbite to Physically Based Rendering", 2014).
   vec3 lit_corner = max(vec3(open), ((2.0404 * diffuse - 0.3324) * open + (-4.7951 * diffuse + 0.6417)) * open * open +
                                         (2.7552 * diffuse + 0.6903) * open);
   float mirror_open = clamp(pow(n_dot_v + open, exp2(-16.0 * roughness - 1.0)) - 1.0 + open, 0.0, 1.0);
@@ -127,12 +128,13 @@ void main() {
     from_diffuse += light * (1.0 - f) * diffuse / PI;
     from_gloss += light * f * ggx(max(dot(n, h), 0.0), n_dot_l, n_dot_v, alpha);
   }
-  // The hemispheres: sky above, ground below (light that the ground sends back where the object does not shade it).
+  // Hemispheres: sky above, and ground below (light reflected by the ground where the object does not shade
+  // it).
   float above = 0.5 + 0.5 * n.y;
-  // What a corner does not see of the sky is not counted twice: sky_share knows the large ones.
+  // Occlusion by large parts is already in sky_share, so corners do not count it again.
   vec3 sky_seen = min(vec3(sky_share), lit_corner);
 #ifdef HIGH
-  // What hides the sky is lit itself, and sends some of that back from all sides.
+  // Surfaces that hide the sky are lit themselves, and return some of that light from all sides.
   const float kBack = 0.4, kLeast = 0.75;
 #else
   const float kBack = 0.0, kLeast = 0.55;
@@ -146,7 +148,7 @@ void main() {
   vec3 glow = emissive * texture(emissive_map, uv_of(4)).rgb;
   vec3 through = vec3(1.0 - base.a);
   if (transmission > 0.0) {
-    // Thin-walled: absorption grows with the way through, which is longer where the surface is seen from the side.
+    // Thin-walled: absorption grows with the path through the wall, which is longer at grazing angles.
     vec3 absorbed = pow(max(base.rgb, vec3(1e-3)), vec3(0.5 / max(n_dot_v, 0.18)));
     through = transmission * absorbed * (1.0 - fresnel(f0, n_dot_v)) * base.a + (1.0 - base.a);
   }

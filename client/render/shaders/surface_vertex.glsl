@@ -13,7 +13,8 @@ void main() {
   mat4 m = object_transform(object);
   vec4 world = m * vec4(position, 1.0);
   world_position = world.xyz;
-  // The cofactor matrix carries normals whatever the scale; the sign of the determinant stays outside.
+  // The cofactor matrix transforms normals correctly for any scale. The determinant's sign keeps them
+  // pointing outwards.
   mat3 cofactor = mat3(cross(m[1].xyz, m[2].xyz), cross(m[2].xyz, m[0].xyz), cross(m[0].xyz, m[1].xyz));
   float side = sign(dot(m[0].xyz, cofactor[0]));
   world_normal = side * (cofactor * normal);

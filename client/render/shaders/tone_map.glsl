@@ -1,4 +1,4 @@
-// Khronos PBR Neutral tone mapper, as KhronosGroup/ToneMapping specifies it: base colours come out as they went in,
+// Khronos PBR Neutral tone mapper, as specified by KhronosGroup/ToneMapping. Base colours stay unchanged;
 // highlights are compressed and lose their colour.
 vec3 tone_map(vec3 c) {
   const float kF90 = 0.04, kStart = 0.8 - kF90, kDesaturation = 0.15;

@@ -1,4 +1,4 @@
-// The scenes that the game brings, a file for each, and what they share. Private to client/scenes.
+// The built-in scenes, one file each, and their shared parts. Private to client/scenes.
 #pragma once
 
 #include <memory>
@@ -20,12 +20,12 @@ Scene building();
 Scene ice();
 
 std::shared_ptr<const MeshAsset> share(MeshAsset asset);
-/// A place, turned about the vertical by so many degrees.
+/// A pose at this position, turned about the vertical by this many degrees.
 world::Pose at(double x, double y, double z, double degrees = 0);
-/// anchor_plane: what reaches below this height of its own frame is held.
+/// anchor_plane: anchors everything below this height in the object's own frame.
 nlohmann::json ground_plane(double height);
 
-/// Hollow, 1.7 m high.
+/// A hollow vase, 1.7 m high.
 SurfaceMesh vase();
 
 }  // namespace fracture::scenes::built_in

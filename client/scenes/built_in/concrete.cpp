@@ -15,7 +15,7 @@ Scene concrete() {
   object.breakage.parameters["anchor_plane"] = ground_plane(-height / 2 + 0.03);
   scene.objects.push_back(object);
   set_material(scene, "concrete");
-  // Old and lean, so that the ball goes through where it hits.
+  // Old, weak concrete, so that the ball goes through where it hits.
   scene.objects.front().breakage.parameters["bond_strength"] = 6e5;
   scene.ball_radius = 0.26;
   scene.ball_density = 7800;

@@ -20,7 +20,7 @@ Scene ice() {
     scene.objects.push_back(object);
   };
   constexpr double kGap = 0.001;
-  // A wall of three courses that breaks joints, and two cones before it.
+  // A wall of three courses with staggered joints, and two cones in front of it.
   for (int row = 0; row < 3; ++row)
     for (int k = 0; k < (row % 2 == 0 ? 4 : 3); ++k)
       put(block, "block", 0.93 * (k - (row % 2 == 0 ? 1.5 : 1.0)), 0.25 + kGap + row * (0.5 + kGap), 0, 0);

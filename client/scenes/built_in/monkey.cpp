@@ -22,7 +22,7 @@ Expected<Scene> monkey() {
   set_material(scene, "ceramic");
   scene.eye = {2.6f, 2.1f, 5.6f};
   scene.target = {0, 1.75f, 0};
-  // All of the fall is in the picture at first, then what it comes to.
+  // The view first shows the whole fall, then moves closer to the result.
   scene.closer = {0.2, 0.9, {{1.4f, 1.25f, 3.7f}, {0.1f, 0.5f, 0}}};
   scene.bounds = {{0, 1.8f, 0}, 5.5f};
   scene.throws = {{3.2, {5, 2.2, 6}, {-11.5, 0.5, -13}}};

@@ -9,7 +9,7 @@ Scene panes() {
   scene.title = "A row of glass panes";
   const double width = 1.3, height = 1.8, depth = 0.025, frame = 0.07, foot = 0.25;
   const auto mesh = share(make_asset(box(glm::vec3(width, height, depth)), "pane", {0.85f, 0.95f, 0.93f, 1}));
-  // What the frame holds: points along the border.
+  // Points along the border, where the frame holds the pane.
   nlohmann::json held = nlohmann::json::array();
   const auto hold = [&](double x, double y) { held.push_back(nlohmann::json::array({x, y, 0})); };
   constexpr int kSteps = 8;
@@ -40,8 +40,8 @@ Scene panes() {
   set_material(scene, "glass");
   for (SceneObject& object : scene.objects) {
     object.strength = 6;
-    object.breakage.parameters["merge"] = 0.3;  // shards that end before the frame, which would hold them
-    object.breakage.parameters["bond_strength"] = 20e6;  // scratched
+    object.breakage.parameters["merge"] = 0.3;  // shards must not all reach the frame, which would hold them
+    object.breakage.parameters["bond_strength"] = 20e6;  // a scratched pane
   }
   scene.ball_radius = 0.09;
   scene.ball_speed = 14;

@@ -18,7 +18,7 @@ nlohmann::json ground_plane(double height) {
 SurfaceMesh vase() {
   Turned shape;
   shape.segments = 48;
-  // Outside from the foot up, over the rim, and down inside.
+  // Outside from the foot upwards, over the rim, and down inside.
   shape.profile = {{0.30f, 0.0f},  {0.34f, 0.03f}, {0.30f, 0.10f}, {0.48f, 0.40f}, {0.58f, 0.75f},
                    {0.52f, 1.05f}, {0.30f, 1.35f}, {0.24f, 1.50f}, {0.30f, 1.66f}, {0.36f, 1.70f},
                    {0.30f, 1.68f}, {0.18f, 1.50f}, {0.24f, 1.33f}, {0.46f, 1.04f}, {0.51f, 0.75f},

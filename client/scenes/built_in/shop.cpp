@@ -13,14 +13,14 @@ SurfaceMesh turned_profile(std::vector<glm::vec2> profile) {
   return turned(shape);
 }
 
-/// The vase of the other scenes, of another size.
+/// The vase of the other scenes in another size.
 SurfaceMesh small_vase(float scale) {
   SurfaceMesh mesh = vase();
   for (glm::vec3& p : mesh.positions) p *= scale;
   return mesh;
 }
 
-/// Outside from the foot up, over the rim, and down inside; metres.
+/// Outside from the foot upwards, over the rim, and down inside; metres.
 SurfaceMesh bottle() {
   return turned_profile({{0.040f, 0.000f},
                          {0.044f, 0.010f},

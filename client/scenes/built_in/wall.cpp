@@ -14,7 +14,7 @@ Scene wall() {
   object.breakage.parameters["anchor_plane"] = ground_plane(-height / 2 + 0.01);
   scene.objects.push_back(object);
   set_material(scene, "brick");
-  // Bricks and mortar are there from the start: bonds of the level, no request at the hit.
+  // Bricks and mortar exist from the start as bonds of the level, so a hit sends no request.
   SceneObject& bricks = scene.objects.front();
   bricks.at_start = true;
   bricks.breakage.parameters["cell"] = {0.4, 0.2, 0.3};

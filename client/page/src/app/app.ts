@@ -21,7 +21,7 @@ export class App {
   readonly playing: Playing;
   stage: Stage | undefined;
   view: View | undefined;
-  /** When events happened, in milliseconds since the navigation, by name. */
+  /** Times of events by name, in milliseconds since the navigation. */
   readonly marks: { at: Record<string, number> } = { at: {} };
   private unanswered: (() => void) | undefined;
 

@@ -41,7 +41,7 @@ export class Bringing {
     try {
       const answer = await fetch('/page/samples.json');
       if (answer.ok) this.app.set({ offered: await answer.json() as Offered[] });
-    } catch { /* the next question to the server says that it is away */ }
+    } catch { /* the next request shows that the server is away */ }
   }
   async offered(offer: Offered): Promise<void> {
     this.app.set({ bringing: offer.name, problem: undefined });

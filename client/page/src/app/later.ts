@@ -3,7 +3,7 @@ import { FractureError } from 'fracture-client';
 import { build } from './build';
 import { words } from '../words/words';
 
-/** How often loading each module has failed. Some browsers (Chromium 150, but not 156) remember that a module could not be loaded,
+/** Number of failed loads of each module. Some browsers (Chromium 150, but not 156) remember that a module could not be loaded,
  * and ask again only under another address. */
 const failures = new Map<string, number>();
 

@@ -6,12 +6,12 @@ export function takeTheme(): void {
   try {
     const kept = localStorage.getItem(KEY);
     if (kept === 'dark' || kept === 'light') document.documentElement.dataset['theme'] = kept;
-  } catch { /* a browser that keeps nothing has nothing */ }
+  } catch { /* without storage, no choice is stored */ }
 }
 
 export function chooseTheme(theme: 'dark' | 'light'): void {
   document.documentElement.dataset['theme'] = theme;
   try {
     localStorage.setItem(KEY, theme);
-  } catch { /* it holds until the page is loaded again */ }
+  } catch { /* without storage, the choice lasts until a reload */ }
 }

@@ -12,7 +12,7 @@ import type { Entry } from './search';
 
 const root = document.getElementById('docs')!;
 let pages: Page[] | undefined, service: Interface | undefined, entries: Entry[] = [], token = '', open = false, settled = false;
-/** Why the documents and the interface are missing: an HTTP status or a sentence. */
+/** The reasons why the documents or the interface are missing: an HTTP status or a sentence. */
 const missing = { documents: '', service: '' };
 const finder = new Finder(() => entries, show);
 

@@ -71,7 +71,7 @@ export class Finder {
       document.getElementById(`found-${this.chosen}`)?.scrollIntoView({ block: 'nearest' });
     } else if (event.key === 'Enter' && this.open && chosen) {
       document.getElementById(`found-${this.chosen}`)?.click();
-      // From then on, keys scroll the text.
+      // After that, keys scroll the text.
       document.querySelector('main')?.focus({ preventScroll: true });
       this.show(false);
     } else if (event.key === 'Escape' && this.open) {

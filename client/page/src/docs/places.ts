@@ -38,7 +38,7 @@ export function keepScroll(): void {
   }, { passive: true });
 }
 
-/** Scrolls to where the reader was in this entry, else to its place, else to the top. */
+/** Scrolls to the stored position of this entry, else to its place, else to the top. */
 export function scrollTo(place: string): void {
   const kept: unknown = history.state?.scrolled;
   const target = document.getElementById(place);

@@ -47,7 +47,7 @@ export function search(entries: Entry[], query: string): Found[] {
     if (score === -Infinity) continue;
     for (const { text, weight } of fields) {
       if (weight === 0 || text === '') continue;
-      // Adjacent words, and a title or heading that consists of nothing else, rank higher.
+      // Adjacent words rank higher, as does a title or heading that consists only of the search words.
       if (words.length > 1 && text.includes(phrase)) score += 20;
       if (text === phrase) score += 30;
     }

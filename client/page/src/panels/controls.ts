@@ -10,7 +10,7 @@ import { parseNumbers, textOf } from './lists';
 
 /** The largest range with a slider. A wider range gets only a field, because a slider cannot select one value among millions. */
 const SLIDER_RANGE = 1000;
-/** The end of the slider for numbers of things. They can be far larger than people need; the field accepts all values. */
+/** The end of the slider for counts. The server allows far larger counts than people need; the field accepts them all. */
 const COUNT_END = 400;
 
 /** Returns the value that applies if the user sets none: the material's, or else the default. */

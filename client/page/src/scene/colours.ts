@@ -5,7 +5,7 @@ import { Color } from 'three';
 export type ColourMode = 'material' | 'fragment' | 'size' | 'level' | 'strength';
 export const colourModes: readonly ColourMode[] = ['material', 'fragment', 'size', 'level', 'strength'];
 
-/** Viridis (van der Walt and Smith 2015) in nine sRGB steps: perceptually even, also for the colour-blind. */
+/** Viridis (van der Walt and Smith 2015) in nine sRGB steps: perceptually uniform, even for colour-blind people. */
 const RAMP = ['#440154', '#472d7b', '#3b528b', '#2c728e', '#21918c', '#28ae80', '#5ec962', '#addc30', '#fde725'].map(text => new Color(text));
 
 export function ramp(t: number): Color {
@@ -13,7 +13,7 @@ export function ramp(t: number): Color {
   return RAMP[k]!.clone().lerp(RAMP[k + 1]!, at - k);
 }
 
-/** Hues by the golden ratio, so that neighbouring numbers have very different hues. */
+/** Hues a golden ratio apart, so that consecutive numbers have very different hues. */
 export const distinct = (k: number): Color => new Color().setHSL((k * 0.618034) % 1, 0.55, 0.42 + 0.16 * ((k * 0.7548) % 1));
 
 /** Returns the cluster of each fragment at a level. Level 0 is the coarsest. Returns undefined if the answer has no levels, or if

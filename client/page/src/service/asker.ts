@@ -20,8 +20,8 @@ export class Asker<Question, Answer> {
   private last = 0;
   private shown = 0;
 
-  /** `ask` is called with the time of the input, `show` only with an answer newer than the last one, and `fail` with the error of
-   * the newest request. */
+  /** `ask` is called with the time of the input. `show` is called only with an answer newer than the last one, and
+   * `fail` only with the error of the newest request. */
   constructor(private readonly ask: (question: Question, signal: AbortSignal) => Promise<Answer>,
               private readonly show: (answer: Answer, question: Question, at: number) => void,
               private readonly fail: (error: unknown, question: Question) => void,

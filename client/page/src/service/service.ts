@@ -64,7 +64,7 @@ export class Service {
   }
 
   private become(state: ServiceState): void {
-    // Even if the state is the same, because the token may have been wrong.
+    // Set even if the state is the same, because the token may have been wrong.
     this.state = state;
     this.changed();
   }
