@@ -4,7 +4,7 @@
 // JSON lines, as in a recording (recording.hpp). First, both sides send the header of the game, which must be
 // the same:
 //
-//   {"format": "fracture-lockstep-1", "rules": 3, "answer_steps": 6, "delay": 12, "scene": …, "seed": …, "digest": …}
+//   {"format": "fracture-lockstep-1", "rules": 6, "answer_steps": 6, "delay": 12, "scene": …, "seed": …, "digest": …}
 //   {"step": 48, "throw": …}       this player's action takes effect `delay` steps later, on both machines
 //   {"step": 35, "hash": "90ab…"}  after each step. It also means that all of this player's actions before step
 //                                  36 + delay have been sent: the other side may compute up to there, and no further

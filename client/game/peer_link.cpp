@@ -60,9 +60,14 @@ struct PeerLink::State {
   }
 
   void accept() {
+    accepting = true;
     acceptor.async_accept(socket, [this](const error_code& error) {
+      accepting = false;
       if (over || error == asio::error::operation_aborted) return;
-      if (error) return accept();
+      if (error) {  // the next tick tries again
+        trouble = error.message();
+        return;
+      }
       outbox = greeting;
       begin();
     });
@@ -173,10 +178,10 @@ struct PeerLink::State {
       const Clock::time_point now = Clock::now();
       if (stopping && now > *stopping + kLastWords) return close();
       if ((!connected || !known) && now > started + settings.patience)
-        return end(host.empty() ? "No player joined within " + seconds_text(settings.patience) + "."
-                                : "No player answered at " + protocol::authority_of(host, service) +
-                                      " within " + seconds_text(settings.patience) +
-                                      (trouble.empty() ? "" : " (" + trouble + ")") + ".");
+        return end((host.empty() ? "No player joined"
+                                 : "No player answered at " + protocol::authority_of(host, service)) +
+                   " within " + seconds_text(settings.patience) +
+                   (trouble.empty() ? "" : " (" + trouble + ")") + ".");
       if (connected && !reading) heard = now;  // silence does not count while nothing is read
       if (connected && now > heard + (known ? settings.silence : settings.strange_silence))
         lose("The other player sent nothing for " + seconds_text(settings.silence) + ".");
@@ -186,6 +191,7 @@ struct PeerLink::State {
         write();
       }
       if (!connected && !host.empty() && !connecting) connect();
+      if (!connected && host.empty() && !accepting && acceptor.is_open()) accept();
       tick();
     });
   }
@@ -202,7 +208,8 @@ struct PeerLink::State {
   std::deque<std::string> outbox;
   std::deque<std::string> greeting;  ///< sent to every connection until the player is known
   bool known = false;                ///< the other side is a player: it has sent a JSON object, or was joined
-  bool connected = false, connecting = false, reading = false, writing = false, over = false;
+  bool accepting = false, connected = false, connecting = false, reading = false, writing = false,
+       over = false;
   std::optional<Clock::time_point> stopping;
   Clock::time_point started, heard, sent;
 

@@ -2,7 +2,7 @@
 // world after every step. Replaying it with a server of the same version gives the same bits, or the first step at
 // which they differ.
 //
-//   {"format": "fracture-game-1", "rules": 3, "scene": …}  the first line: everything needed for the same start.
+//   {"format": "fracture-game-1", "rules": 6, "scene": …}  the first line: everything needed for the same start.
 //   {"step": 36, "throw": [[x, y, z], [vx, vy, vz]]}  before step 36 (counted from 0), like the next six. With "radius"
 //                                                     and "density" if it is not the scene's ball.
 //   {"step": 40, "explode": [x, y, z], "impulse": 4e4, "radius": 6}  N·s, metres
