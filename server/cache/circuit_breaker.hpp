@@ -1,5 +1,5 @@
-// Stops asking who does not answer: after a few failures in a row every call is refused for a while, then one
-// is let through to try; each further failure doubles the while (Nygard, "Release It!", 2007).
+// Stops calls to a service that does not answer. After a few failures in a row, all calls are refused for a pause; then one
+// call is allowed as a test. Each further failure doubles the pause (Nygard, "Release It!", 2007).
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@ class CircuitBreaker {
   static constexpr int kFailures = 3;
   static constexpr std::chrono::milliseconds kShortest{1'000}, kLongest{30'000};
 
-  /// May a call be made now? Who gets true reports success() or failure().
+  /// Returns whether a call may be made now. After true, the caller must report success() or failure().
   bool allows(Clock::time_point now = Clock::now()) {
     const std::lock_guard lock(mutex_);
     if (failures_ < kFailures) return true;
     if (now < closed_until_) return false;
-    closed_until_ = now + pause_;  // one tries, the others go on waiting
+    closed_until_ = now + pause_;  // one caller tries, and the others keep waiting
     return true;
   }
   void success() {

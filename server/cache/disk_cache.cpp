@@ -26,8 +26,8 @@ bool is_key(std::string_view key) {
          });
 }
 
-/// The first `size` bytes of the file; fewer where it has become shorter. Nothing when it cannot be read
-/// (errno says why).
+/// Returns the first `size` bytes of the file, or fewer if it has become shorter. Returns nothing if it cannot be read; errno
+/// gives the reason.
 std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   for (std::size_t at = 0; at < bytes.size();) {
@@ -77,7 +77,7 @@ void DiskCache::learn_what_is_there() {
       std::error_code gone;
       const std::uint64_t size = file.file_size(gone);
       if (gone || !is_key(key) || key.substr(0, 2) != prefix) continue;
-      if (size > budget_)  // of another budget, or damaged: it could only be refused again and again
+      if (size > budget_)  // from a larger budget, or damaged: it cannot be kept
         quarantine(key);
       else
         found.push_back({file.last_write_time(gone), {key, size}});
@@ -89,7 +89,7 @@ void DiskCache::learn_what_is_there() {
     files_.push_back(std::move(file));
     index_.emplace(files_.back().key, std::prev(files_.end()));
   }
-  make_room(0);  // the budget may be smaller than it was
+  make_room(0);  // the budget may be smaller than before
 }
 
 std::optional<std::uint64_t> DiskCache::size_of(const std::string& key) const {
@@ -116,8 +116,8 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
   const bool gone = !file && errno == ENOENT;
   struct stat status {};
   std::optional<std::vector<std::uint8_t>> bytes;
-  // Nothing is allocated before the file, the index and the entry itself agree on the size: a file that has
-  // become longer (a sparse one may have terabytes) is damage.
+  // The whole file is read only if the file, the index and the entry's header agree on the size. A file that has become longer
+  // is damaged (a sparse file may claim terabytes).
   if (file && ::fstat(file.get(), &status) == 0) {
     const std::size_t signature = keys_.empty() ? 0 : FarmKeys::kHead;
     bytes = read_bytes(file.get(), std::min<std::uint64_t>(signature + kEntryHeader, size));
@@ -181,7 +181,7 @@ bool DiskCache::insert(const CacheEntry& entry) {
   std::string temporary;
   {
     const std::lock_guard lock(mutex_);
-    if (index_.count(key) > 0) return true;  // the key says what the bytes are
+    if (index_.count(key) > 0) return true;  // the key determines the bytes
     make_room(size);
     temporary = folder_ + "/tmp/" + std::to_string(next_temporary_++);
   }
@@ -196,7 +196,7 @@ bool DiskCache::insert(const CacheEntry& entry) {
   }
   const std::lock_guard lock(mutex_);
   ++figures_.writes;
-  if (index_.count(key) > 0) return true;  // somebody else wrote the same meanwhile
+  if (index_.count(key) > 0) return true;  // another thread has written the same entry in the meantime
   files_.push_front({key, size});
   index_.emplace(key, files_.begin());
   figures_.bytes += size;
@@ -205,8 +205,8 @@ bool DiskCache::insert(const CacheEntry& entry) {
 
 bool DiskCache::write(const std::string& path, std::string_view head, std::span<const std::uint8_t> payload) {
   const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  // Without fsync the rename may reach the disk before the bytes do, and a power cut leaves a file of zeros:
-  // the checksum would tell, but the entry would be lost.
+  // Without fsync, the rename may reach the disk before the bytes, and a power cut would leave a file of zeros. The checksum
+  // would detect that, but the entry would be lost.
   return file && write_all(file.get(), std::as_bytes(std::span(head))) &&
          write_all(file.get(), std::as_bytes(payload)) && ::fsync(file.get()) == 0;
 }

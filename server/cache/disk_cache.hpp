@@ -1,11 +1,11 @@
-// L1: a folder of entries that survives the process. A file appears under its name only when it is whole
-// (written beside, fsync, rename), and what is read is believed only when its checksum says so; whatever else
-// goes wrong with the disk is counted and otherwise ignored, for a cache may always miss.
+// L1: a folder of entries that survives the process. A file appears under its name only when it is complete: it is written
+// under a temporary name, synced and renamed. An entry is used only if its checksum is right. All other disk errors are
+// counted and otherwise ignored, because a cache may always miss.
 //
-//   <folder>/lock              held by the one server that uses the folder
-//   <folder>/tmp/...           being written; emptied at the start
-//   <folder>/3f/3f0c…d2        entries, by the first two digits of their key
-//   <folder>/quarantine/...    what was found damaged, a few of them, to look at
+//   <folder>/lock              locked by the only server that uses the folder
+//   <folder>/tmp/...           files that are being written; emptied at startup
+//   <folder>/3f/3f0c…d2        entries, grouped by the first two digits of their keys
+//   <folder>/quarantine/...    a few damaged entries, for inspection
 #pragma once
 
 #include <atomic>
@@ -27,7 +27,7 @@
 
 namespace fracture {
 
-/// An entry with the bytes that it points into.
+/// An entry, together with the bytes that it refers to.
 struct StoredEntry {
   std::vector<std::uint8_t> bytes;
   CacheEntry entry;
@@ -35,8 +35,8 @@ struct StoredEntry {
 
 struct DiskFigures {
   std::uint64_t hits = 0, misses = 0, writes = 0, evictions = 0;
-  std::uint64_t failures = 0;     ///< reads or writes that the system refused
-  std::uint64_t quarantined = 0;  ///< entries that were found damaged
+  std::uint64_t failures = 0;     ///< reads or writes that failed in the system
+  std::uint64_t quarantined = 0;  ///< damaged entries
   std::uint64_t bytes = 0;
   std::size_t entries = 0;
 };
@@ -44,29 +44,29 @@ struct DiskFigures {
 /// Thread-safe; calls block for as long as the disk takes.
 class DiskCache {
  public:
-  /// Takes the folder over, unless another server has it. The least recently used entries leave when `budget`
-  /// bytes are used. With keys every entry is signed (farm_keys.hpp) for the algorithm version, and one that
-  /// is not counts as damaged.
+  /// Takes the folder, unless another server has it. When `budget` bytes are used up, the least recently used entries are
+  /// evicted. With keys, every entry is signed for the algorithm version (farm_keys.hpp), and an unsigned entry counts as
+  /// damaged.
   DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys = {}, int algorithm = 0);
   DiskCache(const DiskCache&) = delete;
   DiskCache& operator=(const DiskCache&) = delete;
 
-  /// kFileAccess when the folder could not be used at the start.
+  /// kFileAccess if the folder could not be used at startup.
   const std::optional<Error>& unusable() const { return unusable_; }
-  /// Until the folder is ours every find misses and insert does nothing.
+  /// Returns whether this server has the folder. Until then, find() always misses, and insert() does nothing.
   bool held() const { return held_; }
-  /// Makes the folder, removes what an earlier process left half-written, learns what is there. False while
-  /// another server has it: to be called again, by one thread at a time.
+  /// Locks the folder, deletes unfinished files of an earlier process, and indexes the entries. Returns false while another
+  /// server has the folder; then try again later. Must not be called by several threads at the same time. Errors: kFileAccess.
   Expected<bool> take();
 
-  /// Bytes of the entry as it was written; nothing when there is none.
+  /// Returns the size of the entry's file as it was written; nothing if there is none.
   std::optional<std::uint64_t> size_of(const std::string& key) const;
-  /// Keys are lower-case hex digits, at least four; nothing is found under others. Allocates
-  /// size_of() bytes at most, whatever the file has become.
+  /// Reads an entry. Keys have 4 to 128 lower-case hex digits; other keys always miss. Allocates at most size_of() bytes,
+  /// whatever has happened to the file.
   std::optional<StoredEntry> find(const std::string& key);
-  /// False when it could not be written.
+  /// Returns false if the entry could not be written.
   bool insert(const CacheEntry& entry);
-  /// What find() found of this key is intact and not what it should be: it is put aside as a damaged entry is.
+  /// Quarantines the entry with this key. For entries that are intact but have wrong content.
   void refuse(const std::string& key);
 
   DiskFigures figures() const;
@@ -79,10 +79,10 @@ class DiskCache {
 
   std::string path_of(const std::string& key) const { return folder_ + "/" + key.substr(0, 2) + "/" + key; }
   SignedAs signed_as(std::string_view key) const { return {"disk", key, algorithm_}; }
-  /// The entry in the bytes of a file; nothing where it is damaged or not signed.
+  /// Returns the entry in a file's bytes; nothing if it is damaged, or not signed although keys are set.
   std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key) const;
   void learn_what_is_there();
-  /// Evicts until `size` bytes more are within the budget.
+  /// Evicts entries until `size` more bytes fit into the budget.
   void make_room(std::uint64_t size);
   void quarantine(const std::string& key);
   void forget(const std::string& key);

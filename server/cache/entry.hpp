@@ -1,5 +1,5 @@
-// How the tiers below memory write a value down, so that a damaged one is never taken for a good one: a
-// process killed in mid-write, a flipped bit, a file of another key or of another program.
+// The format of entries in the cache tiers below memory. It ensures that a damaged entry is never used: one from a process
+// that was killed while writing, one with a flipped bit, or one that belongs to another key or program.
 //
 //   offset  bytes
 //        0      4  "FRCE"
@@ -23,7 +23,7 @@
 
 namespace fracture {
 
-/// Views into the bytes that were decoded.
+/// An entry. After decoding, its members are views into the decoded bytes.
 struct CacheEntry {
   std::string_view key;
   std::string_view metadata;
@@ -32,17 +32,17 @@ struct CacheEntry {
 
 inline constexpr std::size_t kEntryHeader = 40;
 
-/// Whether so many bytes may be held while an entry is read.
+/// Returns whether `bytes` may be held while an entry is read.
 using Room = std::function<bool(std::uint64_t bytes)>;
 
-/// Header, key and metadata; the payload has to be written behind it.
+/// Returns the header, the key and the metadata as bytes. The payload must be written after them.
 std::string encode_entry_head(const CacheEntry& entry);
 
-/// How large the whole entry is by its first kEntryHeader bytes; nothing when they are no such header.
+/// Returns the size of a whole entry from its first kEntryHeader bytes; nothing if they are not a header.
 std::optional<std::uint64_t> size_of_entry(std::span<const std::uint8_t> header);
 
-/// Nothing when the bytes are not exactly one intact entry of this key. Reads nothing beyond `bytes`,
-/// whatever they say.
+/// Decodes an entry. Returns nothing if the bytes are not exactly one intact entry with this key. Never reads beyond
+/// `bytes`, whatever sizes they contain.
 std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key);
 
 }  // namespace fracture

@@ -20,7 +20,7 @@ using Signature = std::array<std::uint8_t, 32>;
 static_assert(FarmKeys::kHead == kSignatureMagic.size() + sizeof(Signature));
 
 Signature sign(const std::string& key, const SignedAs& as, std::initializer_list<FarmKeys::Bytes> bytes) {
-  // Fetched once: a fetch locks a table of the library.
+  // Fetched once, because a fetch locks a table in the library.
   static const std::unique_ptr<EVP_MAC, decltype(&EVP_MAC_free)> hmac(EVP_MAC_fetch(nullptr, "HMAC", nullptr),
                                                                       &EVP_MAC_free);
   const std::unique_ptr<EVP_MAC_CTX, decltype(&EVP_MAC_CTX_free)> context(EVP_MAC_CTX_new(hmac.get()),
@@ -28,7 +28,7 @@ Signature sign(const std::string& key, const SignedAs& as, std::initializer_list
   char name[] = "SHA256";
   const OSSL_PARAM parameters[] = {OSSL_PARAM_construct_utf8_string(OSSL_MAC_PARAM_DIGEST, name, 0),
                                    OSSL_PARAM_construct_end()};
-  std::string about = "fracture cache entry\n";  // no part of it has a line break of its own
+  std::string about = "fracture cache entry\n";  // unambiguous, because no part contains a line break
   about.append(as.tier).append("\n").append(as.key).append("\n").append(std::to_string(as.algorithm)) += '\n';
   Signature signature;
   std::size_t size = 0;
@@ -89,7 +89,7 @@ std::optional<FarmKeys::Bytes> FarmKeys::open(const SignedAs& as, Bytes stored) 
   const Bytes bytes = stored.subspan(kHead);
   for (const std::string& key : keys_) {
     const Signature right = sign(key, as, {bytes});
-    // In constant time: how much of a guess was right must not show.
+    // Compares in constant time, so that timing does not reveal how much of a guess was right.
     if (CRYPTO_memcmp(right.data(), stored.data() + kSignatureMagic.size(), right.size()) == 0) return bytes;
   }
   return std::nullopt;

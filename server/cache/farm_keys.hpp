@@ -1,11 +1,10 @@
-// The keys that the servers of one farm share, so that what they find in a tier is what one of them put
-// there: HMAC-SHA256 (RFC 2104) over the tier, the entry's key, the algorithm version and the bytes as they
-// are stored. It is checked before anything else is done with those bytes: no decoder sees what a stranger
-// wrote.
+// The keys that the servers of a farm share, to ensure that an entry in a cache tier was written by one of them. The
+// signature is HMAC-SHA256 (RFC 2104) over the tier, the entry's key, the algorithm version and the stored bytes. It is
+// checked before anything else, so that no decoder processes bytes from an untrusted source.
 //
 //   offset  bytes
 //        0      4  "FRS1"
-//        4     32  HMAC-SHA256 of "fracture cache entry\n<tier>\n<key>\n<algorithm>\n" and the bytes
+//        4     32  HMAC-SHA256 of "fracture cache entry\n<tier>\n<key>\n<algorithm>\n", followed by the bytes
 //       36      …  the bytes
 #pragma once
 
@@ -23,7 +22,8 @@
 
 namespace fracture {
 
-/// What a signature is about, beside the bytes: an entry moved elsewhere, or of another version, is none.
+/// The attributes that a signature covers in addition to the bytes. So an entry that was moved to another key or tier, or
+/// that has another algorithm version, is not accepted.
 struct SignedAs {
   std::string_view tier;  ///< "redis" or "disk"
   std::string_view key;
@@ -35,18 +35,18 @@ class FarmKeys {
  public:
   static constexpr std::size_t kMinCharacters = 32, kMaxKeys = 2, kHead = 36;
 
-  /// One or two lines of at least 32 characters (`openssl rand -hex 32`): the first signs, both are taken, so
-  /// that a farm changes its key without losing what it has. Empty lines and those that begin with '#' are
-  /// skipped. kFileAccess, kBadParameter: the error names file and line, never a key.
+  /// Reads one or two keys, each on a line of at least 32 characters (`openssl rand -hex 32`). The first key signs, and both
+  /// are accepted, so that a farm can change its key without losing its entries. Empty lines and lines that begin with '#'
+  /// are skipped. Errors: kFileAccess, kBadParameter. The error names the file and the line, but never contains a key.
   static Expected<FarmKeys> load(const std::string& path);
   static Expected<FarmKeys> parse(std::string_view text);
 
   bool empty() const { return keys_.empty(); }
 
   using Bytes = std::span<const std::uint8_t>;
-  /// What stands before the bytes, which may come in parts. Needs a key.
+  /// Returns the head to store before the bytes, which may be given in parts. Requires a key.
   std::string head(const SignedAs& as, std::initializer_list<Bytes> bytes) const;
-  /// The bytes behind their head; nothing where none of the keys has signed them as this.
+  /// Returns the bytes after the head; nothing if no key has signed them for this tier, key and version.
   std::optional<Bytes> open(const SignedAs& as, Bytes stored) const;
 
  private:

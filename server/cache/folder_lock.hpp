@@ -1,5 +1,5 @@
-// A folder that one server at a time may use: <folder>/lock is held by its open descriptor (flock(2)), so that the lock
-// of a process that died is none.
+// A lock on a folder that only one server at a time may use. The lock on <folder>/lock belongs to an open descriptor
+// (flock(2)), so it ends when its process dies.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace fracture {
 
 class FolderLock {
  public:
-  /// Makes the folder. False while another server holds it: to be called again. kFileAccess for a folder that cannot be
-  /// made or written.
+  /// Creates the folder and locks it. Returns false while another server holds the lock; the caller should try again later.
+  /// Errors: kFileAccess if the folder cannot be created or written.
   Expected<bool> take(const std::string& folder);
 
  private:

@@ -1,18 +1,17 @@
-// L0: a cache of shared immutable values in memory, with a budget in bytes. One pass over many values that
-// are asked for once (a crawler, a batch of new seeds) does not displace those that are asked for again and
-// again.
+// L0: a cache of shared immutable values in memory, with a budget in bytes. A single pass over many values that are requested
+// only once (by a crawler, or a batch of new seeds) does not displace values that are requested often.
 //
 // S3-FIFO (Yang, Zhang, Qiu, Yue, Vigfusson, "FIFO queues are all you need for cache eviction", SOSP 2023):
 //
-//              miss          asked for again               asked for since
+//              miss          requested again               requested since
 //     key ───────────> small ────────────────> main <───┐ ──────────────── (goes round once more)
-//      │               10 % │ not asked again    │ └────┘
-//      │                    v                    v not asked for
-//      │                  ghost (keys only)     gone
+//      │               10 % │ not requested      │ └────┘
+//      │                    v                    v not requested
+//      │                  ghost (keys only)    evicted
 //      └── in ghost ────────────────────────> main
 //
-// We depart from the paper in counting bytes rather than objects, and in promoting from `small` after one
-// further request instead of two: an answer that was asked for twice is worth more than one that was not, and
+// We depart from the paper in two ways. The budget counts bytes instead of objects. And one further request promotes a value
+// from `small` to `main`, instead of two, because a value that was requested twice is worth more than one that was not, and
 // there are thousands of entries here, not millions.
 #pragma once
 
@@ -36,9 +35,9 @@ struct CacheFigures {
   std::size_t bytes = 0, entries = 0;
 };
 
-/// Invariants: bytes is the sum of the sizes of the entries and at most the budget; every entry stands in one
-/// queue and in the index; no key is in the index and in the ghost. Who still holds an evicted value keeps it
-/// alive. Thread-safe.
+/// Invariants: `bytes` is the sum of the entries' sizes and at most the budget; every entry is in exactly one queue and in the
+/// index; no key is both in the index and in the ghost list. A caller that holds an evicted value keeps it alive.
+/// Thread-safe.
 template <class Value>
 class MemoryCache {
  public:
@@ -46,19 +45,19 @@ class MemoryCache {
 
   explicit MemoryCache(std::size_t budget) : budget_(budget) {}
 
-  /// find() for a second look, which counts nothing.
+  /// Like find(), but does not count as a request.
   Pointer peek(const std::string& key) const {
     const std::lock_guard lock(mutex_);
     const auto at = index_.find(key);
     return at == index_.end() ? nullptr : at->second->value;
   }
-  /// What the entry was said to take when it was inserted; nothing when it is absent.
+  /// Returns the size that was given to insert(); nothing if there is no entry.
   std::optional<std::size_t> size_of(const std::string& key) const {
     const std::lock_guard lock(mutex_);
     const auto at = index_.find(key);
     return at == index_.end() ? std::nullopt : std::optional(at->second->size);
   }
-  /// Null when absent.
+  /// Returns the value; null if it is not cached.
   Pointer find(const std::string& key) {
     const std::lock_guard lock(mutex_);
     const auto at = index_.find(key);
@@ -72,12 +71,12 @@ class MemoryCache {
     return entry.value;
   }
 
-  /// False, and nothing changes, when the value alone is over the budget. An entry of the same key is
-  /// replaced.
+  /// Inserts a value, and replaces an entry with the same key. Returns false and changes nothing if the value is larger than
+  /// the budget.
   bool insert(const std::string& key, Pointer value, std::size_t size) {
     if (size > budget_) return false;
     std::vector<Pointer>
-        dropped;  // freed without the lock: io threads wait for it, and large values take a while
+        dropped;  // freed without the lock, because io threads wait for it and freeing large values takes a while
     const std::lock_guard lock(mutex_);
     if (const auto at = index_.find(key); at != index_.end()) remove(at->second, dropped);
     while (figures_.bytes + size > budget_) make_room(dropped);
@@ -106,8 +105,8 @@ class MemoryCache {
 
  private:
   static constexpr int kMaxUses = 3;
-  static constexpr std::size_t kSmallShare = 10;   // small is 1/10 of the budget
-  static constexpr std::size_t kMinGhosts = 1024;  // keys of 64 digits: 100 KB
+  static constexpr std::size_t kSmallShare = 10;   // `small` gets 1/10 of the budget
+  static constexpr std::size_t kMinGhosts = 1024;  // 100 KB for keys of 64 digits
 
   struct Entry {
     std::string key;
@@ -122,8 +121,8 @@ class MemoryCache {
   };
   using Iterator = typename std::list<Entry>::iterator;
 
-  /// Looks at the oldest entry of the queue that is over its share: evicts it, or gives it another turn. Each
-  /// turn costs a use, so that finitely many calls free something.
+  /// Examines the oldest entry of the queue that exceeds its share. Evicts the entry, or gives it another turn. Each turn
+  /// uses up one of the entry's counted uses, so a finite number of calls frees memory.
   void make_room(std::vector<Pointer>& dropped) {
     if (main_.entries.empty() || small_.bytes > budget_ / kSmallShare) {
       const Iterator oldest = std::prev(small_.entries.end());
@@ -167,7 +166,8 @@ class MemoryCache {
       ghost_order_.pop_back();
     }
   }
-  /// True when the key was there. Its place in the order stays until it is its turn: harmless.
+  /// Removes the key from the ghost list, and returns whether it was there. Its place in ghost_order_ is removed later, which
+  /// does no harm.
   bool forget_ghost(const std::string& key) { return ghosts_.erase(key) > 0; }
 
   const std::size_t budget_;

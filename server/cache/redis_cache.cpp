@@ -12,8 +12,8 @@ namespace fracture {
 namespace {
 
 constexpr std::size_t kMaxIdle = 8;
-constexpr int kCompression = 1;  // 500 MB/s; GLB files shrink by half, and no more with higher levels
-/// A handshake is two journeys and a signature.
+constexpr int kCompression = 1;  // 500 MB/s; halves GLB files, and higher levels do not shrink them further
+/// Factor on the connect timeout with TLS, because a handshake takes two round trips and a signature.
 constexpr int kTlsPatience = 3;
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
@@ -83,7 +83,7 @@ RedisReply RedisCache::ask(const std::vector<std::string_view>& command) {
       idle_.pop_back();
     }
   }
-  // A kept connection may have been closed meanwhile, which its first use finds out: then a new one.
+  // An idle connection may have been closed in the meantime, which only its next use shows. Then a new one is opened.
   for (const bool kept : {true, false}) {
     if (kept && !connection) continue;
     if (!kept) connection = connect();
@@ -138,7 +138,7 @@ std::optional<StoredEntry> RedisCache::find(const std::string& key, const Room& 
 
 bool RedisCache::insert(const CacheEntry& entry) {
   if (entry.payload.size() > config_.max_entry_bytes || breaker_.open()) {
-    // Not worth compressing; reading tries again when it is time.
+    // Compressing the entry is not worth it. Only reads check whether Redis answers again.
     const std::lock_guard lock(mutex_);
     ++figures_.skipped;
     return false;

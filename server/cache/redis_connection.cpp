@@ -15,10 +15,10 @@
 namespace fracture {
 namespace {
 
-/// Room in an answer beside the value that it holds.
+/// Bytes allowed in a reply in addition to the value.
 constexpr std::size_t kSlack = 64u << 10;
 
-/// Waits for the socket; false when the time is over.
+/// Waits for the socket. Returns false on a timeout or an error.
 bool wait_for(int fd, short events, std::chrono::steady_clock::time_point deadline) {
   for (;;) {
     const auto left =
@@ -68,7 +68,7 @@ RedisConnection::RedisConnection(int fd, std::size_t max_reply)
       reader_(redisReaderCreate(), &redisReaderFree) {}
 
 RedisConnection::~RedisConnection() {
-  ssl_.reset();  // without a farewell, which nobody waits for
+  ssl_.reset();  // without a TLS close message, because nobody waits for it
   ::close(fd_);
 }
 
@@ -156,7 +156,7 @@ std::size_t RedisConnection::read_some(char* to, std::size_t size, Deadline dead
       continue;
     }
     const ssize_t got = ::recv(fd_, to, size, 0);
-    // Also where bytes are always there: it may be a flood.
+    // The deadline is checked even if bytes are always available, because the other side may send without end.
     if (got > 0) return std::chrono::steady_clock::now() < deadline ? static_cast<std::size_t>(got) : 0;
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) {
@@ -188,7 +188,8 @@ RedisReply RedisConnection::ask(const std::vector<std::string_view>& command, De
     received += got;
     if (got == 0 || received > max_reply_ || redisReaderFeed(reader_.get(), block, got) != REDIS_OK)
       return none;
-    // No command of ours is answered with an array; hiredis would allocate as many elements as one declares.
+    // None of our commands returns an array. An array is rejected because hiredis would allocate as many elements as it
+    // declares.
     if (reader_->len > reader_->pos && reader_->buf[reader_->pos] == '*') return none;
     void* reply = nullptr;
     if (redisReaderGetReply(reader_.get(), &reply) != REDIS_OK) return none;

@@ -1,6 +1,6 @@
-// One connection to Redis: sockets and OpenSSL here, hiredis for the protocol alone (Debian's has no TLS, and
-// its timeouts are for each system call, which an answer of single bytes never reaches). Every call has one
-// deadline for all of it.
+// A connection to Redis. Sockets and TLS (OpenSSL) are handled here, and hiredis only parses the protocol. Debian's hiredis
+// has no TLS, and its timeouts apply to each system call, so a reply that arrives byte by byte would never time out. Here,
+// every call has one deadline for the whole call.
 #pragma once
 
 #include <chrono>
@@ -22,14 +22,14 @@ namespace fracture {
 
 struct RedisTlsConfig {
   bool on = false;
-  std::string ca_file;              ///< who may have signed the server's certificate; empty: the system's
-  std::string cert_file, key_file;  ///< our own, where the server asks for one (PEM); both or none
+  std::string ca_file;              ///< trusted certificate authorities; empty: those of the system
+  std::string cert_file, key_file;  ///< our certificate and key (PEM), if the server asks; both or neither
 };
 
-/// Certificates, read once; the server's is always checked, with its name. Immutable.
+/// Certificates, read once. The server's certificate and its name are always checked. Immutable.
 class RedisTls {
  public:
-  /// kFileAccess says what cannot be read.
+  /// Reads the files. Errors: kFileAccess, which names the unreadable file.
   static Expected<std::shared_ptr<const RedisTls>> load(const RedisTlsConfig& config);
   ssl_ctx_st* context() const { return context_.get(); }
 
@@ -43,17 +43,18 @@ class RedisConnection {
  public:
   using Deadline = std::chrono::steady_clock::time_point;
 
-  /// Null when the deadline passes, nobody answers, or the certificate is not that of `host`. `tls` may be
-  /// null. `max_reply`: bytes of an answer; a longer one is a failure.
+  /// Opens a connection. Returns null if the deadline passes, nobody answers, or the certificate does not match `host`.
+  /// `tls` may be null. `max_reply`: maximum size of a reply in bytes; a longer one is a failure.
   static std::unique_ptr<RedisConnection> open(const NetworkAddress& address, const std::string& host,
                                                const RedisTls* tls, std::size_t max_reply, Deadline deadline);
   ~RedisConnection();
   RedisConnection(const RedisConnection&) = delete;
   RedisConnection& operator=(const RedisConnection&) = delete;
 
-  /// The answer, an error of Redis too; null when it failed: then the connection is of no more use.
+  /// Sends a command and returns the reply, which may be an error from Redis. Returns null if it failed; the connection must
+  /// not be used after that.
   RedisReply ask(const std::vector<std::string_view>& command, Deadline deadline);
-  /// Why it failed: the other side had closed it, perhaps long ago.
+  /// Returns whether ask() failed because the other side had closed the connection, perhaps long ago.
   bool was_closed() const { return closed_; }
 
  private:
@@ -61,9 +62,9 @@ class RedisConnection {
   bool connect(const NetworkAddress& address, Deadline deadline);
   bool shake_hands(const RedisTls& tls, const std::string& host, Deadline deadline);
   bool write(std::string_view bytes, Deadline deadline);
-  /// 0: it failed.
+  /// Returns the number of bytes read; 0 if it failed.
   std::size_t read_some(char* to, std::size_t size, Deadline deadline);
-  /// What a call of OpenSSL that did not get on waits for.
+  /// Waits until an incomplete OpenSSL call can continue. Returns false if it failed.
   bool wait_as_told(int result, Deadline deadline);
 
   const int fd_;

@@ -12,7 +12,7 @@ namespace fracture {
 
 namespace {
 
-/// In the order in which they should be tried; empty where `error` says why.
+/// Returns the addresses in the order in which they should be tried. On failure, returns none and sets `error`.
 std::vector<NetworkAddress> look_up(const std::string& host, const std::string& port, int flags, int& error) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
@@ -45,7 +45,7 @@ Resolver::Resolver(std::string host, std::string port) : state_(std::make_shared
   state_->port = std::move(port);
   int error = 0;
   state_->known.addresses =
-      look_up(state_->host, state_->port, AI_NUMERICHOST | AI_NUMERICSERV, error);  // asks nobody
+      look_up(state_->host, state_->port, AI_NUMERICHOST | AI_NUMERICSERV, error);  // sends no query
   state_->numeric = state_->known.asked = error == 0;
   if (state_->numeric) return;
   state_->asking = true;
@@ -61,20 +61,20 @@ Resolver::Known Resolver::known() {
   return state_->known;
 }
 
-/// The thread is left to itself: it cannot be stopped, and holds nothing but the state.
+/// Starts a look-up on a detached thread, because it cannot be stopped. The thread holds only the state.
 void Resolver::ask(const std::shared_ptr<State>& state) {
   try {
     std::thread([state] {
       int error = 0;
       std::vector<NetworkAddress> addresses = look_up(state->host, state->port, 0, error);
       const std::lock_guard lock(state->mutex);
-      // A name server that is away for a while takes no addresses away.
+      // If a name server fails for a while, the known addresses are kept.
       if (!addresses.empty() || error == EAI_NONAME) state->known.addresses = std::move(addresses);
       state->known.asked = true;
       state->answered = std::chrono::steady_clock::now();
       state->asking = false;
     }).detach();
-  } catch (const std::system_error&) {  // no thread to be had: at the next call
+  } catch (const std::system_error&) {  // no thread is available: the next call tries again
     state->asking = false;
   }
 }

@@ -1,5 +1,5 @@
-// A host name's addresses without ever waiting for them: getaddrinfo() has no deadline, and a name server
-// that does not answer would hold a computing thread for half a minute.
+// Resolves a host name without ever waiting. getaddrinfo() has no deadline, so a name server that does not answer would
+// block a computing thread for half a minute.
 #pragma once
 
 #include <sys/socket.h>
@@ -20,23 +20,23 @@ struct NetworkAddress {
 /// Thread-safe.
 class Resolver {
  public:
-  /// How long an answer is good for: a service that moved is found again after it.
+  /// How long an answer is used. After that, the name is resolved again, so that a service that moved is found.
   static constexpr std::chrono::seconds kFresh{30};
 
-  /// Begins to resolve at once, on a thread of its own; what is numeric is known at once.
+  /// Starts resolving at once, on a separate thread. A numeric address is known at once.
   Resolver(std::string host, std::string port);
 
   struct Known {
     std::vector<NetworkAddress> addresses;
-    bool asked = false;  ///< an answer has come; without addresses: there are none
+    bool asked = false;  ///< a look-up has ended; if `addresses` is empty, there are none
   };
-  /// What is known now; asks again behind the caller's back when that is old.
+  /// Returns what is known now. Starts another look-up in the background if this is old.
   Known known();
 
  private:
   struct State;
   static void ask(const std::shared_ptr<State>& state);
-  const std::shared_ptr<State> state_;  ///< shared with a thread that may outlive this
+  const std::shared_ptr<State> state_;  ///< shared with a thread that may outlive this object
 };
 
 }  // namespace fracture

@@ -1,6 +1,6 @@
-// Numbers, texts and arrays of plain values in a flat run of bytes, in the machine's own byte order: for two
-// processes of one program on one machine. The reader trusts nothing: every length is checked against the
-// bytes that are there before anything is allocated, and the first failure sticks.
+// Numbers, texts and arrays of plain values as a flat sequence of bytes in the machine's own byte order. It is for two
+// processes of the same program on the same machine. The reader trusts nothing: it checks every length against the available
+// bytes before it allocates memory. After the first failure, all further reads fail.
 #pragma once
 
 #include <cstddef>
@@ -67,14 +67,14 @@ class ByteReader {
     take(values.data(), values.size() * sizeof(T));
     return values;
   }
-  /// A view of the next `size` bytes; empty where they are not there.
+  /// Returns a view of the next `size` bytes. Fails and returns an empty view if there are fewer.
   std::span<const std::byte> view(std::uint64_t size) {
     if (size > bytes_.size()) return fail(), std::span<const std::byte>();
     const auto found = bytes_.first(static_cast<std::size_t>(size));
     bytes_ = bytes_.subspan(found.size());
     return found;
   }
-  /// A count of items of at least `item_bytes` each that can follow; 0 where it cannot be true.
+  /// Reads the number of items that follow, each with at least `item_bytes`. Fails and returns 0 if the rest is too short.
   std::uint64_t length(std::size_t item_bytes) {
     const auto count = value<std::uint64_t>();
     if (count <= bytes_.size() / item_bytes) return count;

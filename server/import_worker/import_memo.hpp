@@ -1,4 +1,4 @@
-// What is known of files that could not be read: asked again, they are refused without a process.
+// Remembers files that could not be read. If such a file comes again, it is refused without starting a process.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace fracture {
 
-/// The latest of them, for an hour: a reader may also die of a moment's trouble. Thread-safe.
+/// Remembers the latest kMost files, for an hour, because a reader may also fail for a temporary reason. Thread-safe.
 class ImportMemo {
  public:
   using Clock = std::chrono::steady_clock;
@@ -24,13 +24,13 @@ class ImportMemo {
   static constexpr std::uint64_t kAnyMemory = UINT64_MAX;
 
   struct Known {
-    std::optional<Error> error;    ///< it killed its reader, or needs more than an import may have
-    std::uint64_t with_bytes = 0;  ///< of memory, where it is the want of that
-    /// Else: it was computed on for so long and was not done.
+    std::optional<Error> error;    ///< the file killed its reader, or exceeded an import's limits
+    std::uint64_t with_bytes = 0;  ///< `error` applies to imports with at most this much memory
+    /// The file was read for this long, and reading did not finish.
     Clock::duration needs_more_than{0};
   };
 
-  /// `with_bytes`: with so much memory or less.
+  /// Remembers an error. `with_bytes`: the error applies to imports with at most this much memory.
   void add(const std::string& input, const Error& error, std::uint64_t with_bytes = kAnyMemory,
            Clock::time_point now = Clock::now()) {
     const std::lock_guard lock(mutex_);
@@ -55,7 +55,7 @@ class ImportMemo {
   static constexpr std::chrono::hours kTimeToLive{1};
 
  private:
-  /// Begins anew where it was too old.
+  /// Returns the entry of this input. Replaces it with a new one if it has expired.
   Known& entry(const std::string& input, Clock::time_point now) {
     const auto [at, created] = known_.try_emplace(input, Known{}, now);
     if (!created && at->second.second + kTimeToLive <= now) at->second = {Known{}, now};
@@ -70,7 +70,7 @@ class ImportMemo {
   }
 
   mutable std::mutex mutex_;
-  std::unordered_map<std::string, std::pair<Known, Clock::time_point>> known_;  // only looked up
+  std::unordered_map<std::string, std::pair<Known, Clock::time_point>> known_;  // never iterated
   std::deque<std::string> order_;                                               // oldest first
 };
 

@@ -1,4 +1,4 @@
-// One import: the memory that it may have, its tries, and how each of them ended.
+// A single import: its memory, its tries, and how each of them ended.
 #include "server/import_worker/import_pool.hpp"
 
 #include <algorithm>
@@ -15,14 +15,15 @@ using std::chrono::milliseconds;
 
 namespace {
 
-/// What a reader takes for a file of these bytes, arrays in double and the answer included (measured over the
-/// test meshes: 3 to 9 times), and for the largest of its pictures, one of which is decoded at a time
-/// (surface_color/pixels.cpp); and how much more it is given where that was too little.
+/// Memory that a reader takes for each byte of the file, including arrays of doubles and the answer (measured over the test
+/// meshes: 3 to 9 bytes). kMore: factor for the next try if a try had too little.
 constexpr std::uint64_t kLeastMemory = 8u << 20, kMemoryPerByte = 10, kMore = 4;
+/// Memory for each pixel of the largest picture. Pictures are decoded one at a time (surface_color/pixels.cpp).
 constexpr std::uint64_t kMemoryPerPixel = 17, kMostPixels = 1u << 24;
-/// The answer is in shared memory when the worker has freed its own; then the server takes it apart.
+/// Factor on a worker's memory for the reservation. The answer stays in shared memory after the worker has freed its own
+/// memory, and then the server decodes it.
 constexpr std::uint64_t kReserved = 2;
-/// A shorter try is repeated at no greater cost.
+/// Shorter tries are not remembered, because repeating them costs little.
 constexpr milliseconds kWorthRemembering{50};
 
 std::uint64_t expected_memory(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
@@ -37,13 +38,13 @@ bool lacked_memory(const Expected<Mesh>& result) {
          result.error().extra->value("limit", "") == "memory";
 }
 
-/// 0 is no limit.
+/// Converts a memory limit to the memo's form. 0 means no limit.
 std::uint64_t most_of(std::uint64_t memory_bytes) {
   return memory_bytes > 0 ? memory_bytes : ImportMemo::kAnyMemory;
 }
 
-/// Is it of no use to try? What was not done in a time is not done in an eighth more: tries of one length are
-/// never quite of one length.
+/// Returns whether a try would be useless. An input that did not finish within some time is tried again only with at least
+/// an eighth more time, because two tries with the same limit never run for exactly the same time.
 bool refuses(const ImportMemo::Known& known, std::uint64_t memory_bytes, const Execution& execution) {
   if (known.error && most_of(memory_bytes) <= known.with_bytes) return true;
   if (known.needs_more_than.count() == 0 || !execution.deadline) return false;
@@ -110,7 +111,8 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     const WorkerDeath death = worker.death();
     reusable =
         death == WorkerDeath::kNone && !lacked_memory(result) && worker.files() < config_.files_per_worker;
-    // What an earlier file has left behind in its process is not this one's doing.
+    // If the process has read other files before, they may be the cause of a crash or of a lack of memory. The file is then
+    // tried again in another process.
     const bool had_less = lacked_memory(result) && worker.had_less();
     attempt.was_killed = death == WorkerDeath::kKilled || death == WorkerDeath::kNoRoom ||
                          ((death == WorkerDeath::kCrash || had_less) && worker.files() > 1);
@@ -143,16 +145,16 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
       finish(death == WorkerDeath::kNone ? &ImportCounters::refused : &ImportCounters::crashed);
     return result;
   } catch (const Interrupted& interrupted) {
-    // What counts is the processor's time: where others had it, more of the same time might have done.
+    // Only processor time counts. If other processes had the processor, the import might have finished in the same time.
     const auto given = ImportMemo::Clock::now() - start, used = worker.processor_time();
-    finish(&ImportCounters::interrupted);  // first: the memo may find no memory
+    finish(&ImportCounters::interrupted);  // first, because the memo may run out of memory
     if (interrupted.code == ErrorCode::kDeadlineExceeded && used >= kWorthRemembering)
       memo_.add(input.name, used >= given / 4 * 3 ? given : used);
     throw;
-  } catch (const std::system_error& e) {  // a descriptor, or shared memory
+  } catch (const std::system_error& e) {  // no descriptor or no shared memory
     finish(&ImportCounters::no_room);
     return tl::unexpected<Error>(no_room_to_read(e.what()));
-  } catch (...) {  // the server lacks memory: what the worker is at is not known
+  } catch (...) {  // the server is out of memory, and the state of the worker is not known
     finish(&ImportCounters::no_room);
     throw;
   }

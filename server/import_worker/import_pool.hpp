@@ -1,12 +1,11 @@
-// Imports in other processes: a pool of sandboxed fracture-import children (worker_process.hpp), because the
-// readers of foreign formats crash, leak, run away and may be taken over by hostile files. A worker reads one
-// file and ends, the next one has been forked meanwhile; only where all files are the caller's own it reads
-// several. A worker that dies of its file costs one request a typed error, and the same file the same error
-// at once from then on.
+// Imports in other processes: a pool of sandboxed fracture-import children (worker_process.hpp). Readers of foreign formats
+// crash, leak, hang, and may be taken over by hostile files. A worker reads one file and ends, and by then the next worker
+// has already been forked. A worker reads several files only if all of them belong to the caller. If a file kills its worker,
+// one request gets a typed error, and from then on the same file gets this error at once.
 //
-// A file may be read for a minute. So imports take turns: whoever waits has its turn after those who read have had theirs
-// (kTurn), urgent work at once. A process whose turn it is not is stopped (SIGSTOP), and goes on later; so is that of a
-// computation that should stand still for another one's (service/worker_pool.hpp).
+// Reading a file may take a minute, so imports take turns. An import that waits gets its turn after the reading ones have had
+// theirs (kTurn); an urgent one gets it at once. A worker process is stopped (SIGSTOP) when its turn is over, and continues
+// later. It is also stopped while its computation stands still for another one (service/worker_pool.hpp).
 #pragma once
 
 #include <chrono>
@@ -31,71 +30,76 @@ namespace fracture {
 
 struct ImportPoolConfig {
   WorkerProcessConfig worker;
-  int workers = 1;  ///< that read at the same time
-  /// The zygote is started anew after so many forks, and after every crash: its forks share the places of
-  /// everything in memory, and nobody is to find them out by trying.
+  int workers = 1;  ///< number of workers that read at the same time
+  /// The zygote is restarted after this many forks, and after every crash. All forks of a zygote have the same memory layout,
+  /// so this keeps an attacker from finding out the layout by trial and error.
   std::uint32_t max_forks = 500;
-  /// More than 1 only for files of one owner: who takes a reader over reads and answers what comes after.
+  /// Must be 1 unless all files have the same owner: a file that takes over a reader could read the files after it and forge
+  /// their answers.
   int files_per_worker = 1;
 };
 
-/// Since the start; each import is counted once under how it ended.
+/// Counters since the start. Each import counts once, by the way it ended.
 struct ImportCounters {
-  std::uint64_t imported = 0;  ///< meshes
-  std::uint64_t refused = 0;   ///< typed errors of the readers
-  std::uint64_t crashed = 0;   ///< the worker died of the file
-  std::uint64_t limited = 0;   ///< over the limit of memory, processor time or output
-  std::uint64_t no_room = 0;   ///< the machine had no memory, descriptor or process for it: never remembered
-  std::uint64_t interrupted = 0;  ///< given up in mid-import: deadline or cancel, the worker was killed
-  std::uint64_t remembered = 0;   ///< refused by what is known of the file, without a worker
-  std::uint64_t started = 0;      ///< worker processes
-  std::uint64_t zygotes = 0;      ///< processes started to fork them
-  int workers = 0;                ///< alive now
-  int starting = 0;               ///< not alive yet, or waiting for their start
-  int busy = 0;                   ///< of them importing
-  int standing = 0;               ///< of them stopped in mid-import, for others
+  std::uint64_t imported = 0;     ///< imports that returned a mesh
+  std::uint64_t refused = 0;      ///< imports that returned a reader's typed error
+  std::uint64_t crashed = 0;      ///< imports whose file killed the worker
+  std::uint64_t limited = 0;      ///< imports over the limit on memory, processor time or output
+  std::uint64_t no_room = 0;      ///< the machine had no memory, descriptor or process; never remembered
+  std::uint64_t interrupted = 0;  ///< imports that were cancelled or passed their deadline
+  std::uint64_t remembered = 0;   ///< imports refused without a worker, because the file is known to fail
+  std::uint64_t started = 0;      ///< worker processes that were started
+  std::uint64_t zygotes = 0;      ///< processes that were started to fork workers
+  int workers = 0;                ///< current number of workers
+  int starting = 0;               ///< workers that are starting or waiting for their start
+  int busy = 0;                   ///< workers that are importing
+  int standing = 0;               ///< workers that are stopped in the middle of an import
 };
 
 class ImportPool {
  public:
-  /// Starts one worker and waits for it; the others start when they are needed. Throws what WorkerProcess
-  /// throws.
+  /// Starts one worker and waits for it. The others start when they are needed. Throws std::runtime_error if the worker
+  /// cannot be started.
   explicit ImportPool(ImportPoolConfig config);
   ~ImportPool();
   ImportPool(const ImportPool&) = delete;
   ImportPool& operator=(const ImportPool&) = delete;
 
-  /// Asked on the thread of an import: should its computation stand still?
+  /// Called on the thread of an import. Returns whether its computation should stand still.
   using StandsBack = std::function<bool()>;
-  /// As import_mesh(); waits for its turn, urgent work (Turn::is_urgent, asked again while it waits) before other
-  /// work. What the worker may take is set aside in the
-  /// execution's allowance before: little at first, by the size of the file, and more where that was too
-  /// little (an instanced or compressed file), up to the worker's own limit. A worker that somebody else
-  /// killed (the kernel short of memory, an operator) says nothing about its file, which is read once more by
-  /// another one. Further errors: kImporterCrashed, kImporterLimit; kOverloaded where this machine has no room for a
-  /// reader now, which says nothing about the file and is never remembered. Throws Interrupted.
-  /// `digest`: what the caller knows the input by, 64 hex digits, another one for each input. An input that
-  /// once killed its reader, or needed more than an import may have, gets the same error at once; one that
-  /// was computed on for longer than there is time until the deadline, its Interrupted. Thread-safe.
+  /// Imports a mesh like import_mesh(), in a worker. Thread-safe. Waits for its turn; urgent work (Turn::is_urgent, checked
+  /// again during the wait) goes before other work.
+  ///
+  /// The worker's memory is first set aside in the execution's allowance. The first try gets little memory, depending on the
+  /// file's size. If that is not enough (an instanced or compressed file), further tries get more, up to the worker's limit.
+  /// If a worker was killed from outside (by an operator, or by a kernel short of memory), the file is not to blame, and
+  /// another worker reads it once more.
+  ///
+  /// `digest`: 64 hex digits by which the caller identifies the input, different for each input. If an input once killed its
+  /// reader or exceeded an import's limits, it gets the same error at once. If an earlier try ran longer than the time left
+  /// until the deadline, Interrupted is thrown at once.
+  ///
+  /// Further errors: kImporterCrashed, kImporterLimit. kOverloaded if this machine currently has no room for a reader; this is
+  /// independent of the file and never remembered. Throws Interrupted.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
                         const ImportLimits& limits, const Execution& execution, std::string_view digest,
                         const StandsBack& stands_back = {});
 
-  /// For so long an import reads while others wait.
+  /// How long an import may read at a time while others wait.
   static constexpr std::chrono::milliseconds kTurn{50};
 
   ImportCounters counters() const;
-  /// Of the first worker and its zygote: what of the sandbox this machine allows.
+  /// Return the hellos of the first worker and of the latest zygote. They say which parts of the sandbox this machine allows.
   WorkerHello hello() const;
   ZygoteHello zygote_hello() const;
-  /// Of the workers, those that are reading first.
+  /// Returns the process ids of the workers. Workers that are reading come first.
   std::vector<pid_t> pids() const;
-  /// -1 while there is none.
+  /// Returns the zygote's process id; -1 if there is none.
   pid_t zygote_pid() const;
 
  private:
   void supervise();
-  /// What is asked for, and what the memo calls it.
+  /// An input, and its name in the memo.
   struct Input {
     std::span<const std::byte> mesh;
     MeshFormat format;
@@ -103,14 +107,14 @@ class ImportPool {
     std::string digest, name;
     const StandsBack& stands_back;
   };
-  /// One worker's reading of an input.
+  /// One try to read an input in a worker.
   struct Try {
     std::uint64_t memory_bytes = 0;
-    bool last = false;               ///< there is no more memory to try it with
-    bool was_killed_before = false;  ///< from outside, in a try before: not again for that
-    bool was_killed = false;         ///< how this one ended
+    bool last = false;               ///< no further try may have more memory
+    bool was_killed_before = false;  ///< `was_killed` of an earlier try: repeated for this only once
+    bool was_killed = false;         ///< this try failed for a reason that is not the file's fault
   };
-  /// Nothing: it is to be tried again.
+  /// Runs one try. Returns nothing if the input must be tried again.
   std::optional<Expected<Mesh>> import_within(Try& attempt, const Input& input, const ImportLimits& limits,
                                               const Execution& execution);
   std::unique_ptr<WorkerProcess> fork_worker();
@@ -124,22 +128,22 @@ class ImportPool {
     void leave() override {}
     void come_back() override {}
     bool is_urgent() const override { return !execution.turn || execution.turn->is_urgent(); }
-    /// Tells the computation what the worker has used since it was told before.
+    /// Reports the worker's processor time since the last report to the computation.
     void tell_of_use();
 
     ImportPool& pool;
     const Execution& execution;
     const StandsBack& stands_back;
     WorkerProcess* worker = nullptr;
-    std::chrono::steady_clock::time_point since{};  ///< it reads
-    std::chrono::nanoseconds told{0};
+    std::chrono::steady_clock::time_point since{};  ///< begin of its current turn
+    std::chrono::nanoseconds told{0};               ///< processor time that was reported
   };
   struct Waiting;
   struct Standing;
   std::unique_ptr<WorkerProcess> take(Place& place);
-  /// In mid-import, until it is its turn again; `back`: after its computation has stood still.
+  /// Stops an import in the middle, until it is its turn again. `back`: first lets its computation stand still.
   void stand_still(Place& place, bool back);
-  // With the lock.
+  // The following functions require the lock, except bury() and keep(), which take it.
   bool is_next(const Place& place) const;
   bool is_others_turn(const Place& place) const;
   int reading_or_starting() const;
@@ -151,9 +155,9 @@ class ImportPool {
   mutable std::mutex mutex_;
   std::condition_variable supervisor_, free_;
   std::vector<std::unique_ptr<WorkerProcess>> idle_, retired_;
-  std::list<Place*> line_;  ///< who waits to read, the longest first
+  std::list<Place*> line_;  ///< imports that wait to read, longest waiting first
   std::vector<pid_t> busy_;
-  int to_start_ = 1;  ///< wanted and not yet begun
+  int to_start_ = 1;  ///< workers to start whose start has not begun
   int starting_ = 0;
   std::uint64_t failed_starts_ = 0;
   std::string start_error_;
@@ -163,11 +167,11 @@ class ImportPool {
   bool renew_zygote_ = false;
   ImportCounters counters_;
   bool stopping_ = false;
-  std::unique_ptr<ZygoteProcess> zygote_;  ///< the supervisor's own
-  std::thread thread_;  ///< starts and buries processes: they die with the thread that started them
+  std::unique_ptr<ZygoteProcess> zygote_;  ///< only the supervisor uses it
+  std::thread thread_;  ///< the supervisor, which starts and reaps processes: they die with its thread
 };
 
-/// fracture-import beside the running program. Throws std::runtime_error where it is not there.
+/// Returns the path of fracture-import in the running program's folder. Throws std::runtime_error if it does not exist.
 std::string import_worker_beside_this_program();
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// Turns of imports: who takes a worker next, and who stands still for others.
+// The turns of imports: which import takes a worker next, and which one stands still for others.
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -9,7 +9,7 @@ namespace fracture {
 
 using std::chrono::milliseconds;
 
-/// In the line, for as long as this lives. Made and destroyed with the lock.
+/// Keeps an import in the line while it lives. Construction and destruction require the lock.
 struct ImportPool::Waiting {
   Waiting(ImportPool& p, Place& place) : pool(p), at(p.line_.insert(p.line_.end(), &place)) {}
   ~Waiting() {
@@ -22,7 +22,7 @@ struct ImportPool::Waiting {
   const std::list<Place*>::iterator at;
 };
 
-/// Stopped, for as long as this lives. Made and destroyed without the lock.
+/// Keeps a worker stopped while it lives. Must be constructed and destroyed without the lock.
 struct ImportPool::Standing {
   explicit Standing(Place& p) : place(p) {
     place.worker->stop();
@@ -40,7 +40,7 @@ struct ImportPool::Standing {
   }
   Standing(const Standing&) = delete;
   Standing& operator=(const Standing&) = delete;
-  /// With the lock.
+  /// Counts the worker as reading again. Requires the lock.
   void reads_again() {
     ++place.pool.counters_.busy;
     --place.pool.counters_.standing;
@@ -122,8 +122,8 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place) {
   while (idle_.empty() || !is_next(place)) {
     if (!away) away.emplace(execution.turn);
     if (idle_.empty() && reading_or_starting() < config_.workers && starting_ + to_start_ == 0) {
-      // Nobody will come free, and none could be started: better an error now than at the deadline.
-      // They could be when the server started: what is missing now are memory, processes or descriptors.
+      // No worker will become free, and none could be started, so an error now is better than one at the deadline. Workers
+      // could be started when the server began, so memory, processes or descriptors must be missing now.
       if (failed_starts_ > failures && counters_.workers == 0) {
         ++counters_.no_room;
         throw Interrupted(no_room_to_read(start_error_));
@@ -136,7 +136,7 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place) {
     try {
       execution.poll();
     } catch (...) {
-      lock.lock();  // who waits is counted under it
+      lock.lock();  // the destructor of `waiting` requires it
       throw;
     }
     lock.lock();

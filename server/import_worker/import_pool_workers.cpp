@@ -1,4 +1,4 @@
-// The worker processes of the pool: started ahead of need by one thread, kept, replaced and ended.
+// The pool's worker processes. One thread starts them before they are needed, replaces them and ends them.
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ ImportPool::~ImportPool() {
   thread_.join();
 }
 
-/// The only thread that starts and ends processes.
+/// Runs on the supervisor's thread, the only one that starts and ends processes.
 void ImportPool::supervise() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -46,7 +46,7 @@ void ImportPool::supervise() {
       zygote_pid_ = -1;
       lock.unlock();
       zygote_.reset();
-      return;  // `dead` is buried here
+      return;  // the destructor of `dead` ends the processes
     }
     const bool start = to_start_ > 0;
     to_start_ -= start;
@@ -76,7 +76,7 @@ void ImportPool::supervise() {
   }
 }
 
-/// A zygote that has ended (the system was short of memory) is found out by its fork: then from a new one.
+/// Forks a worker. If that fails because the zygote has ended (the system was short of memory), starts a new zygote.
 std::unique_ptr<WorkerProcess> ImportPool::fork_worker() {
   bool renew = false;
   {
@@ -94,7 +94,7 @@ std::unique_ptr<WorkerProcess> ImportPool::fork_worker() {
   try {
     return first_worker_of_a_new_zygote();
   } catch (const std::exception&) {
-    // These are the first that the system ends when it is short of memory: also while they start.
+    // If the system is short of memory, it ends these processes first, possibly while they start. So this tries once more.
     return first_worker_of_a_new_zygote();
   }
 }
@@ -111,7 +111,7 @@ std::unique_ptr<WorkerProcess> ImportPool::first_worker_of_a_new_zygote() {
   return std::make_unique<WorkerProcess>(*zygote_, config_.worker);
 }
 
-/// So that the next import does not wait for a fork. Called with the lock.
+/// Requests a spare worker, so that the next import need not wait for a fork. Requires the lock.
 void ImportPool::want_a_spare() {
   if (!idle_.empty() || starting_ + to_start_ > 0 || reading_or_starting() >= config_.workers) return;
   ++to_start_;
@@ -122,7 +122,7 @@ int ImportPool::reading_or_starting() const {
   return counters_.workers - counters_.standing + starting_ + to_start_;
 }
 
-/// For the next file.
+/// Keeps a worker for the next file.
 void ImportPool::keep(std::unique_ptr<WorkerProcess> worker) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;
@@ -130,7 +130,7 @@ void ImportPool::keep(std::unique_ptr<WorkerProcess> worker) {
   free_.notify_all();
 }
 
-/// It has read its file. Ended by the supervisor, and replaced at once.
+/// Retires a worker that has read its file. The supervisor ends it and replaces it at once.
 void ImportPool::bury(std::unique_ptr<WorkerProcess> worker) {
   const std::lock_guard lock(mutex_);
   --counters_.busy;

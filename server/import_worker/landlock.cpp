@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// One number on every architecture: they are younger than the common table.
+// These system calls have the same numbers on all architectures.
 #ifndef SYS_landlock_create_ruleset
 #define SYS_landlock_create_ruleset 444
 #define SYS_landlock_restrict_self 446
@@ -16,13 +16,13 @@
 namespace fracture {
 namespace {
 
-/// struct landlock_ruleset_attr; the kernel takes any prefix of it that it knows.
+/// struct landlock_ruleset_attr. The kernel accepts any prefix that it knows.
 struct Ruleset {
   std::uint64_t files, network;
 };
 constexpr unsigned kVersionFlag = 1;
 
-/// Every right over files that this version knows: they are numbered as they came.
+/// Returns all file rights that this version knows. Newer versions have added further bits.
 std::uint64_t file_rights(long version) {
   const int count = version >= 5 ? 16 : version >= 3 ? 15 : version == 2 ? 14 : 13;
   return (std::uint64_t{1} << count) - 1;

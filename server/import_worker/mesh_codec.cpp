@@ -15,14 +15,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x32524d46;  // "FMR2": raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x32524d46;  // "FMR2"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
-/// Longest error text and most sets of UVs or colours that an import can have: glTF's readers stop long
-/// before.
+/// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
 constexpr std::size_t kMaxDetail = 16 * 1024, kMaxSets = 64;
 
-/// What a parsed list may hold while it is read: a list that grows takes up to twice its final size.
+/// Memory limit for a list while it is parsed. A growing list takes up to twice its final size.
 constexpr std::size_t kMaxListBytes = 2 * kMaxLibraryBytes;
 
 std::string dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
@@ -38,7 +37,7 @@ void write_sets(ByteWriter& out, const std::vector<std::vector<T>>& sets) {
   for (const auto& set : sets) out.array(set);
 }
 
-/// About what the arrays take, so that they are written without growing.
+/// Returns roughly the size of the arrays, so that the output buffer need not grow while they are written.
 std::size_t bulk_of(const Mesh& mesh) {
   const Attributes& a = mesh.attributes;
   const std::size_t wedge =
@@ -103,8 +102,8 @@ std::vector<std::vector<T>> read_sets(ByteReader& in) {
 
 json read_json(ByteReader& in, const ImportLimits& limits) {
   const std::string text = in.text();
-  // Everything that walks the values recurses. One level more than the file may have: the list around its
-  // objects.
+  // The depth is limited because everything that visits the values recurses. It may exceed the file's limit by a few levels,
+  // because lists enclose the file's objects.
   auto read = fracture::read_json(text, {limits.max_json_depth + 8, kMaxListBytes});
   if (!read) throw BadReply("a JSON " + to_text(read.error()));
   return std::move(read->value);
@@ -192,7 +191,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   return mesh;
 }
 
-/// The codes an import may end with; with any other a worker could, say, blame the server.
+/// Returns whether an import may end with this code. With other codes, a worker could blame the server, for example.
 bool is_import_error(ErrorCode code) {
   switch (code) {
     case ErrorCode::kEmptyBody:

@@ -1,6 +1,6 @@
-// What an import worker hands back, as bytes: a Mesh, bit for bit, or an Error. The worker runs foreign
-// parsers over hostile files, so the server takes nothing on trust: decode_reply() checks every length before
-// it allocates, and every promise that mesh.hpp and MeshBuilder make.
+// The bytes of an import worker's reply: a Mesh, preserved bit for bit, or an Error. The worker runs third-party parsers on
+// hostile files, so the server trusts nothing. decode_reply() checks every length before it allocates memory, and checks all
+// guarantees that mesh.hpp and MeshBuilder give.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@ namespace fracture {
 
 std::vector<std::byte> encode_reply(const Expected<Mesh>& imported);
 
-/// Thrown for bytes that no worker of ours writes; says which promise is broken.
+/// Thrown for bytes that none of our workers would write. Says which guarantee is broken.
 class BadReply : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The worker's answer, a Mesh or its typed error. Throws BadReply.
+/// Decodes a worker's reply. Returns the mesh or the worker's typed error. Throws BadReply.
 Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits);
 
 }  // namespace fracture

@@ -14,9 +14,9 @@ namespace fracture {
 namespace {
 
 constexpr std::size_t kMaxDescriptors = 2;
-/// How often a waiting import looks whether it is still wanted.
+/// How often a waiting import checks whether it is still wanted.
 constexpr int kPollMilliseconds = 10;
-/// Room for one control message; aligned as the kernel wants it.
+/// Buffer for one control message, with the alignment that the kernel requires.
 struct alignas(cmsghdr) Control {
   char bytes[CMSG_SPACE(kMaxDescriptors * sizeof(int))];
 };

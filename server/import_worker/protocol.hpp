@@ -1,7 +1,6 @@
-// What server, zygote and import workers say to each other over socket pairs (SOCK_SEQPACKET: whole
-// messages). The zygote is the started program, ready to read files; a worker is a fork of it that reads them,
-// of strangers one.
-// The bytes of files travel between server and worker alone, in shared memory whose descriptors go along.
+// The messages between server, zygote and import workers, over socket pairs (SOCK_SEQPACKET, which keeps messages whole).
+// The zygote is the program that the server starts. A worker is a fork of the zygote, and reads files. The bytes of files go
+// only between server and worker, in shared memory whose descriptors are sent with the messages.
 //
 //   zygote ──ZygoteHello──> server                                   once, ready to fork
 //   server ──ForkRequest + the worker's socket──> zygote
@@ -26,13 +25,13 @@
 namespace fracture {
 
 inline constexpr std::uint32_t kProtocolVersion = 3;
-inline constexpr int kWorkerSocket = 3;  ///< the child's end, by number; beside it only 0, 1 and 2
+inline constexpr int kWorkerSocket = 3;  ///< the child's socket; it has only descriptors 0 to 3
 
 struct ZygoteHello {
   std::uint32_t version = kProtocolVersion;
-  /// Version of Landlock whose rules deny files and TCP in it and in its forks; 0: this kernel has none.
+  /// Version of Landlock that denies files and TCP to the zygote and its forks; 0: not available.
   std::uint32_t landlock = 0;
-  /// Bytes of its address space, which each fork has before it reads a file; 0: not known.
+  /// Bytes of the zygote's address space, with which each fork begins; 0: not known.
   std::uint64_t address_space = 0;
 };
 
@@ -43,28 +42,28 @@ struct ForkRequest {
 struct ForkDone {
   std::uint32_t version = kProtocolVersion;
   std::int32_t pid = -1;
-  std::int32_t error = 0;  ///< errno where pid is -1
+  std::int32_t error = 0;  ///< errno if pid is -1
 };
 
-/// Exit code of a worker that lacked memory where it could not say so: a destructor that allocates, say.
+/// Exit code of a worker that lacked memory and could not reply (in a destructor that allocates, for example).
 inline constexpr int kLackedMemory = 5;
-/// Exit code of a worker that the system refused memory which its own limit allows.
+/// Exit code of a worker to which the system refused memory that its own limit would allow.
 inline constexpr int kRefusedMemory = 6;
 
 struct WorkerHello {
   std::uint32_t version = kProtocolVersion;
-  std::uint32_t seccomp = 0;  ///< 1: the filter is loaded; else seccomp_errno says why not
+  std::uint32_t seccomp = 0;  ///< 1: the filter is loaded; otherwise seccomp_errno says why not
   std::int32_t seccomp_errno = 0;
 };
 
-/// The digest of an input in 64 hex digits, as the server's caches call it.
+/// An input's digest as 64 hex digits, as in the server's cache keys.
 using InputDigest = std::array<char, 64>;
 
 struct ImportRequest {
   std::uint32_t version = kProtocolVersion;
   std::uint32_t format = 0;
   InputDigest digest{};
-  std::uint64_t input_bytes = 0;  ///< of the shared memory
+  std::uint64_t input_bytes = 0;  ///< size of the input in shared memory
   std::uint64_t max_triangles = 0, max_decoded_bytes = 0;
   std::uint32_t max_json_depth = 0;
   std::uint32_t reserved = 0;
@@ -73,11 +72,11 @@ struct ImportRequest {
 struct ImportDone {
   std::uint32_t version = kProtocolVersion;
   std::uint32_t reserved = 0;
-  InputDigest digest{};  ///< of the request that this answers
+  InputDigest digest{};  ///< digest in the request that this answers
   std::uint64_t output_bytes = 0;
 };
 
-/// A request as the worker understands it: views into the input.
+/// A parsed request. Its spans are views into the input.
 struct ImportJob {
   MeshFormat format = MeshFormat::kGlb;
   ImportLimits limits;
@@ -85,31 +84,31 @@ struct ImportJob {
   std::vector<ImportFile> files;
 };
 
-/// Every part of the input begins at a multiple of this, as memory from an allocator does: formats align
-/// their numbers within the file, and decoders read them in place.
+/// Alignment of each part of the input, the same as that of allocated memory. Formats align numbers within a file, and
+/// decoders read them in place.
 inline constexpr std::uint64_t kInputAlignment = 16;
 inline constexpr std::uint64_t aligned(std::uint64_t size) {
   return (size + kInputAlignment - 1) / kInputAlignment * kInputAlignment;
 }
 
-/// The head of the input: names and sizes. Behind it come the bytes of the mesh, then those of each file,
-/// each part filled up to the alignment.
+/// Returns the head of the input, with names and sizes. The bytes of the mesh and then of each file must follow. Each part is
+/// padded to the alignment.
 std::vector<std::byte> input_head(std::span<const std::byte> mesh, std::span<const ImportFile> files);
 
-/// Nothing where the request does not fit its input: then it is not from our server.
+/// Parses a request. Returns nothing if the request does not match its input; then it is not from our server.
 std::optional<ImportJob> parse_request(const ImportRequest& request, std::span<const std::byte> input);
 
-/// One message with at most two descriptors. False at the end of the connection and on every error.
+/// Sends one message with at most two descriptors. Returns false if the connection has ended, and on any error.
 bool send_message(int socket, const void* message, std::size_t size, std::span<const int> descriptors = {});
 
 struct Received {
-  bool whole = false;  ///< a message of exactly the size that was expected
+  bool whole = false;  ///< the message has exactly the expected size
   int descriptors[2] = {-1, -1};
 };
-/// Waits for a message. Descriptors are the caller's to close, also where the message is not whole.
+/// Waits for a message and reads it. The caller must close the descriptors, even if the message is not whole.
 Received receive_message(int socket, void* message, std::size_t size);
 
-/// Waits for a message; false when the other side has gone instead. Throws Interrupted.
+/// Waits for a message. Returns false if the other side has closed the connection. Throws Interrupted.
 bool wait_for_message(int socket, const Execution& execution);
 
 }  // namespace fracture

@@ -38,10 +38,10 @@ void set(int option, unsigned long value) {
     throw std::system_error(errno, std::generic_category(), "prctl in an import worker");
 }
 
-/// Negative errno of the first rule that was refused, or 0.
+/// Adds the rules. Returns 0, or the negative errno of the first rule that was refused.
 int add_rules(scmp_filter_ctx filter) {
-  // Enough for every reader, measured over the models of Assimp; no call that names a file, a socket address
-  // or a process.
+  // These calls are enough for every reader, as measured over Assimp's test models. None of them names a file, a socket
+  // address or a process.
   for (const int call : {SCMP_SYS(read),          SCMP_SYS(write),           SCMP_SYS(readv),
                          SCMP_SYS(writev),        SCMP_SYS(recvmsg),         SCMP_SYS(sendmsg),
                          SCMP_SYS(close),         SCMP_SYS(munmap),          SCMP_SYS(mremap),
@@ -50,11 +50,11 @@ int add_rules(scmp_filter_ctx filter) {
                          SCMP_SYS(sched_yield),   SCMP_SYS(restart_syscall), SCMP_SYS(rt_sigreturn),
                          SCMP_SYS(exit),          SCMP_SYS(exit_group)})
     if (const int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0); error != 0) return error;
-#ifdef FRACTURE_SANITIZED  // which asks a pipe whether memory can be read
+#ifdef FRACTURE_SANITIZED  // sanitizers use a pipe to check whether memory is readable
   for (const int call : {SCMP_SYS(pipe), SCMP_SYS(pipe2)})
     if (const int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0); error != 0) return error;
 #endif
-  for (const int call : {SCMP_SYS(mmap), SCMP_SYS(mprotect)})  // memory, but no code
+  for (const int call : {SCMP_SYS(mmap), SCMP_SYS(mprotect)})  // memory that is not executable
     if (const int error =
             seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 1, SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
         error != 0)
@@ -64,8 +64,8 @@ int add_rules(scmp_filter_ctx filter) {
   return 0;
 }
 
-/// Where memory runs out, a reader of one file goes before the server of all. Raising it is always allowed;
-/// where there is no /proc, nothing is lost.
+/// Raises the out-of-memory score. If memory runs out, the kernel should end the reader of one file rather than the server.
+/// Raising the score is always allowed, and a failure without /proc does no harm.
 void prefer_as_victim() {
   constexpr const char* kScore = "500";
   const int file = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
@@ -81,7 +81,7 @@ SyscallFilter::SyscallFilter() {
   const std::unique_ptr<void, decltype(release)> filter(seccomp_init(SCMP_ACT_ERRNO(EPERM)), release);
   error_ = filter ? -add_rules(filter.get()) : ENOMEM;
   if (error_ != 0) return;
-  const Descriptor file = make_shared_memory("fracture-filter");  // libseccomp writes to a descriptor alone
+  const Descriptor file = make_shared_memory("fracture-filter");  // libseccomp can only write to a descriptor
   error_ = -seccomp_export_bpf(filter.get(), file.get());
   const off_t size = error_ == 0 ? ::lseek(file.get(), 0, SEEK_END) : 0;
   program_.resize(static_cast<std::size_t>(std::max<off_t>(size, 0)) / sizeof(sock_filter));
@@ -99,7 +99,7 @@ int SyscallFilter::load() const {
 }
 
 int enter_zygote_sandbox() {
-  prefer_as_victim();  // its forks too
+  prefer_as_victim();  // forks inherit this
   set(PR_SET_PDEATHSIG, SIGKILL);
   set(PR_SET_DUMPABLE, 0);
   set(PR_SET_NO_NEW_PRIVS, 1);
@@ -109,10 +109,10 @@ int enter_zygote_sandbox() {
 
 SandboxReport enter_worker_sandbox(const SandboxLimits& limits, const SyscallFilter& filter) {
   set(PR_SET_PDEATHSIG, SIGKILL);
-#ifndef FRACTURE_SANITIZED  // the sanitizers reserve terabytes
+#ifndef FRACTURE_SANITIZED  // sanitizers reserve terabytes
   if (limits.memory_bytes > 0) limit(RLIMIT_AS, limits.memory_bytes);
 #endif
-  // SIGXCPU ends it and says why; SIGKILL follows a second later where a taken-over process ignores that.
+  // SIGXCPU ends the process and tells why. If a taken-over process ignores it, SIGKILL follows a second later.
   if (limits.cpu_seconds > 0) limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 1);
   limit(RLIMIT_FSIZE, limits.output_bytes);
   limit(RLIMIT_NOFILE, 16);

@@ -1,5 +1,5 @@
-// What an import process gives up, in two steps: the zygote what no fork of it needs, each worker the rest,
-// before it sees the first foreign byte.
+// The sandbox of an import process, which has two steps. The zygote gives up what none of its forks needs. Each worker gives
+// up the rest before it sees the first byte of a file.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@ struct sock_filter;
 namespace fracture {
 
 struct SandboxLimits {
-  std::uint64_t memory_bytes = 0;  ///< of address space (RLIMIT_AS); 0, or under a sanitizer: no limit
-  std::uint64_t cpu_seconds = 0;   ///< of processor time (RLIMIT_CPU); 0: no limit
-  std::uint64_t output_bytes = 1ull << 30;  ///< of what it writes (RLIMIT_FSIZE)
+  std::uint64_t memory_bytes = 0;           ///< address space (RLIMIT_AS); 0, or under a sanitizer: no limit
+  std::uint64_t cpu_seconds = 0;            ///< processor time (RLIMIT_CPU); 0: no limit
+  std::uint64_t output_bytes = 1ull << 30;  ///< size of the output (RLIMIT_FSIZE)
 };
 
-/// The seccomp filter with the few calls that computing needs. Calls that open files answer EACCES, all
-/// others EPERM. Built once, by the zygote: to build it takes longer than to fork and to load it.
+/// The seccomp filter, which allows the few system calls that computing needs. Calls that open files fail with EACCES, and all
+/// others with EPERM. The zygote builds the filter once, because building takes longer than forking and loading the filter.
 class SyscallFilter {
  public:
-  /// Where the filter cannot be built, load() says why not.
+  /// Builds the filter. If that fails, load() returns the error.
   SyscallFilter();
   ~SyscallFilter();
   SyscallFilter(const SyscallFilter&) = delete;
   SyscallFilter& operator=(const SyscallFilter&) = delete;
-  /// For the calling thread and those it starts, for good. 0, or an errno.
+  /// Applies the filter permanently to the calling thread and to threads that it starts. Returns 0 or an errno.
   int load() const;
 
  private:
@@ -32,19 +32,19 @@ class SyscallFilter {
   int error_ = 0;
 };
 
-/// For the zygote: no core dumps, no new privileges, not traceable, ended with its parent; Landlock (Salaün,
-/// landlock(7)) where the kernel has it, a second layer behind the filter's. Returns Landlock's version or 0.
-/// Throws std::system_error where anything else cannot be had.
+/// Sandboxes the zygote: no core dumps, no new privileges, not traceable, and it ends with its parent. If the kernel has
+/// Landlock (Salaün, landlock(7)), it is a second layer in addition to the filter. Returns the version of Landlock, or 0.
+/// Throws std::system_error if any other protection is not available.
 int enter_zygote_sandbox();
 
 struct SandboxReport {
   bool seccomp = false;
-  int seccomp_errno = 0;  ///< why not
+  int seccomp_errno = 0;  ///< the error, if the filter was not loaded
 };
 
-/// For a fork of the zygote: limits on memory, processor time, output, files and processes; ended with its
-/// parent, which a fork does not inherit; then the filter. Throws std::system_error where a limit other than
-/// seccomp cannot be set.
+/// Sandboxes a fork of the zygote. Limits memory, processor time, output, files and processes, then loads the filter. Also
+/// makes the fork end with its parent, because a fork does not inherit that setting. Throws std::system_error if a limit
+/// other than seccomp cannot be set.
 SandboxReport enter_worker_sandbox(const SandboxLimits& limits, const SyscallFilter& filter);
 
 }  // namespace fracture

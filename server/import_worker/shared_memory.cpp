@@ -14,7 +14,7 @@ namespace fracture {
 
 Descriptor make_shared_memory(const char* name) {
   int fd = ::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EACCES))  // a container that forbids it
+  if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EACCES))  // a container may forbid it
     for (const char* folder : {"/dev/shm", "/tmp"})
       if ((fd = ::open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) >= 0) break;
   if (fd < 0) throw std::system_error(errno, std::generic_category(), "shared memory for an import worker");
@@ -37,7 +37,7 @@ SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
     for (std::size_t at = 0; at < size;) {
       const ssize_t n = ::pread(fd, bytes.copy_.data() + at, size - at, static_cast<off_t>(at));
       if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return bytes;  // it was shortened meanwhile
+      if (n <= 0) return bytes;  // it was shortened in the meantime
       at += static_cast<std::size_t>(n);
     }
     bytes.view_ = bytes.copy_;

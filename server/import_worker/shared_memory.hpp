@@ -1,4 +1,4 @@
-// Memory that two processes see, by descriptor: a memfd, or where the kernel has none an unlinked file.
+// Memory that two processes share by a descriptor: a memfd, or an unlinked file if memfd is not available.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 
 namespace fracture {
 
-/// Empty shared memory. Throws std::system_error.
+/// Creates empty shared memory. Throws std::system_error.
 Descriptor make_shared_memory(const char* name);
 
-/// Nobody can change or resize it any more. False where somebody may still write through a mapping, or where
-/// the kernel has no seals.
+/// Makes the memory immutable, for all processes. Returns false if a process may still write through a mapping, or if the
+/// memory does not support seals.
 bool seal(int fd);
 
-/// The first `size` bytes, read-only: mapped where nobody can change them any more (the memory is sealed,
-/// which fails while somebody else may still write through a mapping), else copied, as it is where there is no room for a
-/// mapping: so what was checked is what is used. Nothing where the memory is shorter.
+/// The first `size` bytes of shared memory, read-only, which no process can change after they were checked. The memory is
+/// sealed and mapped. If it cannot be sealed (because a process may still write through a mapping) or mapped, the bytes are
+/// copied. good() is false if the memory is shorter.
 class SealedBytes {
  public:
   static SealedBytes take(int fd, std::uint64_t size);

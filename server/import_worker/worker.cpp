@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kDone = 0, kNoServer = 2, kNoSandbox = 3, kBadRequest = 4;
 
-/// The input, read-only, for as long as this lives.
+/// Maps the input read-only while it lives.
 class Input {
  public:
   Input(int fd, std::uint64_t size) : size_(size) {
@@ -48,11 +48,11 @@ class Input {
   void* at_ = nullptr;
 };
 
-/// Whether memory ran out since it was last set to false. Readers catch what they throw, and call a file
-/// damaged for which there was no memory.
+/// Memory has run out since this was last set to false. It is needed because readers catch exceptions and then call a file
+/// damaged when memory was short.
 bool lacked_memory = false;
 
-/// Can this much address space be had? Pages that nobody may write need no memory.
+/// Returns whether this much address space can be mapped. Pages that are not writable need no memory.
 bool can_map(std::size_t bytes, int protection) {
   void* const at = ::mmap(nullptr, bytes, protection, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (at == MAP_FAILED) return false;
@@ -60,8 +60,8 @@ bool can_map(std::size_t bytes, int protection) {
   return true;
 }
 
-/// Does the system refuse memory that RLIMIT_AS would allow? That says nothing about the file: what all processes may have
-/// together is taken, or there is a further limit (RLIMIT_DATA).
+/// Returns whether the system refuses memory that RLIMIT_AS would allow. Then the file is not to blame: all processes
+/// together have used up the memory, or there is another limit (RLIMIT_DATA).
 bool system_lacks_memory() {
   constexpr std::size_t kLeast = 64u << 10, kMost = 1u << 30;
   std::size_t most = 0;
@@ -69,7 +69,7 @@ bool system_lacks_memory() {
   return most > 0 && !can_map(most, PROT_READ | PROT_WRITE);
 }
 
-/// Ends the process so that the server knows what was missing.
+/// Ends the process with an exit code that tells the server why memory was missing.
 [[noreturn]] void end_without_memory() { ::_exit(system_lacks_memory() ? kRefusedMemory : kLackedMemory); }
 
 void no_memory() {
@@ -78,8 +78,8 @@ void no_memory() {
   throw std::bad_alloc();
 }
 
-/// A parsed JSON allocates to destroy itself (nlohmann::json flattens what is nested), and where that fails
-/// the program ends. That is no defect of a reader.
+/// The terminate handler. A parsed JSON value allocates memory while it is destroyed (nlohmann::json flattens nested values),
+/// and if that fails, the program ends. This is not a defect of a reader.
 [[noreturn]] void ended() {
   if (lacked_memory) end_without_memory();
   std::abort();
@@ -91,7 +91,7 @@ std::vector<std::byte> reply_to(const ImportFunction& import, const ImportJob& j
     const Expected<Mesh> imported = import(job);
     if (imported || !lacked_memory) return encode_reply(imported);
   } catch (const std::bad_alloc&) {
-  } catch (const std::length_error&) {  // a vector asked to grow beyond the address space
+  } catch (const std::length_error&) {  // a vector was to grow beyond the address space
   }
   return encode_reply(fail(
       ErrorCode::kImporterLimit,
@@ -100,8 +100,8 @@ std::vector<std::byte> reply_to(const ImportFunction& import, const ImportJob& j
       {}, {{"limit", "memory"}}));
 }
 
-/// A reader needs locale facets, lazily bound symbols and static tables at its first call: now, while files
-/// can still be read.
+/// Calls each reader once. A reader's first call loads locale facets, lazily bound symbols and static tables, which must
+/// happen now, while files can still be read.
 void warm_up(const ImportFunction& import) {
   const std::string_view obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   const std::string_view gltf =
@@ -110,15 +110,15 @@ void warm_up(const ImportFunction& import) {
     (void)encode_reply(import({format, {}, std::as_bytes(std::span(text)), {}}));
 }
 
-/// Bytes; 0 where there is no /proc.
+/// Returns the size of this process's address space in bytes; 0 if there is no /proc.
 std::uint64_t address_space() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// Room on the heap that was never touched, for the 16 MiB that Assimp's reader of OBJ fills before it reads, whatever
-/// the size of the file: in large pages, where the system has them, which are handed out in eight steps instead of 4096.
+/// Reserves untouched room on the heap for the 16 MiB that Assimp's OBJ reader fills before it reads a file of any size. If
+/// the system has huge pages, the room uses them: eight page faults instead of 4096.
 void make_room() {
   constexpr std::size_t kRoom = 20u << 20, kMost = 32u << 20, kPage = 2u << 20;
   ::mallopt(M_MMAP_THRESHOLD, kMost);
@@ -136,19 +136,18 @@ bool answer(int socket, const ImportRequest& request, int input_fd, int output_f
   ImportDone done;
   {
     const Input input(input_fd, request.input_bytes);
-    if (!input.good())
-      end_without_memory();  // a descriptor that is ours can be mapped wherever there is room
+    if (!input.good()) end_without_memory();  // mapping our own descriptor fails only if there is no room
     const std::optional<ImportJob> job = parse_request(request, input.view());
     if (!job) return false;
     const std::vector<std::byte> reply = reply_to(import, *job);
-    if (!write_all(output_fd, reply)) ::_exit(kRefusedMemory);  // over its limit of output it ends by SIGXFSZ
+    if (!write_all(output_fd, reply)) ::_exit(kRefusedMemory);  // too much output would raise SIGXFSZ
     done.digest = request.digest;
     done.output_bytes = reply.size();
   }
   return send_message(socket, &done, sizeof done);
 }
 
-/// Files until the server has no more for this process: of strangers' it gives it one.
+/// Reads files until the server has no more for this process.
 int run_worker(int socket, const SandboxLimits& limits, const SyscallFilter& filter,
                const ImportFunction& import) {
   const SandboxReport report = enter_worker_sandbox(limits, filter);
@@ -165,8 +164,8 @@ int run_worker(int socket, const SandboxLimits& limits, const SyscallFilter& fil
   }
 }
 
-/// As fork(), but the child is the server's. glibc has no such function; its own records that a raw call
-/// leaves as they are (the thread's number) matter to programs with threads.
+/// Like fork(), but the child's parent is the server. glibc has no function for this. A raw call does not update glibc's own
+/// records (the thread id), but that matters only to programs with several threads.
 long fork_a_sibling() { return ::syscall(SYS_clone, CLONE_PARENT, 0, 0, 0, 0); }
 
 }  // namespace
@@ -180,13 +179,13 @@ int run_zygote(int control, SandboxLimits limits, const ImportFunction& import) 
   std::set_terminate(ended);
   make_room();
   warm_up(import);
-  // What is free in the zygote's heap would be copied page by page where a fork writes to it.
+  // Free memory in the zygote's heap would be copied page by page when a fork writes to it.
   ::malloc_trim(0);
   make_room();
   const SyscallFilter filter;
   ZygoteHello hello;
   hello.address_space = address_space();
-  // An import may take so much; the program and its libraries, some hundred MiB of addresses, are not the file's.
+  // The limit is for the import. The program and its libraries (some hundred MiB of address space) must not count.
   if (limits.memory_bytes > 0) limits.memory_bytes += hello.address_space;
   hello.landlock = static_cast<std::uint32_t>(enter_zygote_sandbox());
   if (!send_message(control, &hello, sizeof hello)) return kNoServer;
@@ -198,7 +197,7 @@ int run_zygote(int control, SandboxLimits limits, const ImportFunction& import) 
     const Descriptor unasked(received.descriptors[1]);
     const long pid = fork_a_sibling();
     if (pid == 0) {
-      // The zygote's own line to the server ends here: no file's bytes can ever speak on it.
+      // Replaces the zygote's connection to the server, so that no file can ever send anything on it.
       if (::dup2(socket.get(), control) < 0) return kNoServer;
       socket.reset();
       return run_worker(control, limits, filter, import);
@@ -227,7 +226,7 @@ int import_worker_main(int argc, char** argv, const ImportFunction& import) {
   }
   try {
     const int code = run_zygote(kWorkerSocket, limits, import);
-    ::_exit(code);  // without destructors: nothing to keep, and leak checks could not run in the sandbox
+    ::_exit(code);  // skips destructors: nothing must be saved, and leak checks cannot run in the sandbox
   } catch (const std::bad_alloc&) {
     end_without_memory();
   } catch (const std::exception& e) {

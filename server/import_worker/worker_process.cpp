@@ -21,7 +21,7 @@
 namespace fracture {
 namespace {
 
-/// Room in a reply for names, warnings and the text of an error.
+/// Bytes allowed in a reply for names, warnings and an error's text.
 constexpr std::uint64_t kSlack = 1u << 20;
 
 InputDigest to_digest(std::string_view hex) {
@@ -30,7 +30,8 @@ InputDigest to_digest(std::string_view hex) {
   return digest;
 }
 
-/// Does nobody but the process itself cause it? An operator or the kernel short of memory sends others.
+/// Returns whether only the process itself can have caused this signal. Operators and a kernel that is short of memory send
+/// other signals.
 bool is_of_its_own_making(int signal) {
   switch (signal) {
     case SIGSEGV:
@@ -107,12 +108,13 @@ std::chrono::nanoseconds WorkerProcess::processor_time() const {
   return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
-/// RLIMIT_AS counts what the process has, an import what it takes.
+/// RLIMIT_AS limits the whole process, but `bytes` is only for the import. So the limit includes the memory that the process
+/// already has.
 void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) {
-#ifndef FRACTURE_SANITIZED  // the sanitizers reserve terabytes
+#ifndef FRACTURE_SANITIZED  // sanitizers reserve terabytes
   std::uint64_t has = first_space_;
-  // What earlier files left in it. A /proc that hides processes (hidepid) hides workers, which are not traceable: then the
-  // file has less.
+  // Includes memory that earlier files have left behind. If /proc hides processes (hidepid), it hides the workers, because
+  // they are not traceable. Then this memory is not known, and the file gets less.
   if (std::uint64_t pages = 0; files_ > 1 || has == 0)
     if (std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm"); statm >> pages)
       has = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
@@ -130,7 +132,8 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
   death_ = how_at_least;
   used_ = processor_time();
   socket_.reset();
-  // Its end of the socket is closed and it is dying, unless it lied: then it has to.
+  // If the worker has closed its end of the socket, it is dying and only needs to be reaped. If it does not end soon, or if it
+  // sent an invalid answer, it is killed below.
   int status = 0;
   rusage used{};
   pid_t reaped = 0;
@@ -141,7 +144,7 @@ Expected<Mesh> WorkerProcess::died(WorkerDeath how_at_least) {
     pid_ = -1;
     used_ = processor_time_of(used);
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    // The second limit of processor time kills whoever is deaf to the first one (sandbox.cpp).
+    // The second limit on processor time kills a process that ignores the first one (sandbox.cpp).
     const bool over_time = cpu_.count() > 0 && processor_time_of(used) >= cpu_;
     if (signal == SIGXCPU || (signal == SIGKILL && over_time)) death_ = WorkerDeath::kCpuLimit;
     if (signal == SIGXFSZ) death_ = WorkerDeath::kSizeLimit;
@@ -225,7 +228,7 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
     last_words_ = "an answer to another file";
     return died(WorkerDeath::kCrash);
   }
-  // The arrays within the limit, what is added to complete them, and images as they came.
+  // The limit covers arrays within max_decoded_bytes, data that completes them, and images copied from the input.
   if (done.output_bytes > 3 * limits.max_decoded_bytes + request.input_bytes + kSlack) {
     last_words_ = "a reply of " + std::to_string(done.output_bytes) + " bytes";
     return died(WorkerDeath::kSizeLimit);

@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::chrono::seconds kStartTimeout{20};
 #ifndef FRACTURE_SANITIZED
-/// Every worker touches its memory for the first time, and the kernel hands it out page by page. Assimp's
-/// reader of OBJ alone fills 16 MiB before it reads: 4,096 faults and 5 ms, with huge pages 8 and 1 ms (where
-/// the system gives them: "madvise" or "always" in /sys/kernel/mm/transparent_hugepage/enabled).
+/// Enables huge pages. Every worker touches its memory for the first time, and each page costs a fault. Assimp's OBJ reader
+/// alone fills 16 MiB before it reads: 4,096 faults and 5 ms, but only 8 faults and 1 ms with huge pages. The system must
+/// allow them ("madvise" or "always" in /sys/kernel/mm/transparent_hugepage/enabled).
 constexpr const char* kTunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
 #endif
 
@@ -28,8 +28,8 @@ constexpr const char* kTunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
   throw std::system_error(error, std::generic_category(), what);
 }
 
-/// The child's attributes: a session of its own (Ctrl-C on the server's terminal is the server's to handle),
-/// no blocked and no ignored signals.
+/// The child's attributes. It gets a session of its own, so that only the server handles Ctrl-C on its terminal. No signals
+/// are blocked or ignored.
 class SpawnAttributes {
  public:
   SpawnAttributes() {
@@ -45,7 +45,7 @@ class SpawnAttributes {
   posix_spawnattr_t value;
 };
 
-/// Its descriptors: the socket, and nothing else of the server's.
+/// The child's descriptors: the socket, and none of the server's other descriptors.
 class Descriptors {
  public:
   explicit Descriptors(int socket) {
@@ -53,7 +53,7 @@ class Descriptors {
     posix_spawn_file_actions_adddup2(&value, socket, kWorkerSocket);
     posix_spawn_file_actions_addopen(&value, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&value, 1, "/dev/null", O_WRONLY, 0);
-#ifndef FRACTURE_SANITIZED  // whose reports must be seen
+#ifndef FRACTURE_SANITIZED  // sanitizer reports must stay visible
     posix_spawn_file_actions_addopen(&value, 2, "/dev/null", O_WRONLY, 0);
 #endif
     posix_spawn_file_actions_addclosefrom_np(&value, kWorkerSocket + 1);
@@ -62,7 +62,7 @@ class Descriptors {
   posix_spawn_file_actions_t value;
 };
 
-/// Ours, theirs.
+/// Returns the server's end and the child's end.
 std::pair<Descriptor, Descriptor> socket_pair() {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
@@ -90,7 +90,7 @@ ProcessGroup::~ProcessGroup() {
     const pid_t pid = ::waitpid(-leader_, nullptr, WNOHANG);
     if (pid > 0 || (pid < 0 && errno == EINTR)) continue;
     if (pid < 0) return;
-    // A child of ours is in it: the number is not another group's by now.
+    // A child of this process is still in the group, so the id cannot belong to another group by now.
     ::kill(-leader_, SIGKILL);
     while (::waitpid(-leader_, nullptr, 0) < 0 && errno == EINTR) {
     }
@@ -109,7 +109,7 @@ ZygoteProcess::ZygoteProcess(const WorkerProcessConfig& config) {
 void ZygoteProcess::start(const WorkerProcessConfig& config) {
   auto [ours, theirs] = socket_pair();
   socket_ = std::move(ours);
-  // dup2 of a descriptor onto itself would keep its close-on-exec flag.
+  // dup2() of a descriptor onto itself would keep its close-on-exec flag.
   if (theirs.get() == kWorkerSocket)
     theirs = Descriptor(::fcntl(theirs.get(), F_DUPFD_CLOEXEC, kWorkerSocket + 1));
   const SpawnAttributes attributes;
@@ -134,7 +134,7 @@ void ZygoteProcess::start(const WorkerProcessConfig& config) {
     fail_to_start(error, "cannot start the import worker " + program);
   }
   group_ = std::make_shared<ProcessGroup>(pid_);
-  theirs.reset();  // so that its death is the end of the connection
+  theirs.reset();  // so that the connection ends when the child dies
   if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
     throw std::runtime_error("the import worker " + program +
                              " does not start: it is damaged, or of another version than the server");

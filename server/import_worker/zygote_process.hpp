@@ -1,5 +1,4 @@
-// The zygote as the server sees it: one started fracture-import that never reads a file and forks a worker
-// for each one.
+// The server's side of the zygote: a fracture-import process that never reads a file and only forks workers.
 #pragma once
 
 #include <sys/types.h>
@@ -16,15 +15,15 @@ namespace fracture {
 
 struct WorkerProcessConfig {
   std::string program;  ///< path of fracture-import
-  /// Address space that a worker may take beyond what it begins with; 0: no limit.
+  /// Address space that a worker may take in addition to what it begins with, in bytes; 0: no limit.
   std::uint64_t memory_bytes = 2ull << 30;
-  std::chrono::seconds cpu{60};  ///< processor time of one import; 0: no limit
+  std::chrono::seconds cpu{60};  ///< limit on the processor time of a worker; 0: no limit
   bool require_sandbox = false;  ///< a worker without a seccomp filter is an error
 };
 
-/// A zygote and its forks are one group of processes. When the last of them that the server knows is gone, so
-/// is every other one: a fork that the zygote ended too early to tell of is a child of the server, too, and
-/// nobody else would ever reap it.
+/// The process group of a zygote and its forks. When the last process that the server knows has ended, the destructor ends
+/// all others. If a zygote ends before it can report a fork, that fork is still a child of the server, and nobody else would
+/// reap it.
 class ProcessGroup {
  public:
   explicit ProcessGroup(pid_t leader) : leader_(leader) {}
@@ -36,23 +35,22 @@ class ProcessGroup {
   const pid_t leader_;
 };
 
-/// To be used from one thread, which outlives it and everything forked: they die with that thread.
+/// Must be used from a single thread. That thread must outlive the zygote and all its forks, because they die with it.
 class ZygoteProcess {
  public:
-  /// Starts the program and waits for its hello. Throws std::system_error or std::runtime_error with the path
-  /// and the reason.
+  /// Starts the program and waits for its hello. Throws std::system_error or std::runtime_error with the path and the reason.
   explicit ZygoteProcess(const WorkerProcessConfig& config);
-  /// Kills and reaps. What it has forked lives on.
+  /// Kills and reaps the zygote. Its forks live on.
   ~ZygoteProcess();
   ZygoteProcess(const ZygoteProcess&) = delete;
   ZygoteProcess& operator=(const ZygoteProcess&) = delete;
 
   struct Forked {
-    pid_t pid = -1;  ///< a child of this process, to be reaped here
+    pid_t pid = -1;  ///< a child of this process, which must reap it
     Descriptor socket;
-    std::shared_ptr<ProcessGroup> group;  ///< to be let go when it has been
+    std::shared_ptr<ProcessGroup> group;  ///< release it only after reaping the child
   };
-  /// Throws std::system_error or std::runtime_error; then the zygote is of no more use.
+  /// Forks a worker. Throws std::system_error or std::runtime_error; after that, the zygote must not be used any more.
   Forked fork();
 
   pid_t pid() const { return pid_; }
@@ -70,7 +68,7 @@ class ZygoteProcess {
   std::uint32_t forks_ = 0;
 };
 
-/// Receives a message within the time that a process may take to start. False: it did not say it.
+/// Receives a message within the time that a process may take to start. Returns false if no valid message arrives.
 bool receive_in_time(int socket, void* message, std::size_t size);
 
 }  // namespace fracture

@@ -11,29 +11,30 @@ namespace fracture {
 namespace {
 
 constexpr double kSecondsPerMeshByte = 60e-9;  // import and repair of a 1 MB OBJ: 60 ms
-constexpr double kSecondsPerSite = 0.15e-3;    // 50 sites of a mesh of 1k triangles: 8 ms
+constexpr double kSecondsPerSite = 0.15e-3;    // 50 sites in a mesh of 1k triangles: 8 ms
 constexpr double kSecondsPerRequest = 1e-3;
-// Each triangle of the solid is looked at and written: a stored mesh of 60,000 takes 30 ms longer than a cube
-// (docker/README.md), and a triangle of a fragment what it counts as (common/base/product.cpp).
+// Every triangle of the solid is clipped and written. A stored mesh of 60,000 triangles takes 30 ms longer than a cube
+// (docker/README.md). common/base/product.cpp says how many bytes a fragment's triangle counts as.
 constexpr double kSecondsPerTriangle = 0.5e-6, kBytesPerTriangle = 220;
-// Of kSecondsPerSite, what a pass of relaxation repeats: the diagram without the fragments.
+// Share of kSecondsPerSite that each relaxation pass repeats: it builds the diagram, but no fragments.
 constexpr double kPassShare = 0.4;
 
-// Walls are looked for in a lattice, whatever the mesh: in a cube of 12 triangles for 1.0 to 1.9 s, in a sphere of 250,000 (8.5
-// MB of OBJ) for 5 to 11 s.
+// Walls are computed on a lattice, so even a simple mesh takes long: a cube of 12 triangles takes 1.0 to 1.9 s, and a sphere
+// of 250,000 triangles (8.5 MB of OBJ) takes 5 to 11 s.
 constexpr double kSecondsForWalls = 1.2, kSecondsOfWallsPerMeshByte = 0.6e-6;
-constexpr double kSecondsForDetailMaps = 2;  // of the four kinds 1.6 to 5 s, once
+constexpr double kSecondsForDetailMaps = 2;  // 1.6 to 5 s, depending on the kind; once per process and kind
 
 constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
-// Of a hit on a kept answer: cells that are made again for each further site, and what copies of all fragments
-// cost; where the answer has only what changed, passes over a few numbers for each.
+// Estimates for a hit on a kept answer. kChangedPerSite: cells that are recomputed for each further site. kShareToCopy: time
+// for copying all fragments, as a share of the whole work. If the answer contains only the changes, nothing is copied.
+// kShareToPass and kBytesToPass then count the passes over a few numbers for each fragment.
 constexpr double kChangedPerSite = 2, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
 constexpr double kRaggedness = 1.6;
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
-// Inflated twice at 300 MB/s (content_coding.hpp); hashed or checked, and copied.
+// Decoding inflates twice at 300 MB/s (content_coding.hpp). Bytes that are read are hashed or checked, and copied.
 constexpr double kSecondsPerDecodedByte = 7e-9, kSecondsPerByteRead = 2e-9,
                  kSecondsPerCodedByte = 1.5e-8;  // gzip; zstd takes half of it
 
@@ -52,7 +53,7 @@ ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double site
 double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
   double sites = solid ? expected_sites(parameters, solid->box) : parameters.sites;
   sites = std::fmax(sites, sites_for_fragments(parameters));
-  // A cell that is too large gets further sites until its pieces are below the limit: on average half of it.
+  // A cell that is too large gets further sites until its pieces are below the limit. On average they end up at half of it.
   if (solid && parameters.max_volume > 0)
     sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
   const double cells = cells_per_fragment(parameters);
@@ -65,9 +66,9 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
 double expected_rough_triangles(const FractureParameters& parameters, double sites) {
   const Roughness& rough = parameters.roughness;
   if (!(rough.amplitude > 0) || parameters.dual == Dual::kBarycenter) return 0;
-  // The faces of random Voronoi cells: 5.82 volume^(2/3) each (Meijering 1953), shared by two.
-  double area = 0.5 * 5.82 * std::cbrt(sites);  // in squares of the solid's size
-  // Within aggregates nothing is rough; what is between them is as much larger as it is ragged.
+  // The faces of a random Voronoi cell have the area 5.82 volume^(2/3) (Meijering 1953). Two cells share each face.
+  double area = 0.5 * 5.82 * std::cbrt(sites);  // in units of the solid's size, squared
+  // Cuts inside aggregates are not rough. Cuts between aggregates are larger by kRaggedness because they are ragged.
   if (const double cells = cells_per_fragment(parameters); cells > 1) area *= kRaggedness / std::cbrt(cells);
   const double length =
       1 / (kEdgesPerWave * rough.frequency * std::ldexp(1, static_cast<int>(rough.octaves) - 1));
@@ -78,7 +79,7 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
                            std::uint64_t triangles, const Selection& selection) {
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
-  // Where there are hits, aggregates are grown, and what is too small united, in a diagram of its own.
+  // If there are hits, growing aggregates and merging pieces that are too small take a diagram of their own.
   const bool again =
       !parameters.hits.empty() && (cells_per_fragment(parameters) > 1 || parameters.size.any());
   return work(mesh_bytes, triangles, sites, parameters.lloyd + (again ? 1.0 : 0.0),

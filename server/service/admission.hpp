@@ -1,4 +1,5 @@
-// What a request should cost before any of it is computed: for the queue's prediction and the memory budget.
+// Estimates what a request will cost before any of it is computed. The queue's predictions and the memory budget use
+// these estimates.
 #pragma once
 
 #include <cstdint>
@@ -9,40 +10,43 @@
 namespace fracture {
 
 struct ExpectedWork {
-  /// Of one thread of the machine this was written on. WorkerPool measures how far off that is, so only the
+  /// Seconds on one thread of a reference machine. WorkerPool measures how far off that is, so only the
   /// proportions matter.
   double seconds = 0;
-  std::uint64_t bytes = 0;  ///< held at the peak
+  std::uint64_t bytes = 0;  ///< peak memory
 };
 
-/// How many sites the parameters will lead to, every later one (a local hit, a limit of size, a fragment
-/// fractured again) included; of each of the two at most FractureParameters::most_sites. Patterns whose cells have a given size,
-/// and max_volume, are counted in the box and the volume of the `solid`; without one (nothing is known of the
-/// mesh yet) they count as `sites`.
+/// Returns how many sites the parameters will lead to. Sites added later by local hits, size limits or the refracture of
+/// one fragment are included. The first fracture and the refracture count at most FractureParameters::most_sites each.
+/// For patterns with a given cell size, and for max_volume, the number follows from the box and the volume of `solid`.
+/// Without a solid, when nothing is known about the mesh yet, `sites` is used instead.
 double expected_sites(const FractureParameters& parameters, const Solid* solid,
                       const Selection& selection = {});
 
-/// Triangles of the rough cuts between so many cells, each counted once; 0 where cuts are flat.
+/// Returns the number of triangles in the rough cuts between `sites` cells. Each cut counts once, although two cells share
+/// it. Returns 0 if cuts are flat.
 double expected_rough_triangles(const FractureParameters& parameters, double sites);
 
-/// Undoing a Content-Encoding; taking a body apart; reading an entry of a tier. Of the bytes that they make
-/// or read. Their memory is reserved by whoever holds it.
+/// Returns the work of undoing a Content-Encoding. The result's `bytes` is 0, because the caller reserves the memory itself.
 ExpectedWork expected_decoding(std::uint64_t decoded_bytes);
+/// Returns the work of splitting a body into its parts, or of reading an entry from a cache tier. The caller reserves the
+/// memory itself.
 ExpectedWork expected_reading(std::uint64_t bytes);
-/// Of compressing an answer: the bound of what comes out, and the copy of what did.
+/// Returns the work of compressing an answer. Its memory is a buffer for the largest possible output, and a copy of the
+/// actual output.
 ExpectedWork expected_coding(std::uint64_t plain_bytes);
 
-/// `mesh_bytes`: still to be read and prepared, 0 when that is done and `solid` is given. `triangles`: of the
-/// solid, where they were counted before.
+/// Returns the work of a whole request. `mesh_bytes`: bytes that are still to be read and prepared; 0 if that is done and
+/// `solid` is given. `triangles`: the number of the solid's triangles, if it is known from an earlier request.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
                            std::uint64_t triangles = 0, const Selection& selection = {});
-/// Further seconds. Walls (`shell`) are made when a mesh of so many bytes is prepared, 0 when that is done; the maps of
-/// `interior_detail` are made for the first answer of a process that has them.
+/// Returns further seconds, for walls and detail maps. Walls (`shell`) are made when a mesh is prepared; `mesh_bytes` is 0 if
+/// that is done. The maps of `interior_detail` are made once in each process, for the first answer that uses them.
 double expected_further_seconds(const RequestParameters& asked, std::uint64_t mesh_bytes);
-/// Of the new hits alone, where the answer before them is kept and they are local (hits/delta.hpp).
+/// Returns the work of only the new hits. Use it if the answer before them is kept and the hits are local (hits/delta.hpp).
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
                                const Solid* solid);
-/// Of reading and preparing alone.
+/// Returns the work of only reading and preparing a mesh.
 ExpectedWork expected_work(std::uint64_t mesh_bytes);
 
 }  // namespace fracture

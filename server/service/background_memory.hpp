@@ -1,5 +1,6 @@
-// Background computations that hold memory. If they hold more than their half (MemoryBudget::Use) and a computation that a
-// client waits for lacks it, some are given up: those of the client that holds most, the latest first.
+// Background computations that hold memory. They may use more than half of the working memory (MemoryBudget::Use). If a
+// client then waits for a computation that lacks memory, some background computations are given up. The client that holds
+// the most memory loses its latest computation first.
 #pragma once
 
 #include <algorithm>
@@ -20,11 +21,11 @@ class BackgroundMemory {
  public:
   struct Holder {
     std::string client;
-    std::uint64_t bytes = 0;  ///< by estimate
-    /// It ends soon. False: it does not, because it does not run, or because somebody waits for it by now.
+    std::uint64_t bytes = 0;  ///< estimated
+    /// Asks the computation to end soon. Returns false if it cannot be given up because a client waits for it by now.
     std::function<bool()> give_up;
     bool given_up = false;
-    std::uint64_t number = 0;  ///< grows from one to the next
+    std::uint64_t number = 0;  ///< consecutive, in the order of add()
   };
   using Id = std::list<Holder>::iterator;
 
@@ -33,7 +34,7 @@ class BackgroundMemory {
     holder.number = next_++;
     return holders_.insert(holders_.end(), std::move(holder));
   }
-  /// Its memory is free.
+  /// Call it after the holder's memory was released.
   void remove(Id holder) noexcept {
     {
       const std::lock_guard lock(mutex_);
@@ -42,13 +43,14 @@ class BackgroundMemory {
     removed_.notify_all();
   }
 
-  /// Other clients than this one give up so many bytes, computations that end already included. False: none can be given up.
+  /// Makes other clients than this one give up `missing` bytes. Computations that are already ending count. Returns false if
+  /// nothing can be given up.
   bool give_up(const std::string& client, std::uint64_t missing) {
     const std::lock_guard lock(mutex_);
     std::uint64_t given_up = 0;
     std::map<std::string, std::uint64_t> held;
     for (Holder& holder : holders_) {
-      holder.given_up = holder.given_up && holder.give_up();  // it may have become urgent meanwhile
+      holder.given_up = holder.given_up && holder.give_up();  // it may have become urgent in the meantime
       (holder.given_up ? given_up : held[holder.client]) += holder.bytes;
     }
     held.erase(client);
@@ -68,7 +70,8 @@ class BackgroundMemory {
     }
     return given_up > 0;
   }
-  /// Returns when what was given up is free, whatever began meanwhile; false: it is not at that time.
+  /// Blocks until all computations that were given up have released their memory. Ignores computations that begin during the
+  /// wait. Returns false on a timeout.
   bool wait(std::chrono::steady_clock::time_point longest) {
     std::unique_lock lock(mutex_);
     return removed_.wait_until(lock, longest, [this, end = next_] {
@@ -80,7 +83,7 @@ class BackgroundMemory {
  private:
   std::mutex mutex_;
   std::condition_variable removed_;
-  std::list<Holder> holders_;  // in the order in which they began
+  std::list<Holder> holders_;  // in the order of add()
   std::uint64_t next_ = 0;
 };
 

@@ -1,5 +1,4 @@
-// Memory that the requests of all clients hold together, of which no client (an address, or a name) may hold
-// more than its share.
+// Memory that the requests of all clients share. No client (an address, or a name) may hold more than its share.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +11,25 @@
 
 namespace fracture {
 
-/// Thread-safe. Outlives its reservations.
+/// Thread-safe. Must outlive its reservations.
 class ClientShares {
  public:
-  /// `share` is what one client may hold when it is the only one (of no meaning where it is the whole), `small_share` of
-  /// the small ones. Where others hold much, it may hold less (FairShare).
+  /// `share`: bytes that a client may hold if it is the only one; if it equals the capacity, clients have no shares.
+  /// `small_share`: the limit for small reservations. If others hold much, a client may hold less (FairShare).
   ClientShares(std::uint64_t capacity, std::uint64_t share, MemoryBudget::SmallPool small,
                std::uint64_t small_share)
       : whole_(capacity, small, {share, small_share}), share_(share) {}
-  /// The same of one pool with headroom for small reservations.
+  /// As above, but with a single pool that keeps headroom for small reservations.
   ClientShares(const MemoryBudget::Divided& whole, std::uint64_t share)
       : whole_(whole, {share, share}), share_(share) {}
 
-  /// Of nothing yet. Nobody in particular ("") has no share.
+  /// Returns an empty reservation for this client. An unnamed client ("") has no share; only the capacity limits it.
   MemoryBudget::Reservation begin(const std::string& client,
                                   MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor) {
     if (!has_share(client)) return MemoryBudget::Reservation(whole_, use);
     return {whole_, of(client), use};
   }
-  /// What a reservation of so many bytes would be told now.
+  /// Returns the verdict that a new reservation of this size would get now.
   MemoryBudget::Verdict judge(const std::string& client, std::uint64_t bytes,
                               MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor) {
     return whole_.judge(has_share(client) ? of(client).get() : nullptr, bytes, use);
@@ -53,8 +52,8 @@ class ClientShares {
       const std::lock_guard lock(mutex_);
       if (auto known = alive()) return known;
     }
-    // Forgotten with its last reservation, for which the lock must be free: also where there is no memory to
-    // make it.
+    // The deleter forgets the client together with its last reservation. It takes the lock, so the lock must not be held
+    // here: if the allocation fails, the deleter runs at once.
     std::shared_ptr<Client> fresh(new Client, [this, name](Client* gone) {
       delete gone;
       const std::lock_guard forgetting(mutex_);

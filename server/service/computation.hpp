@@ -1,4 +1,4 @@
-// Private to dispatcher*.cpp: one who waits, what is computed, and what that takes.
+// Private to dispatcher*.cpp: waiters, computations, and the resources that they use.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@
 
 namespace fracture {
 
-/// Everything that a step may throw, as the error that it is for the client.
+/// Runs a step, and converts everything that it may throw to the error that the client gets.
 template <class Work>
 auto guarded(Work work) -> decltype(work()) {
   try {
@@ -36,7 +36,8 @@ auto guarded(Work work) -> decltype(work()) {
   }
 }
 
-/// The error as all clients of a computation get it. If one of them holds its share, that is a lack of room to the others.
+/// Returns the error to report to all clients of a computation. If one client's share is used up, the others get
+/// kOverloaded instead of kOverShare.
 inline Error told_to_all(Error error, const Urgency& urgency) {
   if (error.code != ErrorCode::kOverShare || !urgency.is_of_several()) return error;
   error.code = ErrorCode::kOverloaded;
@@ -46,13 +47,13 @@ inline Error told_to_all(Error error, const Urgency& urgency) {
   return error;
 }
 
-/// What computing has taken so far.
+/// The time that a computation has used so far.
 struct Spent {
-  double busy_seconds = 0;       ///< from begin to end, but what it stood still for others
-  double processor_seconds = 0;  ///< of all threads, and of the processes that worked for it
+  double busy_seconds = 0;       ///< elapsed time, without the time for which it stood still for others
+  double processor_seconds = 0;  ///< on all threads, and in other processes that worked for it
 };
 
-/// Adds what is spent from its construction to its destruction, on one thread of the pool.
+/// Adds the time used between its construction and its destruction, on one pool thread.
 class Meter {
  public:
   explicit Meter(Spent& spent) : spent_(spent) {}
@@ -73,15 +74,15 @@ class Meter {
                elsewhere_ = WorkerPool::seconds_elsewhere();
 };
 
-/// One who waits in a flight: its reply, and the two ways to leave early. Lives in the flight's waiter.
+/// A waiter in a flight: its reply, and the two ways to leave early. The flight's callback owns it.
 template <class Flights, class Value>
 struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value>> {
   Waiting(Dispatcher& d, Flights& f, std::function<void(Expected<Value>)> r)
       : dispatcher(d), flights(f), reply(std::move(r)), early(d.timer_) {}
 
-  /// After join(). `take_part` does what else there is: it has the value computed, or hurries who computes it.
-  /// What that throws is an error like any other: for all who wait where nobody computes. May leave, and so
-  /// reply, before it returns.
+  /// Call it after join(). `take_part` starts the computation, or hurries the one that is running. If it throws, the exception
+  /// becomes an error: for all waiters if nobody computes the value, otherwise only for this one. The waiter may leave, and
+  /// so reply, before this returns.
   template <class TakePart>
   void enter(const typename Flights::Seat& taken, const Terms& terms, TakePart take_part) {
     bool computed = taken.role != Flights::Role::kLeader;
@@ -110,7 +111,7 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
     answer(tl::unexpected<Error>(to_error(Interrupted{code})));
   }
 
-  /// Its place among the computations of its name is free before the client can ask again.
+  /// Replies to the client. Before that, frees the client's place, so that its next request can begin at once.
   void answer(Expected<Value> value) {
     share = {};
     reply(std::move(value));
@@ -124,13 +125,13 @@ struct Dispatcher::Waiting : std::enable_shared_from_this<Waiting<Flights, Value
   const std::function<void(Expected<Value>)> reply;
   typename Flights::Seat seat;
   Priority priority = Priority::kBackground;  ///< how urgently it waits
-  tenants::Account::Seat share;               ///< of the computations that its name may have at the same time
-  std::shared_ptr<const Observer> observer{};  ///< of the progress
+  tenants::Account::Seat share;  ///< place among the computations that its name may have at a time
+  std::shared_ptr<const Observer> observer{};  ///< receives the progress
   LeaveEarly early;
 };
 
-/// Sets aside what a piece of work needs whose turn has come. False: there is not so much now, and it leaves its thread.
-/// When there is, `again` queues it; where that cannot be, `failed` is told why.
+/// Sets aside the memory for work whose turn has come. Returns false if there is not enough now; then the work must leave
+/// its thread. When there is enough, `again` is called to queue it again; if that fails, `failed` gets the error.
 template <class Work, class PriorityNow, class Again, class Failed>
 bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string& client,
                             PriorityNow priority_now, std::uint64_t bytes, Again again, Failed failed) {
@@ -153,33 +154,33 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
   return memory.has_value();
 }
 
-/// One result being computed, by the leader of its flight.
+/// The computation of one result, run by the leader of its flight.
 struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   explicit Computation(Dispatcher& its_dispatcher) : dispatcher(its_dispatcher) {}
-  /// However it ended, its memory is free.
+  /// Frees the memory, however the computation ended.
   ~Computation() { give_back(); }
 
   Dispatcher& dispatcher;
   FractureRequest request{};
   RequestKeys keys{};
   double cost = 0;                                ///< revised when the mesh is known
-  std::uint64_t bytes = 0;                        ///< that it should need, set aside when its turn comes
-  Priority origin = Priority::kBackground;        ///< of whoever led
-  std::optional<ComputationAllowance> working{};  ///< nothing: it waits for its turn, or for memory
+  std::uint64_t bytes = 0;                        ///< expected memory, set aside when its turn comes
+  Priority origin = Priority::kBackground;        ///< class of the leader
+  std::optional<ComputationAllowance> working{};  ///< empty: it waits for its turn, or for memory
   std::optional<BackgroundMemory::Id> in_background{};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
   std::atomic<bool> given_up{false};  ///< others need its memory
   std::mutex of_leave_part{};
-  /// While it waits for a part, it waits no longer. False: it does not wait.
+  /// Stops waiting for a part. Returns false if it does not wait for one.
   std::function<bool()> leave_part{};
-  bool tried_again = false;  ///< a part that somebody else computed, and was ended for
+  bool tried_again = false;  ///< a part that failed must not be computed again
   double busy_seconds = 0;
   FractureAnswer answer{};
   std::shared_ptr<const PreparedMesh> mesh{};
 
-  /// Whoever was to compute the part for all was one too many of its class, or found no memory: this one computes it
-  /// itself, once.
+  /// Another computation of a part has failed with this error. Returns whether to compute the part here instead: once, and
+  /// only if the other computation was ended because of more urgent work or a lack of memory.
   bool goes_on_without(const Error& error) {
     const bool crowded_out = error.code == ErrorCode::kOverloaded || error.code == ErrorCode::kOverShare;
     return crowded_out && !std::exchange(tried_again, true);
@@ -204,13 +205,14 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
       in_background = dispatcher.background_.add({client, memory.bytes(), [this] { return give_up(); }});
     working.emplace(dispatcher.working_.whole(), std::move(memory), dispatcher.make_room_for(client));
   }
-  /// As BackgroundMemory::Holder says it, with the lock of that.
+  /// See BackgroundMemory::Holder. The caller holds the lock of BackgroundMemory.
   bool give_up() {
     const Urgency& urgency = flight->common.urgency;
     given_up = urgency.priority_of_task() == Priority::kBackground;
     if (!given_up) return false;
     dispatcher.pool_.give_up(urgency.task());
-    // If it does not run, it is queued or waits for a part, or will soon. Ending it gives memory back, which takes the same lock.
+    // If it does not run, it is queued or waits for a part, or will soon. Ending it gives memory back, which takes the same
+    // lock, so the timer does it later.
     dispatcher.timer_.at(Clock::now(), [weak = weak_from_this()] {
       if (const Shared c = weak.lock()) c->dispatcher.end_if_given_up(c);
     });
@@ -234,9 +236,9 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
     if (in_background) dispatcher.background_.remove(*std::exchange(in_background, std::nullopt));
     dispatcher.line_.given_back();
   }
-  /// All who wait for it pay for what was computed for it.
+  /// Charges all clients that wait for it.
   void pay(double seconds) { dispatcher.charge(flight->common.payers.charge(seconds), seconds); }
-  /// As the pool measures it.
+  /// Returns a function that charges these clients for the time that the pool measures.
   static WorkerPool::Used paid_by(const Shared& c) {
     return [c](double seconds) { c->pay(seconds); };
   }

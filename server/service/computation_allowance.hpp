@@ -1,5 +1,5 @@
-// What one computation may hold of the memory that all share: begins with what it was admitted for and grows
-// while there is room.
+// The part of the shared memory that one computation may hold. It begins with the amount that the computation was admitted
+// for, and grows while there is room.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace fracture {
 
 class ComputationAllowance {
  public:
-  /// Makes room for a reservation that is to have so many bytes and was refused them, and lets it have them; false: it
-  /// cannot.
+  /// Called if a reservation could not grow to `bytes`. Makes room and grows the reservation. Returns false if that is
+  /// impossible.
   using MakeRoom = std::function<bool(MemoryBudget::Reservation&, std::uint64_t bytes)>;
   ComputationAllowance(MemoryBudget& budget, MemoryBudget::Reservation reservation, MakeRoom make_room)
       : budget_(budget),
@@ -42,7 +42,7 @@ class ComputationAllowance {
   }
 
   MemoryBudget& budget_;
-  std::mutex mutex_;  // of the reservation: several threads compute
+  std::mutex mutex_;  // guards the reservation, because several threads compute
   MemoryBudget::Reservation reservation_;
   const MakeRoom make_room_;
   Allowance allowance_;

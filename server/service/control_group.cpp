@@ -28,15 +28,15 @@ std::string membership() {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The number in the file; nothing for "max", -1 and where there is no such file.
+/// Reads the number in the file. Returns false if the file has no number ("max") or does not exist.
 template <class Number>
 bool read_number(const fs::path& file, Number& number) {
   std::ifstream stream(file);
   return static_cast<bool>(stream >> number);
 }
 
-/// Calls look(folder) for the group and all above it. A process in a container sees its own group as the
-/// root, whatever its membership says, so that groups which are not there are passed over.
+/// Calls look(folder) for the group and all groups above it. A process in a container sees its own group as the
+/// root, whatever its membership says, so some of these folders may not exist. Reading from them yields no limit.
 void up_to_root(const fs::path& root, const fs::path& group,
                 const std::function<void(const fs::path&)>& look) {
   look(root);
@@ -44,12 +44,12 @@ void up_to_root(const fs::path& root, const fs::path& group,
   for (const fs::path& part : group.relative_path()) look(at /= part);
 }
 
-/// Calls look(folder, version) for every folder of groups that may limit `controller`.
+/// Calls look(folder, version) for every group folder that may limit `controller`.
 void each_group(const std::string& membership, const fs::path& root, const std::string& controller,
                 const std::function<void(const fs::path&, int version)>& look) {
   std::istringstream lines(membership);
   for (std::string line;
-       std::getline(lines, line);) {  // "0::/group" of version 2, "7:memory:/group" of version 1
+       std::getline(lines, line);) {  // version 2: "0::/group"; version 1: "7:memory:/group"
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
     std::string controllers = line.substr(first, second - first);
@@ -62,7 +62,7 @@ void each_group(const std::string& membership, const fs::path& root, const std::
   }
 }
 
-/// Quota over period, both in microseconds.
+/// Returns the quota divided by the period, which are both in microseconds.
 double cores_in(const fs::path& folder, int version) {
   double quota = 0, period = 0;
   if (version == 2) {

@@ -1,5 +1,5 @@
-// What this process may have of its machine: memory and processors, by its control group (cgroup v2 or v1)
-// and those above it, and by the machine.
+// How much memory and how many processors this process may use. The limits come from the machine, from the control group
+// (cgroup v2 or v1) of the process, and from the groups above it.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,20 @@
 
 namespace fracture {
 
-/// The least limit in bytes of a control group and those above it (memory.max, or memory.limit_in_bytes of
-/// version 1); 2^64 - 1: there is none. `membership`: the text of /proc/self/cgroup; `root`: where the groups
-/// are mounted, /sys/fs/cgroup.
+/// Returns the lowest memory limit, in bytes, of a control group and all groups above it (memory.max, or
+/// memory.limit_in_bytes in version 1). Returns 2^64 - 1 if there is no limit. `membership`: the text of /proc/self/cgroup;
+/// `root`: the mount point of the groups, /sys/fs/cgroup.
 std::uint64_t memory_limit_of_group(const std::string& membership, const std::string& root);
 
-/// The least quota of processor time of a control group and those above it, in processors (cpu.max, or
-/// cpu.cfs_quota_us of version 1); 0: there is none.
+/// Returns the lowest quota of processor time, in processors, of a control group and all groups above it (cpu.max, or
+/// cpu.cfs_quota_us in version 1). Returns 0 if there is no quota.
 double cores_of_group(const std::string& membership, const std::string& root);
 
-/// Bytes that this process may have: the machine's memory or the limit of its group, whichever is least.
+/// Returns the number of bytes that this process may use: the machine's memory or its group's limit, whichever is lower.
 std::uint64_t available_memory();
 
-/// Processors that this process may use, at least 1: its affinity mask, or the quota of its group, rounded
-/// up.
+/// Returns the number of processors that this process may use, at least 1: those in its affinity mask, or its group's
+/// quota rounded up, whichever is lower.
 int available_cores();
 
 }  // namespace fracture

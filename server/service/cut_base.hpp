@@ -1,4 +1,4 @@
-// What a fracture starts from: sites in their tetrahedralization, or an earlier answer that is hit.
+// The starting point of a fracture: the tetrahedralized sites, or an earlier answer that new hits are applied to.
 #pragma once
 
 #include <variant>

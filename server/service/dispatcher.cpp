@@ -57,8 +57,8 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     ++refused_;
     return over;
   }
-  // Who joins a flight costs nothing more and is let in. That flight may have landed by then: such a request
-  // leads one of its own.
+  // A request that joins a flight costs nothing more, so it is always admitted. If that flight lands before the request joins,
+  // the request leads a flight of its own.
   double cost = 0;
   std::uint64_t bytes = 0;
   {
@@ -72,7 +72,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
       const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
       if (!before)
-        work.seconds *= 2;  // the answer before the hits, too
+        work.seconds *= 2;  // the answer before the hits must also be computed
       else if (before->local && fracture.rest == LocalRest::kFractured)
         work = expected_hit_work(fracture, selection, solid);
     }
@@ -100,7 +100,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       });
   waiting->enter(seat, terms, [&] {
     ResultFlights::Flight& flight = *seat.flight;
-    // What it takes may have been charged by now, to those who came before.
+    // Earlier clients may already have been charged for part of this computation. This client owes the same amount.
     if (const double owed = flight.common.payers.add(terms.payer, terms.priority); owed > 0)
       charge({{terms.payer, terms.priority}}, owed);
     if (terms.progress) {
@@ -127,7 +127,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     } else {
       ++collapsed_;
       flight.common.urgency.join(pool_, terms.priority, terms.payer.turn());
-      line_.given_back();  // where the computation waits for memory, it may be more urgent now
+      line_.given_back();  // if the computation waits for memory, it may be more urgent now
     }
   });
   return std::nullopt;
@@ -135,14 +135,15 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
 
 // -- the stations of a computation
 
-/// The value of this key: computed here, or waited for (then this thread is free, and `next` runs on another
-/// one when the value is there).
+/// Obtains the value of this key, and then calls `next`. The value is computed here, unless another computation is already
+/// computing it. In that case, this thread becomes free, and `next` runs on another thread when the value is ready.
 template <class Value, class Make>
 void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::string& key, const Shared& c,
                         int threads, Make make,
                         void (Dispatcher::*next)(const Shared&, const Outcome<Value>&, int)) {
   using Flights = SingleFlight<Step<Value>, Urgency>;
-  // Lives in the flight's waiter, like Waiting: this thread has no part in `c` any more once it has joined.
+  // Owned by the flight's waiter, like Waiting. It must not be part of `c`: after this thread has joined as a follower, `c`
+  // may continue on another thread.
   struct Place {
     typename Flights::Seat seat;
     std::shared_ptr<ResultFlights::Flight> result;
@@ -151,7 +152,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   };
   const auto place = std::make_shared<Place>();
   place->result = c->flight;
-  // Tells the part if this computation is given up. By then the part must know who waits for it.
+  // Leaves the part if this computation is given up. By then, waits_for() or lead_part() must have been called.
   const auto leave = [this, &flights, weak = std::weak_ptr(place)] {
     const auto left = weak.lock();
     if (!left || !flights.leave(left->seat)) return false;
@@ -165,11 +166,11 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   });
   const auto seat =
       flights.join(key, [this, c, next, place](const Outcome<Value>& outcome, typename Flights::Role role) {
-        if (role == Flights::Role::kLeader) return;  // goes on by itself, below
+        if (role == Flights::Role::kLeader) return;  // the leader continues below
         Outcome<Value> waited = outcome;
         if (waited) waited->cache = CacheOutcome::kCollapsed;
         const auto resumed = guarded([&]() -> Expected<bool> {
-          if (waited) c->pay(waited->processor_seconds);  // computed for all who waited
+          if (waited) c->pay(waited->processor_seconds);  // the part was computed for all that waited
           c->flight->common.urgency.goes_on(pool_, [&](Priority priority, const Flow& flow) {
             return pool_.resume([this, c, next, waited = std::move(waited)](
                                     int free) { at_station(c, [&] { (this->*next)(c, waited, free); }); },
@@ -192,12 +193,12 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
       place->waits = true;
       return end_if_given_up(c);
     } catch (...) {
-      if (!flights.leave(seat)) return;  // it has gone on
+      if (!flights.leave(seat)) return;  // the computation has already continued
       mine.gives_up(pool_);
       throw;
     }
   Spent spent;
-  // Whatever fails from here on lands: nobody else would.
+  // From here on, every failure must land the flight, because nobody else would.
   Outcome<Value> made = guarded([&] {
     mine.lead_part(pool_, part);
     watch_for_the_end();
@@ -210,7 +211,7 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   Outcome<Value> told = made;
   if (!told) told = tl::unexpected<Error>(told_to_all(std::move(told.error()), *part));
   flights.land(seat.flight, told);
-  if (!made) c->tried_again = true;  // it was computed here: computing it once more would end the same way
+  if (!made) c->tried_again = true;  // computing it here once more would end in the same way
   (this->*next)(c, made, threads);
 }
 
@@ -232,14 +233,14 @@ void Dispatcher::begin(const Shared& c, int threads) {
       return pool_.resume([this, c](int free) { at_station(c, [&] { begin(c, free); }); }, priority, c->cost,
                           c->origin, flow, Computation::paid_by(c));
     });
-    end_if_given_up(c);  // it holds memory since before it was queued
+    end_if_given_up(c);  // it got its memory before it was queued, so it may have been given up already
   };
   const auto priority_now = [&urgency] { return urgency.priority(); };
   if (!has_memory(c, urgency.turn().name, priority_now, c->bytes, again,
                   [this, c](const Error& error) { end(c, tl::unexpected<Error>(error)); }))
     return;
   const Clock::time_point now = Clock::now();
-  // What waited so long that it would be given up half-way is not begun. What did not wait is tried.
+  // A computation that waited so long that it would miss its deadline is not begun. One that did not wait is tried.
   const bool waited = now - c->submitted > std::chrono::milliseconds(10);
   const auto run = std::chrono::duration_cast<Clock::duration>(
       pool_.predicted_run(urgency.turn().name, waited ? c->cost : 0));
@@ -251,7 +252,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
   c->answer.queue_milliseconds = std::chrono::duration<double, std::milli>(now - c->submitted).count();
   if (service_.has_tiers()) {
     MemoryBudget::Reservation reading(working_.whole());
-    // Where there is no room to read it, it is computed within what was admitted.
+    // If there is no room to read the result, it is computed within the memory that was set aside.
     service_.fetch_result(
         c->keys.result, c->answer, [&reading](std::uint64_t bytes) { return reading.grow_to(bytes); },
         c->execution(threads, c->flight->stop()));
@@ -266,7 +267,7 @@ void Dispatcher::obtain_mesh(const Shared& c, int threads) {
   obtain<PreparedMesh>(
       meshes_, c->keys.mesh, c, threads,
       [this, c](const Execution& execution) -> Outcome<PreparedMesh> {
-        // Another flight may have landed since it was looked for.
+        // Another flight may have landed since the first look.
         if (auto mesh = service_.peek_mesh(c->keys))
           return Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}, {}};
         return service_.make_mesh(c->request, c->keys, execution);
@@ -282,13 +283,13 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   c->answer.mesh_cache = mesh->cache;
   c->answer.timings.add(mesh->timings);
   c->mesh = mesh->value;
-  if (mesh->cache != CacheOutcome::kHit) {  // what was expected of the file's bytes is put right
+  if (mesh->cache != CacheOutcome::kHit) {  // corrects the estimate that was based on the file's size
     const ExpectedWork work = expected_work(c->request.parameters.fracture, bytes_of(c->request),
                                             &c->mesh->solid, 0, c->request.parameters.selection);
     c->cost = std::max(c->cost, work.seconds);
     pool_.revise(c->flight->common.urgency.task(), c->cost);
   }
-  if (!failures_) {  // the file is not needed any more
+  if (!failures_) {  // only the failure keeper would still need the file
     c->request.mesh = {};
     c->request.files.clear();
     c->request.owner.reset();
@@ -316,7 +317,7 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   if (!diagram) return end(c, tl::unexpected<Error>(diagram.error()));
   c->answer.diagram_cache = diagram->cache;
   c->answer.timings.add(diagram->timings);
-  Expected<FracturedSolid> made;  // freed when the answer is on its way
+  Expected<FracturedSolid> made;  // freed after the reply
   Spent spent;
   {
     const Meter meter(spent);

@@ -1,19 +1,19 @@
-// Who computes what, when, and for whom. Requests come in and callbacks go out; nobody blocks.
+// Decides what is computed, when, and for which clients. Requests come in, callbacks go out, and nobody blocks.
 //
 //   request ──in memory?──> answer at once
 //      │ no
 //      ├──in flight?──> one more waiter                       (result flights, by RequestKeys::result)
 //      │ no
-//      ├──would it be too late, too much memory?──> refused at once, with the time when to come back
+//      ├──would it be too late, too much memory?──> refused at once, with a time to retry
 //      │ no
-//      └──queued──> mesh ──> diagram ──> cut, encode ──> everybody who waits
+//      └──queued──> mesh ──> diagram ──> cut, encode ──> all waiters
 //                  flight    flight
 //
-// Mesh preparation and tetrahedralization are flights of their own, shared by results that differ in their
-// seed or in their dual. A computation that needs a value somebody else is computing gives its thread back
-// and is resumed when the value is there.
+// Mesh preparation and tetrahedralization are flights of their own, because results with different seeds share a mesh, and
+// results with different duals share a diagram. If a computation needs a value that another one is computing, it releases
+// its thread and is resumed when the value is ready.
 //
-// Whoever waits has a deadline and may leave at any time; a computation is stopped when nobody waits for it.
+// Each waiter has a deadline and may leave at any time. A computation is stopped when nobody waits for it any more.
 #pragma once
 
 #include <atomic>
@@ -44,38 +44,38 @@
 namespace fracture {
 
 struct DispatcherConfig {
-  /// Bytes that computations may be working in at the same time, by estimate; one alone may always run. An
-  /// eighth is for small ones alone, and no client holds more than three quarters, less where others hold much, but for
-  /// one computation of its own: who asks for much leaves room for a collision, of others and its own. What is queued
-  /// holds none of it.
+  /// Working memory, in estimated bytes, that all computations may use at the same time. A single computation may always run.
+  /// An eighth is reserved for small computations. A client may use at most three quarters, and less if others use a lot. This
+  /// does not apply to a client with only one computation. So a demanding client leaves room for collisions, both its own and
+  /// others'. Queued work holds no memory.
   std::uint64_t max_working_bytes = 2ull << 30;
-  FailureKeeper* failures = nullptr;  ///< gets what is unsound or a bug; borrowed; null: nobody does
+  FailureKeeper* failures = nullptr;  ///< gets unsound answers and defects; borrowed; null: not kept
 };
 
-/// What goes with a request besides what is asked.
+/// Everything about a request except the mesh and the parameters.
 struct Terms {
   Priority priority = Priority::kBatch;
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  std::stop_token gone{};  ///< requested when nobody wants the answer any more
-  /// Told (stage, fraction of it) by whatever thread computes; must be thread-safe and cheap.
+  std::stop_token gone{};  ///< stop is requested when nobody wants the answer any more
+  /// Called with (stage, fraction of it) by the computing thread; must be thread-safe and cheap.
   std::function<void(Stage, double)> progress{};
   Payer payer{};
-  /// Told of a good answer before it is replied, by whatever thread brings it.
+  /// Called with a successful answer before the reply, by any thread.
   std::function<void(const FractureResult&)> answered{};
-  /// Where the steps of one request hand on its place among the computations of its name: the first step
-  /// takes it, the next one finds it here. Null: each step takes one.
+  /// The request's place among the computations of its name, which its steps pass on: the first step takes the place, and
+  /// leaves it here for the next step. Null: each step takes a place of its own.
   std::shared_ptr<tenants::Account::Seat> seat{};
-  bool needs_seat = true;         ///< false: finishes what had its place
-  std::uint64_t least_bytes = 0;  ///< set aside at least: it needed more than was expected before
+  bool needs_seat = true;         ///< false: the request finishes work that already had a place
+  std::uint64_t least_bytes = 0;  ///< minimum memory, if an earlier attempt needed more than expected
 };
 
-/// kOverloaded: there is no room, and when there should be.
+/// Returns a kOverloaded error that says when to retry.
 inline Error overloaded(std::string detail, std::chrono::seconds retry_after) {
   return {.code = ErrorCode::kOverloaded, .detail = std::move(detail), .retry_after = retry_after};
 }
 
-/// What refuses at once returns an error: kOverloaded where everybody's room is taken, kOverShare where it is this
-/// client's alone, with the time when to come back.
+/// Computes answers on a pool, and shares computations between requests. A request that is refused at once gets an error with
+/// a time to retry: kOverloaded if there is no room for anybody, kOverShare if only this client's share is used up.
 class Dispatcher {
  public:
   using FractureReply = std::function<void(Expected<FractureAnswer>)>;
@@ -86,52 +86,53 @@ class Dispatcher {
         pool_(pool),
         failures_(config.failures),
         working_(divided(config.max_working_bytes), share_of(config.max_working_bytes)) {}
-  /// Waits until nothing is computed any more; stop the flights first (stop_all) when that would take long.
+  /// Waits until all computations have ended. If that would take too long, stop them first through Terms::gone.
   ~Dispatcher() { wait_idle(); }
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
 
-  /// Nothing: `reply` is called exactly once, before this returns or later, from any thread. All errors of
-  /// FractureService::fracture; kInternal for a broken invariant, kOutOfMemory. Otherwise `reply` is dropped
-  /// uncalled. The request must own its bytes (FractureRequest::owner).
+  /// Computes an answer. If it returns nothing, `reply` is called exactly once, before or after the return, from any thread.
+  /// If it returns an error, `reply` is dropped without a call. Replies may be errors: those of FractureService::fracture(),
+  /// kInternal for a broken invariant, and kOutOfMemory. The request must own its bytes (FractureRequest::owner).
   std::optional<Error> fracture(FractureRequest request, const Terms& terms, FractureReply reply);
-  /// The first two steps alone, in the same way.
+  /// Runs only the first two steps. Otherwise like fracture().
   std::optional<Error> prepare(FractureRequest request, const Terms& terms, MeshReply reply);
-  /// Other work for the pool's threads (a body to decode, an entry of a tier to read), with no flight, in the
-  /// class of the request. Nothing: exactly one of two is called, before this returns or later. `job` on a
-  /// thread of the pool when its turn comes, with the deadline and the stop of the terms for it to poll;
-  /// `given_up` where the deadline (kDeadlineExceeded) or the client's leaving (kCancelled) comes first: then
-  /// it is queued no longer. Otherwise both are dropped. They must not throw.
+  /// Runs other work on a pool thread, in the request's class and without a flight: decoding a body, or reading from a cache
+  /// tier. If it returns nothing, exactly one of the functions is called, before or after the return. `job` is called when its
+  /// turn comes; its Execution has the deadline and the stop token of the terms, which it must poll. `given_up` is called
+  /// instead if the deadline passes (kDeadlineExceeded) or the client leaves (kCancelled) before that; the job then leaves
+  /// the queue. If it returns an error, both functions are dropped. They must not throw.
   using Job = std::function<void(const Execution&)>;
   using GivenUp = std::function<void(Error)>;
   std::optional<Error> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
-  /// What all that is computed or read holds.
+  /// The working memory of everything that is computed or read.
   MemoryBudget& working() { return working_.whole(); }
-  /// Computations whose turn has come and that wait for memory.
+  /// Returns how many computations have had their turn and now wait for memory.
   std::size_t waiting_for_memory() const { return line_.size(); }
 
-  /// Would a request of so much work be refused? Asked before a body is read, so nothing is reserved.
+  /// Returns an error if a request with so much work would be refused. This is asked before the body is read, so it reserves
+  /// nothing.
   std::optional<Error> refuses(const ExpectedWork& work, const Terms& terms) const;
 
-  /// Returns when nothing is computed any more and no reply is outstanding.
+  /// Blocks until nothing is computed any more and no reply is outstanding.
   void wait_idle() {
-    do {  // a call of the timer may resume tasks
+    do {  // the timer's calls may resume tasks
       pool_.wait_idle();
       timer_.flush();
     } while (pool_.running() + pool_.queued() > 0);
   }
 
-  /// How many tasks go before the computations of these results (RequestKeys::result); nothing for one that is not
+  /// Returns how many tasks go before the computation of each of these results (RequestKeys::result); nothing if it is not
   /// queued (WorkerPool::positions).
   std::vector<std::optional<std::size_t>> queue_positions(const std::vector<std::string>& result_keys) const;
 
   struct Figures {
     std::uint64_t computed = 0;   ///< results computed to the end
-    std::uint64_t collapsed = 0;  ///< requests that waited for the computation of another one
-    std::uint64_t abandoned = 0;  ///< waiters who left: closed, cancelled or past their deadline
+    std::uint64_t collapsed = 0;  ///< requests that waited for another request's computation
+    std::uint64_t abandoned = 0;  ///< waiters that left: disconnected, cancelled or past their deadline
     std::uint64_t expired = 0;    ///< work whose deadline passed before its turn came
-    std::uint64_t refused = 0;    ///< by admission
-    std::size_t flights = 0;      ///< of results, now
+    std::uint64_t refused = 0;    ///< requests that admission refused
+    std::size_t flights = 0;      ///< current number of result flights
     std::uint64_t working_bytes = 0;
   };
   Figures figures() const;
@@ -146,17 +147,17 @@ class Dispatcher {
   template <class Value>
   using Outcome = Expected<Step<Value>>;
 
-  /// Lives as long as the one who waits: those who come and go leave none behind.
+  /// Receives the progress for one waiter. Its lifetime ends with the waiter's, so waiters that leave do not accumulate.
   using Observer = std::function<void(Stage, double)>;
 
-  /// What all who wait for a result share.
+  /// Data that all waiters of a result share.
   struct Common {
     Urgency urgency;
     std::atomic<Clock::rep> latest_deadline{0};
     Payers payers;
-    std::mutex mutex;  // of the observers
+    std::mutex mutex;  // guards the observers
     std::vector<std::weak_ptr<const Observer>> observers;
-    std::atomic<bool> observed{false};  ///< there are any: loops tell often, and mostly nobody listens
+    std::atomic<bool> observed{false};  ///< avoids the lock: usually there is no observer
     void tell(Stage stage, double fraction);
     void add(const std::shared_ptr<const Observer>& observer);
   };
@@ -165,19 +166,21 @@ class Dispatcher {
   using DiagramFlights = SingleFlight<Step<CutBase>, Urgency>;
 
   std::optional<Error> refuses(double cost, const Terms& terms) const;
-  /// A place among the computations of a name: that of the step before, else a new one.
+  /// Obtains a place among the computations of the payer's name: that of the request's previous step, or else a new one.
   static std::optional<Error> seat(const Terms& terms, tenants::Account::Seat& share);
-  /// All who waited are charged for all of it, each in the class of its own request.
+  /// Charges each payer for all of the time, in the class of its own request.
   void charge(const std::vector<Waits>& payers, double seconds);
-  /// Why it would not be begun now for want of memory. Nothing is set aside: that is done when its turn comes.
+  /// Returns an error if there is not enough memory to begin now. Sets nothing aside: that happens when the computation gets
+  /// its turn.
   std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms);
   Error lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) const;
   static MemoryBudget::Use use_of(Priority priority);
-  /// Background work of others gives up what it has beyond its half and this client lacks.
+  /// Returns a function that makes room for a reservation of this client: background work of other clients gives up memory
+  /// that it holds beyond its half.
   ComputationAllowance::MakeRoom make_room_for(const std::string& client);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
-  /// What nobody waits for keeps no place in a queue until its turn.
+  /// Removes a computation from the queue, or from the line for memory, if nobody waits for it any more.
   template <class Flight>
   void withdraw_if_abandoned(const Flight& flight, const Urgency& urgency) {
     if (!flight.stop().stop_requested()) return;
@@ -185,7 +188,7 @@ class Dispatcher {
     line_.given_back();
   }
 
-  // The stations of a computation, each on a thread of the pool.
+  // The stations of a computation. Each runs on a pool thread.
   void begin(const Shared& c, int threads);
   template <class Work, class PriorityNow, class Again, class Failed>
   bool has_memory(const std::shared_ptr<Work>& work, const std::string& client, PriorityNow priority_now,
@@ -194,11 +197,11 @@ class Dispatcher {
   void obtain_diagram(const Shared& c, int threads);
   void with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, int threads);
   void with_diagram(const Shared& c, const Outcome<CutBase>& diagram, int threads);
-  /// Runs a station; whatever it throws ends the computation with a typed error.
+  /// Runs a station. If it throws, the computation ends with a typed error.
   template <class Station>
   void at_station(const Shared& c, Station station);
   void end(const Shared& c, Expected<FractureAnswer> outcome);
-  /// A background computation that others need the memory of, and that does not run.
+  /// Ends a background computation that was given up and is not running, because others need its memory.
   void end_if_given_up(const Shared& c);
   static Error given_up();
   template <class Value, class Make>
@@ -224,7 +227,7 @@ class Dispatcher {
   MeshFlights meshes_;
   DiagramFlights diagrams_;
   std::atomic<std::uint64_t> computed_{0}, collapsed_{0}, abandoned_{0}, expired_{0}, refused_{0};
-  Timer timer_;  // last: its calls use everything above
+  Timer timer_;  // last, because its calls use everything above
 };
 
 }  // namespace fracture

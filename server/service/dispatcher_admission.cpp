@@ -1,4 +1,4 @@
-// Who is let in, and who pays: the part of the dispatcher that computes nothing.
+// Admission and charging: the part of the dispatcher that computes nothing.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,11 +9,11 @@
 namespace fracture {
 namespace {
 
-// A request that is admitted and then not done in time has cost others theirs: rather a few too many are
-// turned away. (bench_overload: at four times the capacity.)
+// Factor on the predicted wait. A request that is admitted and then misses its deadline has taken time from others, so it
+// is better to refuse a few too many. (Measured with bench_overload at four times the capacity.)
 constexpr double kCaution = 1.2;
 
-// Bytes of a computation that counts as small: some hundred fragments of a stored mesh of ten thousand
+// Maximum bytes of a computation that counts as small: enough for some hundred fragments of a stored mesh with ten thousand
 // triangles.
 constexpr std::uint64_t kLargestSmall = 16u << 20;
 
@@ -39,7 +39,7 @@ std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const 
                           " are running.",
                       whole_seconds(wait));
   const std::chrono::duration<double> left = terms.deadline - Clock::now();
-  // With nothing ahead it is tried: the prediction may be wrong.
+  // If nothing is ahead of it, the request is tried, because the prediction may be wrong.
   if (terms.deadline != Clock::time_point::max() && wait > 0 && total > left.count())
     return overloaded("This work would be finished in about " + in_seconds(total) +
                           ", but the deadline of this request passes in " +
@@ -80,13 +80,13 @@ MemoryBudget::Use Dispatcher::use_of(Priority priority) {
 }
 
 ComputationAllowance::MakeRoom Dispatcher::make_room_for(const std::string& client) {
-  // They end at their next poll, and free what they hold.
+  // Maximum time to wait for background computations that were given up. They end at their next poll and free their memory.
   static constexpr std::chrono::seconds kLongest{2};
   return [this, client](MemoryBudget::Reservation& memory, std::uint64_t bytes) {
     const auto lacks = [&memory] { return memory.verdict() == MemoryBudget::Verdict::kHeldInBackground; };
     if (!lacks()) return false;
     const MemoryLine::Claim claim(line_);
-    const Away away(WorkerPool::turn());  // others compute meanwhile
+    const Away away(WorkerPool::turn());  // lets others compute in the meantime
     const Clock::time_point longest = Clock::now() + kLongest;
     while (lacks() && background_.give_up(client, working_.whole().missing(bytes - memory.bytes())) &&
            background_.wait(longest))
@@ -98,7 +98,7 @@ ComputationAllowance::MakeRoom Dispatcher::make_room_for(const std::string& clie
 std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& terms) {
   const MemoryBudget::Verdict verdict = working_.judge(
       terms.payer.flow.name, std::min(bytes, working_.whole().capacity()), use_of(terms.priority));
-  // Background work that holds the rest is given up when the turn of this computation comes.
+  // Background work that holds the rest gives it up when this computation gets its turn.
   if (verdict == MemoryBudget::Verdict::kFits || verdict == MemoryBudget::Verdict::kHeldInBackground)
     return std::nullopt;
   return lacking(verdict, bytes);

@@ -1,4 +1,4 @@
-// The first two steps alone: a mesh is read and prepared, because somebody stores it.
+// Runs only the first two steps: reads and prepares a mesh that a client stores.
 #include <algorithm>
 #include <utility>
 
@@ -6,7 +6,7 @@
 
 namespace fracture {
 
-/// By the leader of its flight.
+/// The preparation of one mesh, run by the leader of its flight.
 struct Dispatcher::Preparation {
   Preparation(Dispatcher& its_dispatcher, std::shared_ptr<MeshFlights::Flight> its_flight)
       : dispatcher(its_dispatcher), flight(std::move(its_flight)) {}
@@ -109,7 +109,8 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
   return std::nullopt;
 }
 
-/// It does not wait for memory: a computation that holds some may wait for this mesh. That one makes it itself, then.
+/// Does not wait in the line for memory, because a computation that holds memory may be waiting for this mesh. If memory is
+/// short, the preparation fails, and that computation prepares the mesh itself.
 void Dispatcher::begin_mesh(const std::shared_ptr<Preparation>& p, int threads) {
   if (p->abandoned()) return;
   const std::uint64_t bytes = std::min(p->work.bytes, working_.whole().capacity());

@@ -1,18 +1,18 @@
-// Work without a flight: one step of one request, on a thread of the pool.
+// Work without a flight: one step of one request, on a pool thread.
 #include <utility>
 
 #include "server/service/computation.hpp"
 
 namespace fracture {
 
-/// Waits in the queue, until its turn comes or nobody waits for it any more: what is first decides. Lives in
-/// the task.
+/// Waits in the queue until its turn comes or nobody waits for it any more, whichever is first. The task owns it.
 struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   Errand(Dispatcher& d, const ExpectedWork& w, const Terms& t, Job j, GivenUp g)
       : dispatcher(d), work(w), terms(t), job(std::move(j)), given_up(std::move(g)), early(d.timer_) {}
   ~Errand() { give_back(); }
 
-  /// After it was queued. May give up before it returns.
+  /// Starts the deadline and the watch for the client. Call it after the task was queued. The errand may be given up before
+  /// this returns.
   void arm(WorkerPool::TaskId its_task) {
     task = its_task;
     early.arm(weak_from_this(), terms);
@@ -22,10 +22,10 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
     if (decided.exchange(true)) return;
     ++dispatcher.abandoned_;
     if (code == ErrorCode::kDeadlineExceeded) ++dispatcher.expired_;
-    dispatcher.pool_.withdraw(task);  // where its turn has just come, it finds that nobody waits
+    dispatcher.pool_.withdraw(task);  // if its turn has just come, it finds that nobody waits
     share = {};
     job = nullptr;
-    dispatcher.line_.given_back();  // where it waits for memory
+    dispatcher.line_.given_back();  // removes it from the line if it waits for memory
     given_up(code == ErrorCode::kDeadlineExceeded
                  ? Error{code,
                          "The deadline of the request passed before its turn came: the server's --deadline, "
@@ -45,7 +45,7 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
     dispatcher.line_.given_back();
   }
 
-  /// On its thread. False: it was given up.
+  /// Runs the job on this thread. Returns false if it was given up.
   bool begin(int threads) {
     if (decided.exchange(true)) return false;
     if (terms.seat) *terms.seat = std::move(share);

@@ -16,14 +16,13 @@ tl::unexpected<Error> wrong(const std::string& name, std::string detail) {
   return fail(ErrorCode::kBadParameter, std::move(detail), name);
 }
 
-/// Everything about the inside but whether it takes part in the outside's look: as a request with
-/// `interior_material` has it.
+/// Erases all `interior_` parameters, because a new `interior_material` replaces the look of the inside. Keeps `interior`.
 void drop_look(nlohmann::json& parameters) {
   for (auto it = parameters.begin(); it != parameters.end();)
     it = it.key().starts_with("interior_") ? parameters.erase(it) : std::next(it);
 }
 
-/// What was there, then what is new.
+/// Returns the earlier list with the new values appended.
 template <class T, class ToJson>
 nlohmann::json continued(const nlohmann::json& earlier, const char* name, const std::vector<T>& more,
                          const ToJson& to_json) {
@@ -60,7 +59,7 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
                      "For hits on this answer, 'local_rest' is always '" + rest + "': leave it out.");
       continue;
     }
-    // The fragments that the hits do not touch are to be those of the answer that the caller has.
+    // Fragments that the hits do not touch must stay as they are in the caller's answer.
     if (hits && compared && raw.name != "delta" && raw.name != "gravity" && raw.name != "broken")
       return wrong(raw.name, "'" + raw.name +
                                  "' would change fragments that the hits do not touch: leave it out, or ask "
@@ -70,7 +69,7 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
       return wrong(raw.name, "'" + raw.name +
                                  "' is determined by the earlier answer that 'of' refers to: leave it out.");
     taken.erase(raw.name);
-    // Two ways to say one thing.
+    // The new parameter replaces others that set the same thing.
     if (raw.name == "mass") taken.erase("density");
     if (raw.name == "density") taken.erase("mass");
     if (raw.name == "interior_color") taken.erase("interior_mix");

@@ -1,4 +1,4 @@
-// A request that names an earlier answer (`of`): the parameters of that answer, with what is given now.
+// Requests that name an earlier answer (`of`): they use that answer's parameters, combined with those given now.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,10 +10,10 @@
 
 namespace fracture {
 
-/// What to parse instead of `given`, which parses to `own`. `earlier` are the canonical parameters of the
-/// answer. Hits that are given now come after its own; whatever decides its mesh or its sites cannot be given
-/// again, nor beside hits that are compared with it (`delta`) anything else that its fragments depend on.
-/// Errors: kBadParameter, naming the parameter.
+/// Returns the parameters to parse instead of `given`, which parses to `own`. `earlier`: canonical parameters of the earlier
+/// answer. New hits are appended to its own hits. Parameters that determine its mesh or its sites must not be given again.
+/// If new hits are compared with the answer (`delta`), no other parameters that its fragments depend on may be given.
+/// Errors: kBadParameter, with the name of the parameter.
 Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& table,
                                                       const std::vector<RawParameter>& given,
                                                       const RequestParameters& own,

@@ -9,7 +9,7 @@
 namespace fracture {
 namespace {
 
-/// Share of a mesh's preparation that comes before the search for contacts.
+/// Share of a mesh's preparation, for the progress, that is done before the search for contacts.
 constexpr double kBeforeContacts = 0.8;
 
 class LibraryEngine final : public FractureEngine {
@@ -76,7 +76,7 @@ class LibraryEngine final : public FractureEngine {
   static Expected<Cut> kept(Expected<KeptAnswer> answer) {
     if (!answer) return tl::unexpected<Error>(std::move(answer.error()));
     FracturedSolid& fractured = answer->fractured;
-    if (!fractured.delta) fractured.delta.emplace();  // nothing is new
+    if (!fractured.delta) fractured.delta.emplace();  // an empty delta
     return Cut{std::move(fractured), std::make_shared<const CutBase>(std::move(answer->base))};
   }
 

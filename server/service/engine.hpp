@@ -1,6 +1,6 @@
-// The five steps of the job as the service calls them. An interface because two things replace it: the tests
-// (a fake that answers at once, waits, or fails on demand, so that the HTTP side is attacked without
-// computing anything), and an importer that runs in another process.
+// The five steps of a fracture, as the service calls them. FractureEngine is an interface so that tests can replace it. Their
+// fake answers at once, waits, or fails on demand, so the HTTP side can be tested without computing anything. The importer can
+// also be replaced, by one that runs in another process.
 #pragma once
 
 #include <cstddef>
@@ -28,23 +28,21 @@ class ImportPool;
 
 struct Cut {
   FracturedSolid fractured;
-  std::shared_ptr<const CutBase>
-      kept{};  ///< what further hits on this answer start from; null: not asked for
+  std::shared_ptr<const CutBase> kept{};  ///< the base for further hits on this answer; null: not requested
 };
 
-/// Thread-safe: every method may be called from several threads at once. Errors are those of the function
-/// each method stands for (import_mesh, make_solid, make_diagram, fracture); Interrupted may be thrown from
-/// any of them.
+/// Thread-safe: every method may be called from several threads at once. Each method returns the errors of its library
+/// function (import_mesh, make_solid, make_diagram, fracture). Any of them may throw Interrupted.
 class FractureEngine {
  public:
   virtual ~FractureEngine() = default;
-  /// `digest`: what the service knows the input by, 64 hex digits.
+  /// `digest`: the digest by which the service identifies the input, 64 hex digits.
   virtual Expected<Mesh> import(std::span<const std::byte> bytes, MeshFormat format,
                                 std::span<const ImportFile> files, std::string_view digest,
                                 const ImportLimits& limits, const Execution& execution) const = 0;
   virtual Expected<Solid> prepare(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                                   const HollowOptions& hollow, const Execution& execution) const = 0;
-  /// Where hits are new: the answer without them; else the diagram.
+  /// Returns the answer without the new hits, if there are any; otherwise the diagram.
   virtual Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters,
                                  const Selection& selection, const Execution& execution) const = 0;
   virtual Expected<Cut> cut(const Solid& solid, const CutBase& base, const FractureParameters& parameters,
@@ -53,15 +51,16 @@ class FractureEngine {
                           const Execution& execution) const = 0;
 };
 
-/// FractureEngine::import().
+/// A function that does the work of FractureEngine::import().
 using Importer = std::function<Expected<Mesh>(std::span<const std::byte> bytes, MeshFormat format,
                                               std::span<const ImportFile> files, std::string_view digest,
                                               const ImportLimits& limits, const Execution& execution)>;
 
-/// The real one: calls the libraries of common/, but for those that read files: a program that serves others does
-/// not contain them.
+/// Returns the real engine, which calls the libraries in common/. It calls `importer` instead of the file readers, because a
+/// program that serves clients must not contain them.
 std::unique_ptr<FractureEngine> make_engine(Importer importer);
-/// Imports go through the pool, which adds its errors (import_worker/import_pool.hpp).
+/// Returns the real engine with an importer that uses the pool. The pool adds errors of its own
+/// (import_worker/import_pool.hpp).
 std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports);
 
 }  // namespace fracture

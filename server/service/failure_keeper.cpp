@@ -24,13 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Of the result's key: the mesh's 16 digits, and as many of the request's.
+/// Digits of the result's key in a folder name: the 16 of the mesh, and 16 of the request.
 constexpr std::size_t kDigits = 32;
-/// What a small file takes on a disk.
+/// Disk space that even a small file takes.
 constexpr std::uint64_t kLeastBytes = 4096;
-/// Linux refuses a single argument of 128 KiB.
+/// Maximum total length of the flags in a command. Linux rejects a single argument of 128 KiB.
 constexpr std::size_t kMaxCommand = 100'000;
-/// A folder that is being written for longer was left by a process that was killed.
+/// After this time, an unfinished folder must have been left by a process that was killed.
 constexpr std::chrono::minutes kAbandoned{10};
 
 bool is_failure_name(const std::string& name) {
@@ -57,12 +57,12 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Where files of these names go below one folder. Names come from strangers: none leads out of the folder or
-/// meets another one.
+/// Assigns each file name a path inside one folder. Names come from untrusted clients, so no path may lead out of the folder
+/// or collide with another one.
 class Places {
  public:
-  /// The name itself where it is a plain relative path, else its last component (which is how meshes find
-  /// what they name with a path that leads elsewhere), else "file-N".
+  /// Returns the name itself if it is a plain relative path. Otherwise returns its last component, because importers look for
+  /// that if a mesh names a path to another folder. If that fails too, returns "file-N".
   std::string place(std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     while (name.starts_with("./")) name.erase(0, 2);
@@ -101,7 +101,7 @@ class Places {
   int unnamed_ = 0;
 };
 
-/// For a shell: plain words as they are, everything else in single quotes.
+/// Quotes a word for a shell. Plain words stay as they are; all others get single quotes.
 std::string quoted(const std::string& word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=.,/:+";
@@ -120,8 +120,8 @@ std::string now() {
   return text;
 }
 
-/// The flags of `bake` that ask for these parameters. Nothing where text cannot say them, or where they are
-/// longer than a command line may be.
+/// Returns the `bake` flags for these parameters. Returns nothing if text cannot express them, or if they are too long for a
+/// command line.
 std::optional<std::vector<std::string>> flags_of(const json& canonical) {
   std::vector<std::string> flags;
   std::size_t length = 0;
@@ -154,7 +154,7 @@ KeptFailures FailureKeeper::figures() const {
   return figures_;
 }
 
-/// By what lies in the folder now: whoever looked into a failure and took it away has made room.
+/// Counts the failures that are in the folder now, so removing an examined failure makes room.
 bool FailureKeeper::has_room(std::uint64_t bytes) const {
   std::size_t failures = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(config_.folder))
@@ -178,12 +178,12 @@ void FailureKeeper::keep(const FractureRequest& request, const Error& error, con
       if (++figures_.unwritten > 1 || !say_) return;
       trouble = e.what();
     }
-  } catch (...) {  // a lock that fails
+  } catch (...) {  // locking failed
     return;
   }
   try {
     say_("Failures cannot be kept in '" + config_.folder + "': " + trouble);
-  } catch (...) {  // nothing depends on what is said
+  } catch (...) {  // only the message is lost
   }
 }
 

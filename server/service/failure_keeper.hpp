@@ -1,11 +1,11 @@
-// What is needed to see a failure again: the mesh, the files it names, what was asked, and a command that
-// asks it again.
+// Keeps everything that is needed to reproduce a failure: the mesh, the files it refers to, the parameters, and a command
+// that repeats the request.
 //
 //   <folder>/<first digits of the result's key>/
-//     request.json     parameters, versions, what went wrong, the certificate, "command"
-//     mesh/barrel.obj  the bytes of the request
-//     mesh/...         its further files under the names that the mesh has for them
-//     job.ndjson       the manifest that "command" names, only where a command line cannot say the parameters
+//     request.json     parameters, versions, the error, the certificate, "command"
+//     mesh/barrel.obj  the mesh's bytes from the request
+//     mesh/...         its further files, under the names by which the mesh refers to them
+//     job.ndjson       the manifest for "command", only if a command line cannot express the parameters
 #pragma once
 
 #include <cstddef>
@@ -22,36 +22,34 @@
 namespace fracture {
 
 struct FailureKeeperConfig {
-  std::string folder;  ///< made when the first failure is kept; empty: nothing is kept
+  std::string folder;  ///< created for the first failure; empty: nothing is kept
   std::size_t max_failures = 100;
-  std::uint64_t max_bytes = 1ull << 30;  ///< of all failures together; each file counts as 4 KiB at least
+  std::uint64_t max_bytes = 1ull << 30;  ///< of all failures together; each file counts as at least 4 KiB
   std::string program = {};              ///< name and version, for request.json
 };
 
 struct KeptFailures {
-  std::size_t kept = 0;     ///< by this process; the folder may hold earlier ones
-  std::size_t known = 0;    ///< were there already, from an earlier process too
-  std::size_t dropped = 0;  ///< found no room: the oldest stay
+  std::size_t kept = 0;     ///< kept by this process; the folder may contain earlier ones
+  std::size_t known = 0;    ///< were already in the folder, possibly from an earlier process
+  std::size_t dropped = 0;  ///< not kept because there was no room: the oldest failures stay
   std::size_t unwritten = 0;
 };
 
-/// Thread-safe; several processes may share a folder, with bounds that then are approximate by one failure
-/// for each of them.
+/// Thread-safe. Several processes may share a folder. Then each of them may exceed the limits by one failure.
 class FailureKeeper {
  public:
-  /// `say` is told once, in a sentence, when a failure cannot be written.
+  /// `say` is called once with a message, the first time that a failure cannot be written.
   explicit FailureKeeper(FailureKeeperConfig config, std::function<void(const std::string&)> say = {});
 
-  /// Should it be kept: is it a bug of ours (kUnsound, kInternal)?
+  /// Returns whether an error should be kept, because it is a defect of this program (kUnsound, kInternal).
   static bool concerns(ErrorCode code) { return code == ErrorCode::kUnsound || code == ErrorCode::kInternal; }
-  /// Writes the reproduction whole or not at all. Never throws. `certificate` as in extras.fracture; null:
-  /// what the error says of it, or there is none. `mesh_name`: what the mesh's file was called; empty:
-  /// nothing is known.
+  /// Writes the reproduction, completely or not at all. Never throws. `certificate`: as in extras.fracture; null: the one in
+  /// the error is used, if there is one. `mesh_name`: the name of the mesh's file; empty: not known.
   void keep(const FractureRequest& request, const Error& error, const nlohmann::json& certificate = nullptr,
             std::string_view mesh_name = {}) noexcept;
 
   bool any() const { return !config_.folder.empty(); }
-  /// Makes the folder, where there is to be one. kFileAccess when it cannot be made or written.
+  /// Creates the folder if one is configured. Returns kFileAccess if it cannot be created or written.
   Expected<void> make_folder() const;
   const std::string& folder() const { return config_.folder; }
   KeptFailures figures() const;

@@ -1,4 +1,5 @@
-// Requests whose answers did not prove themselves: asked again, they get the same error without the work.
+// Remembers requests whose answers failed their own checks. If such a request comes again, it gets the same error without
+// being computed again.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +14,10 @@
 
 namespace fracture {
 
-/// The latest of them, in memory alone: a tier below would outlive the fault. Thread-safe.
+/// Keeps the latest kMost failures, only in memory, because an entry on disk would outlive the defect. Thread-safe.
 class FailureMemo {
  public:
-  /// Counts it, and forgets the oldest when there are too many.
+  /// Adds and counts a failure. Forgets the oldest one if there are too many.
   void add(const std::string& key, const Error& error) {
     const std::lock_guard lock(mutex_);
     ++count_;
@@ -31,7 +32,7 @@ class FailureMemo {
     const auto at = errors_.find(key);
     return at == errors_.end() ? std::nullopt : std::optional(at->second);
   }
-  /// How many were ever added.
+  /// Returns how many failures were added, including forgotten ones.
   std::uint64_t count() const {
     const std::lock_guard lock(mutex_);
     return count_;
@@ -42,7 +43,7 @@ class FailureMemo {
  private:
   mutable std::mutex mutex_;
   std::uint64_t count_ = 0;
-  std::unordered_map<std::string, Error> errors_;  // only looked up
+  std::unordered_map<std::string, Error> errors_;  // never iterated
   std::deque<std::string> order_;                  // oldest first
 };
 

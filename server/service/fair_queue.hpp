@@ -1,21 +1,21 @@
-// Whose turn it is. Start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996), in the form that the same
-// authors gave it for processors, where what a task takes is known only when it has run (Goyal, Guo and Vin, "A
-// hierarchical CPU scheduler for multimedia operating systems", OSDI 1996). Each client (a name, an address) has
-// one tag for all that it asks:
+// Decides which client's turn it is, by start-time fair queueing (Goyal, Vin and Cheng, SIGCOMM 1996). We use its form for
+// processors, where the length of a task is known only after it has run (Goyal, Guo and Vin, "A hierarchical CPU scheduler
+// for multimedia operating systems", OSDI 1996). Each client (a name, or an address) has one tag for all its tasks:
 //
-//     tag = processor seconds that were used for it so far / its weight
+//     tag = processor seconds used for the client so far / the client's weight
 //
-// The client with the least tag is served next. So among clients that always have work each gets its weight's share
-// of the processors, whatever the others queue, run or call urgent.
+// The client with the lowest tag is served next. So clients that always have work get processor time in proportion to their
+// weights, whatever the others queue, run or call urgent.
 //
-// Who comes back after a rest has at most kCredit less than those who computed meanwhile (as sleepers have in the
-// Completely Fair Scheduler of Linux): who asks for little goes before who asks for much. And nobody has more than
-// kMostDebt more than they: who had processors that they could not use owes them no more than that.
+// After a rest, a client's tag is at most kCredit below the lowest tag of the clients that computed in the meantime. (Linux's
+// Completely Fair Scheduler treats sleepers in the same way.) So a client that asks for little goes before one that asks for
+// much. No tag is more than kMostDebt above that lowest tag: a client that used otherwise idle processors owes the others
+// no more than that.
 //
-// How urgent a task is counts as a lead in that order (Duda and Cheriton, "Borrowed-virtual-time scheduling", SOSP
-// 1999): it decides between tasks of one client, and between clients that have used about as much; but no client gets
-// more processor time by calling its work urgent. A second of background work counts as kBackgroundCost seconds: beside work that
-// somebody waits for it gets a fifth of the time.
+// The urgency of a task counts as a lead in this order (Duda and Cheriton, "Borrowed-virtual-time scheduling", SOSP 1999).
+// It decides between tasks of one client, and between clients that have used about the same time. But no client gets more
+// processor time by calling its work urgent. A second of background work counts as kBackgroundCost seconds, so background
+// work gets a fifth of the time if it competes with work that a client waits for.
 #pragma once
 
 #include <algorithm>
@@ -37,38 +37,38 @@
 
 namespace fracture {
 
-/// The most urgent first.
+/// Classes of tasks, from the most urgent to the least urgent.
 enum class Priority { kRealtime, kBatch, kBackground };
 inline constexpr std::array kPriorities = {Priority::kRealtime, Priority::kBatch, Priority::kBackground};
 
-/// Whose turn a task takes.
+/// The client whose turn a task takes.
 struct Flow {
   std::string name{};
-  double weight = 1;                            ///< more than 0
-  std::shared_ptr<tenants::Account> account{};  ///< of which its use is taken; null: of none
+  double weight = 1;                            ///< must be positive
+  std::shared_ptr<tenants::Account> account{};  ///< is charged for the time used; null: no account
 };
 
-/// Not thread-safe. Item has `std::uint64_t id`, which grows with the arrival, `double cost` in seconds, `Flow flow`,
-/// and `arrival`, a time.
+/// Not thread-safe. Item has the members `std::uint64_t id`, which increases in the order of arrival, `double cost` in
+/// seconds, `Flow flow`, and `arrival`, a time.
 template <class Item>
 class FairQueue {
  public:
   static constexpr double kCredit = 0.6, kMostDebt = 1;  // seconds
-  /// A class has so many seconds less than the next one. Little: each of many clients that come after a rest may be ahead
-  /// of a less urgent one by so much.
+  /// Seconds by which each class is ahead of the next one. The value is small because each of many clients that return from
+  /// a rest may be ahead of less urgent work by this much.
   static constexpr double kLead = 0.03;
   static constexpr double kBackgroundCost = 4;
-  /// Within a client, a task is served before more urgent ones that came this much later.
+  /// Within a client, a task is served before more urgent ones that arrived this much later.
   static constexpr std::chrono::milliseconds kAging{1000};
 
-  /// What a second of a class counts as.
+  /// Returns how many seconds a second of this class counts as.
   static constexpr double cost_of(Priority priority) {
     return priority == Priority::kBackground ? kBackgroundCost : 1;
   }
 
   struct Line {
     bool empty() const { return resumed.empty() && queue.empty(); }
-    /// Resumed and queued tasks take turns.
+    /// Returns whether a resumed task is next. Resumed and queued tasks take turns.
     bool resumed_is_next() const { return !resumed.empty() && (queue.empty() || !resumed_was_last); }
     double cost() const {
       double cost = 0;
@@ -82,7 +82,7 @@ class FairQueue {
     std::deque<Item> resumed, queue;
   };
   struct Client {
-    /// The least goes first.
+    /// Returns the client's position for tasks of this class. The lowest key goes first.
     double key(Priority priority) const { return FairQueue::key(tag, priority); }
     bool rests() const {
       return running == 0 &&
@@ -93,7 +93,7 @@ class FairQueue {
 
     std::string name;
     double weight = 1, tag = 0;
-    std::size_t running = 0;  ///< tasks that were taken and have not ended
+    std::size_t running = 0;  ///< number of tasks that were taken and have not ended
     std::array<Line, 3> lines;
   };
   struct Next {
@@ -103,20 +103,20 @@ class FairQueue {
     const Item& item() const { return client->line(priority).front(); }
   };
 
-  // -- what is queued
+  // -- queued tasks
 
-  /// Behind everything of its client and class that came before it.
+  /// Queues a task behind all earlier ones of its client and class.
   void push(Priority priority, Item item) {
     Client& client = arrives(item.flow);
     insert(client.line(priority).queue, std::move(item));
   }
-  /// What goes on, in a line of its own.
+  /// Queues a task that continues earlier work. These tasks have a line of their own.
   void push_resumed(Priority priority, Item item) {
     Client& client = arrives(item.flow);
     insert(client.line(priority).resumed, std::move(item));
   }
 
-  /// Of each client that has something which may begin, what would be next; the first first.
+  /// Returns the next task of each client, in the order of their turns. Leaves out clients without a task that may begin.
   template <class May>
   std::vector<Next> candidates(const May& may) {
     std::vector<Next> all;
@@ -135,7 +135,7 @@ class FairQueue {
     });
     return all;
   }
-  /// Its client runs it from now on, until end().
+  /// Takes a task out of the queue. It counts as running for its client until end().
   Item take(const Next& next) {
     Line& line = next.client->line(next.priority);
     line.resumed_was_last = line.resumed_is_next();
@@ -147,19 +147,20 @@ class FairQueue {
   }
   void end(Client& client) { --client.running; }
 
-  /// Takes a queued task out again; nothing when it is not here. One that goes on stays.
+  /// Removes a queued task and returns it. Returns nothing if it is not here, or if it is a resumed task.
   std::optional<Item> remove(std::uint64_t id) {
     for (const Priority priority : kPriorities)
       if (std::optional<Item> item = remove(id, priority, &Line::queue)) return item;
     return std::nullopt;
   }
-  /// The same of one that goes on.
+  /// As above, but for a resumed task.
   std::optional<Item> remove_resumed(std::uint64_t id) {
     for (const Priority priority : kPriorities)
       if (std::optional<Item> item = remove(id, priority, &Line::resumed)) return item;
     return std::nullopt;
   }
-  /// A task that waits is of this class from now on. A queued one takes the turn of this flow: true.
+  /// Moves a waiting task to this class. If the task is queued and not resumed, it takes the turn of this flow. Returns true
+  /// in that case.
   bool move(std::uint64_t id, Priority to, const Flow& flow) {
     for (const Priority priority : kPriorities) {
       if (priority == to) continue;
@@ -173,7 +174,8 @@ class FairQueue {
     }
     return false;
   }
-  /// A queued task takes the turn of this flow from now on, if that comes sooner: true. `per_cost`: seconds of a client for one of cost.
+  /// Lets a queued task take the turn of this flow if that comes sooner; returns true in that case. `per_cost`: returns
+  /// how many seconds a client needs for each second of cost.
   template <class PerCost>
   bool hasten(std::uint64_t id, const Flow& flow, const PerCost& per_cost) {
     for (auto& [name, client] : clients_) {
@@ -195,7 +197,7 @@ class FairQueue {
     }
     return false;
   }
-  /// A task that waits; null when it does not.
+  /// Returns a waiting task; null if the task does not wait.
   Item* find(std::uint64_t id) {
     for (auto& [name, client] : clients_)
       for (Line& line : client.lines)
@@ -205,15 +207,15 @@ class FairQueue {
     return nullptr;
   }
 
-  // -- what was used
+  // -- used time
 
-  /// So many seconds were used for this flow, in this class.
+  /// Charges this flow for the seconds used in this class.
   void charge(Priority priority, const Flow& flow, double seconds) {
     Client& client = arrives(flow);
     client.tag = std::max(client.tag, now_ - kCredit) + cost_of(priority) * seconds / client.weight;
     client.tag = std::min(client.tag, now_ + kMostDebt);
   }
-  /// The least tag of those who compute.
+  /// Tells the queue the lowest tag of all clients that are computing.
   void advance(double tag) { now_ = std::max(now_, tag); }
 
   // -- figures
@@ -224,7 +226,7 @@ class FairQueue {
     for (const Priority priority : kPriorities) size += this->size(priority) + resumed(priority);
     return size;
   }
-  /// Queued for the first time.
+  /// Returns the number of queued tasks in this class, without resumed ones.
   std::size_t size(Priority priority) const {
     return sum(priority, [](const Line& line) { return line.queue.size(); });
   }
@@ -235,14 +237,14 @@ class FairQueue {
     const auto at = clients_.find(flow);
     return at == clients_.end() ? 0 : at->second.line(priority).queue.size();
   }
-  /// Flows with something queued, but for this one.
+  /// Returns how many other flows than this one have queued tasks.
   std::size_t others_than(const std::string& flow, Priority priority) const {
     return sum(priority, [](const Line& line) { return static_cast<std::size_t>(!line.queue.empty()); }) -
            (size_of(flow, priority) > 0 ? 1 : 0);
   }
 
-  /// Ids of what is queued, in the order in which that would begin if nothing came, one processor did all of it, and
-  /// costs were right.
+  /// Returns the ids of all queued tasks in the order in which they would begin. Assumes that nothing else arrives, that one
+  /// processor does all the work, and that the costs are right.
   std::vector<std::uint64_t> order() const {
     struct Place {
       bool operator>(const Place& other) const { return std::pair(key, id) > std::pair(other.key, other.id); }
@@ -271,8 +273,9 @@ class FairQueue {
     return served;
   }
 
-  /// Seconds of what would be computed before a new task of this flow and class ends that takes so many `seconds`, but for
-  /// itself. `left`: seconds that the tasks of a client and class should still take, whether they wait or run.
+  /// Returns how many seconds of other work would be computed before a new task of this flow and class ends. `seconds`: time
+  /// that the new task takes. `left`: returns the seconds that the waiting and running tasks of a client and class should
+  /// still take.
   template <class Left>
   double ahead_of(Priority priority, const Flow& flow, double seconds, const Left& left) const {
     Client mine;
@@ -301,7 +304,7 @@ class FairQueue {
     return ahead;
   }
 
-  /// Seconds of all that is to be computed of this class and of more urgent ones.
+  /// Returns the seconds of all remaining work in this class and in more urgent ones.
   template <class Left>
   double left(Priority priority, const Left& left_of) const {
     double seconds = 0;
@@ -311,15 +314,15 @@ class FairQueue {
     return seconds;
   }
 
-  // -- what is remembered
+  // -- remembered clients
 
-  /// Nothing is queued and nothing runs: the end of a busy period, from which nothing is remembered.
+  /// Forgets all clients. Call it at the end of a busy period, when nothing is queued and nothing runs.
   void idle() {
     clients_.clear();
     now_ = 0;
   }
-  /// Forgets clients that rest and owe nothing, so that those who came once leave nothing behind; and where more than
-  /// `most` are left, what the others owe.
+  /// Forgets clients that rest and owe nothing, so that one-time clients leave nothing behind. If more than `most` clients
+  /// remain, forgets all clients that rest, including their debts.
   void sweep(std::size_t most) {
     std::erase_if(clients_, [this](const auto& entry) {
       return entry.second.rests() && entry.second.tag <= now_ - kCredit;
@@ -333,7 +336,7 @@ class FairQueue {
   static constexpr double key(double tag, Priority priority) {
     return tag - kLead * (1 - static_cast<double>(priority));
   }
-  /// The tag of this client when all has been computed that it serves before a queued task of this class and id.
+  /// Returns the tag that this client will have after all tasks that it serves before a queued task of this class and id.
   static double turn_of(const Client& client, Priority priority, std::uint64_t id, double per_cost) {
     double tag = client.tag;
     for (const Priority of : kPriorities)
@@ -343,7 +346,7 @@ class FairQueue {
             tag += cost_of(of) * per_cost * item.cost / client.weight;
     return tag;
   }
-  /// The client of this flow, who has rested where it does nothing just now.
+  /// Returns the client of this flow. If the client is new or has no tasks, its credit is limited to kCredit.
   Client& arrives(const Flow& flow) {
     const auto [at, is_new] = clients_.try_emplace(flow.name);
     Client& client = at->second;

@@ -1,10 +1,10 @@
-// The part of a room that all share which one client may hold. It goes by what nobody holds, like the dynamic thresholds of
-// Choudhury and Hahne (1998, "Dynamic queue length thresholds for shared-memory packet switches"), and by how many hold
-// something, because nothing that is held here has to be given back soon.
+// How much of a shared capacity one client may hold. The limit depends on how much is free, like the dynamic thresholds of
+// Choudhury and Hahne (1998, "Dynamic queue length thresholds for shared-memory packet switches"). It also depends on how
+// many clients hold something, because clients may keep what they hold for a long time.
 //
-// With the factor a = share / (capacity - share), a client besides m others may hold free / (1/a + m). Alone it comes to its
-// share. When n clients, one after the other, have taken all that they may, capacity / (1 + n a) is left, for whoever comes
-// next. So that a newcomer finds a use for it, the first thing of a client counts no more than kMostOthers others.
+// With the factor a = share / (capacity - share), a client next to m others may hold free / (1/a + m). If it is alone, this
+// is its share. After n clients, one after the other, have taken all that they may, capacity / (1 + n a) is left for the
+// next client. To leave a newcomer a usable amount, a client's first reservation counts at most kMostOthers others.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace fracture {
 
 struct FairShare {
   std::uint64_t capacity;
-  std::uint64_t share;  ///< of a client that is the only one; all of the capacity: clients have no shares
+  std::uint64_t share;  ///< limit of a lone client; if it is the capacity, clients have no shares
 
   static constexpr std::size_t kMostOthers = 30;
 
-  /// May a client hold `own`, if all together hold `used`, this included, and so many `others` hold something? `alone`: it
-  /// is one thing, and all that the client holds. Such a one may be larger than its part, while the others hold no more
-  /// than the capacity without a share.
+  /// Returns whether a client may hold `own`. `used`: the amount that all clients hold, with `own` included. `others`: how
+  /// many other clients hold something. `alone`: `own` is a single reservation, the only one of this client. A single
+  /// reservation may exceed the client's limit if the others hold at most capacity - share.
   bool allows(std::uint64_t own, std::uint64_t used, std::size_t others, bool alone) const {
     if (used > capacity) return false;
     if (share >= capacity) return true;

@@ -13,8 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-/// A position in JSON text (RFC 8259) that can step over values without looking into them. Text that is no
-/// JSON ends it early, nothing more.
+/// A position in JSON text (RFC 8259) that can step over values without parsing them. If the text is not JSON, skimming
+/// just ends early.
 class Skim {
  public:
   Skim(std::string_view text, std::size_t at) : text_(text), at_(at) { space(); }
@@ -26,7 +26,7 @@ class Skim {
     space();
     return true;
   }
-  /// The characters between the quotes as they stand there.
+  /// Steps over a string. Returns the characters between its quotes, with escapes left as they are.
   std::optional<std::string_view> string() {
     const std::size_t begin = at_;
     if (at_ >= text_.size() || text_[at_] != '"' || !pass_string(at_)) return std::nullopt;
@@ -34,7 +34,7 @@ class Skim {
     space();
     return inside;
   }
-  /// Over one value, of whatever kind; its range.
+  /// Steps over one value of any kind, and returns its range.
   std::optional<TextRange> value() {
     constexpr std::string_view kDelimiters = ",}] \t\r\n";
     const std::size_t begin = at_;
@@ -61,7 +61,7 @@ class Skim {
   }
 
  private:
-  /// From the opening quote to behind the closing one.
+  /// Moves `p` from the opening quote to the character after the closing one.
   bool pass_string(std::size_t& p) const {
     for (++p; p < text_.size() && text_[p] != '"'; ++p)
       if (text_[p] == '\\') ++p;
@@ -73,7 +73,7 @@ class Skim {
   std::size_t at_;
 };
 
-/// Where the value of a member of the object at `at` begins. Only what stands before it is looked at.
+/// Returns where the value of a member of the object at `at` begins. Looks only at the members before it.
 std::optional<std::size_t> member(std::string_view text, std::size_t at, std::string_view name) {
   Skim skim(text, at);
   if (!skim.take('{')) return std::nullopt;
@@ -89,7 +89,7 @@ std::string_view text_of(std::span<const std::uint8_t> file) {
   return {reinterpret_cast<const char*>(file.data()), file.size()};
 }
 
-/// What a certificate does not say is 0.
+/// Reads a certificate. Numbers that are missing become 0.
 Certificate certificate_in(const json& c) {
   Certificate result;
   const auto read = [&](const char* name, auto& figure) { figure = c.value(name, figure); };
@@ -143,7 +143,7 @@ std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFo
   do {
     const auto extras = member(text, skim.at(), "extras");
     const auto figures = extras ? member(text, *extras, "fracture") : std::nullopt;
-    // Those of a fragment or a cluster have no bonds.
+    // Fragments and clusters also have such objects, but without bonds.
     if (figures && member(text, *figures, "bonds")) return Skim(text, *figures).value();
   } while (skim.value() && skim.take(','));
   return std::nullopt;

@@ -1,4 +1,5 @@
-// What a finished answer comes to: typed where it was made, and read from the file where that is from elsewhere.
+// The summary of a finished answer. If this process made the answer, the summary comes from its data; otherwise it is read
+// from the file.
 #pragma once
 
 #include <cstddef>
@@ -13,23 +14,23 @@
 
 namespace fracture {
 
-/// What nests deeper or holds more than this is no answer of ours.
+/// Limits on the JSON of an answer. JSON that exceeds them was not written by any server of ours.
 inline constexpr JsonLimits kOfAnAnswer{.depth = 64, .bytes = std::size_t{1} << 30};
 
 struct AnswerSummary {
   Certificate certificate;
-  bool partition = true;  ///< is promised; else that each fragment is closed, no more (dual=barycenter)
-  bool judged = true;     ///< false: by a server that did not count caps without a mirror image
+  bool partition = true;  ///< fragments are a partition; false: only closed (dual=barycenter)
+  bool judged = true;     ///< false: the server that made it did not count caps without a mirror image
   Remarks remarks;
 };
 
 AnswerSummary summary_of(const FracturedSolid& fractured);
 
-/// The root node's `extras.fracture` object in a file that some server made. Skims the text up to there
-/// without parsing it; nothing where it has none, whatever the bytes are.
+/// Returns where the root node's `extras.fracture` object is in a file that some server made. Skims the text up to there
+/// without parsing it. Returns nothing if there is no such object; the bytes may be arbitrary.
 std::optional<TextRange> figures_in(std::span<const std::uint8_t> file, OutputFormat format);
 
-/// Of such a file. Throws InternalError where it has no such object, or none with a certificate.
+/// Reads the summary from such a file. Throws InternalError if it has no such object, or if the object has no certificate.
 AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format);
 
 }  // namespace fracture

@@ -17,7 +17,7 @@ std::string_view text_of(const Digest& digest) {
   return {reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()};
 }
 
-/// The first line of the text, which loses it; nothing where there is none.
+/// Removes the first line from the text and returns it; nothing if there is no complete line.
 std::optional<std::string_view> take_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   if (end == std::string_view::npos) return std::nullopt;
@@ -26,8 +26,8 @@ std::optional<std::string_view> take_line(std::string_view& text) {
   return line;
 }
 
-/// A range of the file from the beginning of the line, which loses it; nothing for anything else, and where it
-/// is no object of the file.
+/// Removes a range from the beginning of the line and returns it. Returns nothing if there is no range, or if it is not an
+/// object in the file.
 std::optional<TextRange> take_range(std::string_view& line, const std::vector<std::uint8_t>& file) {
   TextRange range;
   for (std::uint64_t* const number : {&range.at, &range.size}) {
@@ -42,8 +42,8 @@ std::optional<TextRange> take_range(std::string_view& line, const std::vector<st
   return range;
 }
 
-/// The digests that an entry ends with, when they are those of file and figures. Digests are not taken on
-/// trust: clients are told them (Repr-Digest), and believe the file for them.
+/// Computes the digests of file and figures, and returns whether the entry ends with the same digests. Stored digests are
+/// not trusted, because clients get them (Repr-Digest) and use them to verify the file.
 bool has_digests(std::string_view rest, FractureResult& result, const Execution& execution) {
   result.file_digest = sha256(std::as_bytes(std::span(result.file)), execution);
   result.figures_digest = sha256(std::as_bytes(result.bytes_of(result.figures)), execution);
@@ -77,7 +77,7 @@ std::shared_ptr<const FractureResult> result_in(const StoredEntry& stored, const
   result->key = stored.entry.key;
   result->format = *format == "gltf" ? OutputFormat::kGltf : OutputFormat::kGlb;
   result->mesh_digest = *mesh;
-  // Result keys begin with the digest of their mesh.
+  // A result key begins with the digest of its mesh.
   if (mesh->substr(mesh->find(':') + 1, 16) != std::string_view(result->key).substr(0, 16)) return nullptr;
   result->file.assign(stored.entry.payload.begin(), stored.entry.payload.end());
   const auto figures = take_range(*ranges, result->file);
@@ -87,7 +87,7 @@ std::shared_ptr<const FractureResult> result_in(const StoredEntry& stored, const
     const auto parameters = take_line(rest);
     if (!parameters) return nullptr;
     result->parameters = *parameters;
-  } else {  // as earlier versions wrote it: where they stand in the file
+  } else {  // the format of earlier versions: the range of the parameters in the file
     const auto range = take_range(*ranges, result->file);
     if (!range || !ranges->empty() || range->size > kOfKept.text) return nullptr;
     const std::span<const std::uint8_t> text = result->bytes_of(*range);

@@ -1,6 +1,6 @@
-// A finished answer as the tiers below memory keep it: the file is the payload of an entry, all else its metadata. Whoever can
-// write to the disk or to Redis may have made an intact entry. What is read here is given to clients, and taken for the
-// parameters of a request that names the answer.
+// A finished answer in the format of the cache tiers below memory: the file is an entry's payload, and everything else is
+// its metadata. Entries must be checked, because anyone who can write to the disk or to Redis can forge an intact one. The
+// content is sent to clients, and later requests that name the answer use its parameters.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@
 
 namespace fracture {
 
-/// Lines: format, mesh digest, where the figures stand in the file (begin and size), the canonical parameters; then the
-/// digests of file and figures.
+/// Returns the metadata of a result. It consists of lines with the format, the mesh digest, the range of the figures in the
+/// file (begin and size) and the canonical parameters, followed by the digests of file and figures.
 std::string metadata_of(const FractureResult& result);
 
-/// Null for an entry that no server has written: every line is checked, the digests are those of the bytes, and the
-/// parameters are such as a request may have (read_kept_parameters).
+/// Returns the result in an entry; null if no server can have written it. All lines are checked, the digests must match the
+/// bytes, and the parameters must be valid for a request (read_kept_parameters).
 std::shared_ptr<const FractureResult> result_in(const StoredEntry& stored,
                                                 const Execution& execution = kUninterrupted);
 

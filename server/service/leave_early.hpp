@@ -1,4 +1,4 @@
-// The two ways in which a wait ends before its answer: its deadline, and its client's leaving.
+// The two ways in which a wait ends before its answer arrives: the deadline passes, or the client leaves.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,8 @@
 
 namespace fracture {
 
-/// A member of whoever waits; the timer and the stop callback point to that one weakly, and keep nothing alive.
+/// A member of the object that waits. The timer and the stop callback have only weak pointers to that object, so they do not
+/// keep it alive.
 class LeaveEarly {
  public:
   explicit LeaveEarly(Timer& timer) : timer_(timer) {}
@@ -22,8 +23,8 @@ class LeaveEarly {
   LeaveEarly(const LeaveEarly&) = delete;
   LeaveEarly& operator=(const LeaveEarly&) = delete;
 
-  /// Calls waiter->leave(kDeadlineExceeded or kCancelled) when it is time, from any thread; perhaps both. May
-  /// call before it returns.
+  /// Arranges for waiter->leave() to be called: with kDeadlineExceeded at the deadline, and with kCancelled when the client
+  /// leaves. Both calls may happen. They may come from any thread, even before this function returns.
   template <class Waiter>
   void arm(std::weak_ptr<Waiter> waiter, const Terms& terms) {
     const auto leave_with = [waiter = std::move(waiter)](ErrorCode code) {

@@ -1,5 +1,5 @@
-// Bytes that requests may hold at the same time: without it, the limit of one body times the limit of
-// connections is what a few clients can make the process allocate.
+// A budget of bytes that requests may hold at the same time. Without it, a few clients could make the process allocate the
+// body limit times the connection limit.
 #pragma once
 
 #include <algorithm>
@@ -22,32 +22,32 @@ class MemoryBudget {
     std::uint64_t largest;  ///< bytes of a reservation that is still small
   };
 
-  /// One pool, of which only small reservations may take all: large ones leave them their headroom.
+  /// One pool with headroom that only small reservations may use.
   struct Divided {
     std::uint64_t capacity;
     std::uint64_t headroom;
     std::uint64_t largest_small;  ///< bytes of a reservation that is still small
   };
 
-  /// What one client may hold when it is the only one (FairShare), of each size for itself.
+  /// The bytes that a client may hold if it is the only one (FairShare). Large and small reservations count separately.
   struct Shares {
     std::uint64_t large, small;
   };
   static constexpr Shares kNoShares{UINT64_MAX, UINT64_MAX};
-  /// Background work holds its large reservations for long. A reservation that somebody waits for is judged as if the
-  /// background work of other clients held at most half of the pool. Its memory is there as soon as such work has ended.
+  /// Background work holds its large reservations for a long time. A reservation that a client waits for is judged as if the
+  /// background work of other clients held at most half of the pool. Background work beyond that is ended to free the memory.
   enum class Use { kWaitedFor, kBackground };
   /// The bytes that one client holds. Guarded by the budget.
   struct Client {
     std::uint64_t large = 0, small = 0;
-    std::uint64_t background = 0;  ///< of the large ones
+    std::uint64_t background = 0;  ///< part of `large`
   };
 
   enum class Verdict {
     kFits,
     kFull,
-    kOverShare,         ///< because of other reservations of the same client
-    kHeldInBackground,  ///< it would fit if background work of others held no more than its half
+    kOverShare,         ///< other reservations of the same client use up its share
+    kHeldInBackground,  ///< it would fit if other clients' background work held no more than half of the pool
   };
 
   explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
@@ -67,7 +67,7 @@ class MemoryBudget {
    public:
     Reservation() = default;
     explicit Reservation(MemoryBudget& budget, Use use = Use::kWaitedFor) : budget_(&budget), use_(use) {}
-    /// Counted as the client's, too; `budget` outlives the reservation.
+    /// Also counts towards the client. `budget` must outlive the reservation.
     Reservation(MemoryBudget& budget, std::shared_ptr<Client> client, Use use = Use::kWaitedFor)
         : budget_(&budget), client_(std::move(client)), use_(use) {}
     Reservation(Reservation&& other) noexcept
@@ -90,7 +90,8 @@ class MemoryBudget {
 
     std::uint64_t bytes() const { return bytes_; }
     Use use() const { return use_; }
-    /// Makes it at least `bytes`; false, and nothing changes, when the budget has not that much left for this client.
+    /// Grows the reservation to at least `bytes`. Returns false and changes nothing if the budget does not have that much left
+    /// for this client.
     bool grow_to(std::uint64_t bytes) {
       if (bytes <= bytes_) return true;
       verdict_ = budget_->grow(client_.get(), use_, bytes_, bytes);
@@ -98,15 +99,15 @@ class MemoryBudget {
       bytes_ = bytes;
       return true;
     }
-    /// Makes it at most `bytes`. One that is no longer small stays as large as the first that is not: what it
-    /// leaves is not to be missing where it would go.
+    /// Shrinks the reservation to at most `bytes`. If there is a pool for small reservations, a large one stays just above
+    /// their limit. It never moves back, because the small pool may have no room for it.
     void shrink_to(std::uint64_t bytes) {
       if (budget_) bytes = budget_->shrunk(bytes_, bytes);
       if (!budget_ || bytes >= bytes_) return;
       budget_->change(client_.get(), use_, bytes_, bytes);
       bytes_ = bytes;
     }
-    /// The answer to the last grow_to() that asked for more.
+    /// Returns the result of the last grow_to() that asked for more.
     Verdict verdict() const { return verdict_; }
     bool over_share() const { return verdict_ == Verdict::kOverShare; }
 
@@ -126,10 +127,10 @@ class MemoryBudget {
     const std::lock_guard lock(mutex_);
     return small_.used;
   }
-  /// What a single reservation may have.
+  /// The largest size of a single reservation, in bytes.
   std::uint64_t capacity() const { return large_.capacity - headroom_; }
 
-  /// What a new reservation of so many bytes would be told. `client` is null for nobody in particular.
+  /// Returns the verdict that a new reservation of this size would get. `client` is null if no share applies.
   Verdict judge(const Client* client, std::uint64_t bytes, Use use = Use::kWaitedFor) const {
     const std::lock_guard lock(mutex_);
     const std::uint64_t own = client ? held(*client, bytes) : 0;
@@ -137,7 +138,7 @@ class MemoryBudget {
     return judge({client, use, bytes, own + bytes, pool(bytes).used + bytes,
                   clients(bytes, use) - (is_known ? 1 : 0)});
   }
-  /// The part of so many further bytes of a large reservation that is not free, whoever asks.
+  /// Returns how many bytes are missing if a large reservation grows by `more` bytes. Ignores shares.
   std::uint64_t missing(std::uint64_t more) const {
     const std::lock_guard lock(mutex_);
     return large_.used + more - std::min(large_.used + more, capacity());
@@ -150,11 +151,11 @@ class MemoryBudget {
   };
 
   bool is_small(std::uint64_t bytes) const { return bytes <= largest_small_; }
-  /// By a client, in reservations as small or large as these bytes; and how many clients hold such.
+  /// Returns the bytes that a client holds in its small or its large reservations, whichever kind `bytes` belongs to.
   std::uint64_t held(const Client& client, std::uint64_t bytes) const {
     return is_small(bytes) ? client.small : client.large;
   }
-  /// Is one of those who share with a reservation of so many bytes and this use.
+  /// Returns whether the client is among those that share the pool with a reservation of this size and use.
   bool counts(const Client& client, std::uint64_t bytes, Use use) const {
     if (is_small(bytes)) return client.small > 0;
     return use == Use::kBackground ? client.large > 0 : client.large > client.background;
@@ -170,12 +171,12 @@ class MemoryBudget {
   std::uint64_t shrunk(std::uint64_t from, std::uint64_t to) const {
     return has_small_pool() && !is_small(from) ? std::max(to, largest_small_ + 1) : to;
   }
-  /// A reservation, and what is held with it.
+  /// A reservation to judge. `own` and `used` are what the client and all clients would hold together with it.
   struct Asked {
     const Client* client;  ///< null: it has no share
     Use use;
     std::uint64_t bytes, own, used;
-    std::size_t others;  ///< clients that share with it
+    std::size_t others;  ///< number of other clients that share the pool
   };
   Verdict judge(const Asked& asked) const {
     const bool small = is_small(asked.bytes);
@@ -210,7 +211,7 @@ class MemoryBudget {
     const std::lock_guard lock(mutex_);
     move(client, use, from, to);
   }
-  /// With the lock. One that is no longer small moves as a whole.
+  /// Changes the size of a reservation. If it becomes large, all of it moves to the large pool. Requires the lock.
   void move(Client* client, Use use, std::uint64_t from, std::uint64_t to) {
     Pool& after = is_small(to) && has_small_pool() ? small_ : large_;
     Pool& before = is_small(from) && has_small_pool() ? small_ : large_;
@@ -240,9 +241,9 @@ class MemoryBudget {
 
   mutable std::mutex mutex_;
   Pool large_, small_;
-  std::uint64_t background_ = 0;  ///< of the large ones
+  std::uint64_t background_ = 0;  ///< bytes of large reservations for background work
   std::size_t small_clients_ = 0, large_clients_ = 0;
-  std::size_t waited_for_clients_ = 0;  ///< with large ones that are not background work
+  std::size_t waited_for_clients_ = 0;  ///< clients with large reservations that are not background work
   const std::uint64_t largest_small_, headroom_ = 0;
   const Shares shares_;
 };

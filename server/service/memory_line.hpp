@@ -1,7 +1,8 @@
-// Work whose turn has come and for which there is no memory: it leaves its thread to others and goes on when somebody
-// has given back enough. So queued work holds none of the memory that computing takes.
+// The line of work that waits for memory. If there is not enough memory when a piece of work gets its turn, the work leaves
+// its thread to others, and continues when enough memory has been given back. So queued work holds no working memory.
 //
-// Background work gives up memory for work that a client waits for. Until that work has it, no further background work begins.
+// Background work gives up memory for work that a client waits for. No further background work begins until that work has
+// its memory.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +19,14 @@
 
 namespace fracture {
 
-/// Thread-safe. For work that nothing waits for which holds memory itself. So, while somebody waits, something runs that
-/// holds memory, and calls given_back() when it has given that back: nobody waits for ever.
+/// Thread-safe. Work must not wait here if other work that holds memory waits for it. This guarantees progress: while the
+/// line is not empty, something that holds memory is running, and it calls given_back() when it releases that memory.
 class MemoryLine {
  public:
-  /// Has background work of other clients give up memory, so that a client's work may have so many bytes.
+  /// Makes the background work of other clients give up memory, so that this client's work can have `bytes`.
   using MakeRoom = std::function<void(const std::string& client, std::uint64_t bytes)>;
-  /// `make_room` is called without locks, again after each change, for each entry that lacks what background work holds.
+  /// After each change, `make_room` is called for each entry that lacks memory held by background work. No locks are held
+  /// during these calls.
   MemoryLine(ClientShares& memory, MakeRoom make_room) : memory_(memory), make_room_(std::move(make_room)) {}
 
   struct Waits {
@@ -32,14 +34,14 @@ class MemoryLine {
     std::uint64_t bytes = 0;
     std::function<MemoryBudget::Use()> use;  ///< asked again: a client may have begun to wait for it
     std::function<bool()> given_up;          ///< true if no client wants the work any more
-    std::function<void(MemoryBudget::Reservation)> go_on;  ///< called once, or dropped if it was given up
+    std::function<void(MemoryBudget::Reservation)> go_on;  ///< called once, or dropped if given up
   };
-  /// The memory, or nothing: then `waits` is in the line.
+  /// Returns the memory. Returns nothing if there is not enough: then `waits` joins the line.
   std::optional<MemoryBudget::Reservation> take(Waits waits) {
     waits.bytes = std::min(waits.bytes, memory_.whole().capacity());
     const Use use = waits.use();
     {
-      // Nobody else takes any between the attempt and the place in the line.
+      // The lock covers both steps, so that no memory is given back unnoticed between the attempt and joining the line.
       const std::lock_guard lock(mutex_);
       MemoryBudget::Reservation reservation = memory_.begin(waits.client, use);
       if (may_take(use) && reservation.grow_to(waits.bytes)) return reservation;
@@ -49,7 +51,8 @@ class MemoryLine {
     return std::nullopt;
   }
 
-  /// Somebody who computes needs memory that background work is giving up. No background work takes any while this lives.
+  /// Held by a running computation that needs memory which background work is giving up. While it lives, no background work
+  /// gets memory.
   class Claim {
    public:
     explicit Claim(MemoryLine& line) : line_(line) {
@@ -70,14 +73,15 @@ class MemoryLine {
     MemoryLine& line_;
   };
 
-  /// Call it when memory was given back, or when waiting work was abandoned. Background work comes last. Among the others the
-  /// longest waiting is tried first. Work that needs more than is free does not block the rest. Needs no memory itself.
+  /// Call it after memory was given back or waiting work was abandoned. Work that a client waits for is tried before
+  /// background work, and the longest waiting first. Work that needs more than is free does not block the rest. Letting work
+  /// continue allocates nothing here, so it succeeds even if memory is exhausted.
   void given_back() noexcept {
-    std::list<Entry> over, go_on;  // let go, and called, without the lock
+    std::list<Entry> over, go_on;  // destroyed and called without the lock
     {
       const std::lock_guard lock(mutex_);
       for (const Use use : {Use::kWaitedFor, Use::kBackground}) {
-        const bool may = may_take(use);  // those who wait for clients were tried again by then
+        const bool may = may_take(use);  // all other work was tried before background work
         for (auto at = line_.begin(); at != line_.end();) {
           const auto next = std::next(at);
           if (at->waits.given_up()) {
@@ -95,7 +99,7 @@ class MemoryLine {
     }
     for (Entry& entry : go_on) try {
         entry.waits.go_on(std::move(entry.reservation));
-      } catch (...) {  // no memory even to say that there is none: the others go on
+      } catch (...) {  // no memory even to report the lack of memory; the other entries go on
       }
     make_room();
   }
@@ -109,7 +113,7 @@ class MemoryLine {
   using Use = MemoryBudget::Use;
   struct Entry {
     Waits waits;
-    MemoryBudget::Reservation reservation;  ///< of nothing yet
+    MemoryBudget::Reservation reservation;  ///< still empty
   };
 
   void make_room() noexcept try {
@@ -123,7 +127,8 @@ class MemoryLine {
     for (const auto& [client, bytes] : lacking) make_room_(client, bytes);
   } catch (...) {  // no memory to ask for room: the next change asks again
   }
-  /// With the lock. Background work does not, while others wait for what background work holds beyond its half.
+  /// Returns whether work of this kind may take memory. Background work must not while other work waits for memory that
+  /// background work holds beyond its half. Requires the lock.
   bool may_take(Use use) const {
     if (use != Use::kBackground) return true;
     return claims_ == 0 && std::none_of(line_.begin(), line_.end(), [](const Entry& entry) {
@@ -134,7 +139,7 @@ class MemoryLine {
   ClientShares& memory_;
   const MakeRoom make_room_;
   mutable std::mutex mutex_;
-  std::list<Entry> line_;  // the longest waiting first
+  std::list<Entry> line_;  // longest waiting first
   std::size_t claims_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Bytes of heap behind what the caches keep.
+// Estimates how many bytes of heap the cached values use.
 #include "common/base/heap_bytes.hpp"
 #include "common/base/json_reader.hpp"
 #include "common/hits/delta.hpp"
@@ -27,7 +27,7 @@ std::size_t memory_size(const Mesh& mesh) {
                       heap(mesh.node) + heap(mesh.node_names) + heap(mesh.triangle_color) +
                       heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) + mesh.copyright.capacity() +
                       memory_size(*mesh.library);
-  // The library is shared: counted twice, which does no harm either.
+  // Both meshes share the library, so it is counted twice. That does no harm.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;
 }

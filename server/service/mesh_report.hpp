@@ -1,4 +1,4 @@
-// What a mesh is worth, as JSON: the reply to a stored mesh, and `fracture-server inspect`.
+// The report on a mesh, as JSON. It is the reply to a stored mesh, and the output of `fracture-server inspect`.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,11 +7,11 @@
 
 namespace fracture {
 
-/// Did the solid need anything beyond merging equal positions?
+/// Returns whether the solid needed any repair beyond merging equal positions.
 bool repaired(const SolidReport& report);
 
-/// verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes, passed_through and, if
-/// the mesh has several parts, contacts (gltf/report_text.hpp).
+/// Returns an object with verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes,
+/// passed_through and, if the mesh has several parts, contacts (gltf/report_text.hpp).
 nlohmann::json mesh_report(const PreparedMesh& mesh);
 
 }  // namespace fracture

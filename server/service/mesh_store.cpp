@@ -7,7 +7,7 @@
 namespace fracture {
 namespace {
 
-/// A mesh is kept with what came around it where that is at most this, and a sixteenth of it.
+/// A mesh is kept within the request's buffer if the rest of the buffer is at most this plus a sixteenth of the mesh.
 constexpr std::uint64_t kSlack = 4096;
 
 std::uint64_t size_of(const FractureRequest& request) { return input_bytes(request.mesh, request.files); }
@@ -15,7 +15,7 @@ std::uint64_t size_of(const FractureRequest& request) { return input_bytes(reque
 }  // namespace
 
 std::uint64_t StoredMesh::own_bytes() const {
-  // The object, and its nodes in three tables with digest and owner (measured: mesh_store_test.cpp).
+  // The object, and its nodes in three tables, with digest and owner (measured in mesh_store_test.cpp).
   constexpr std::uint64_t kTables = 1024;
   return kTables + files.capacity() * sizeof(ImportFile) + description->capacity();
 }
@@ -57,7 +57,7 @@ std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh) {
     if (const Iterator found = at(mesh.digest, "", Whose::kAnybodys); found != entries_.end())
       other = found->mesh;
   }
-  // Byte by byte: whose digest is equal is not yet to be handed another's mesh.
+  // Compares all bytes, because an equal digest alone must not give a client another client's mesh.
   const auto same = [](std::span<const std::byte> a, std::span<const std::byte> b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end());
   };
@@ -148,7 +148,7 @@ std::shared_ptr<const StoredMesh> MeshStore::find(const std::string& digest, con
   const std::lock_guard lock(mutex_);
   expire(now);
   for (Iterator found; (found = at(digest, owner, whose)) != entries_.end();) {
-    if (has_expired(*found, now)) {  // its turn has not come yet
+    if (has_expired(*found, now)) {  // expire() has not reached it yet
       remove(found);
       ++figures_.expired;
       continue;

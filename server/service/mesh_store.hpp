@@ -1,6 +1,6 @@
-// Meshes that clients have left here, by their digest: sent once, fractured as often as they break. The bytes
-// are kept, not the prepared solid: that one lives in the mesh cache and is made again from the bytes when it
-// has left it.
+// Meshes that clients have stored on the server, by their digest: a mesh is sent once and fractured many times. The store
+// keeps the bytes, not the prepared solid. The solid is in the mesh cache; if it has been evicted there, it is made again
+// from the bytes.
 #pragma once
 
 #include <algorithm>
@@ -21,56 +21,58 @@
 namespace fracture {
 
 struct StoreConfig {
-  std::uint64_t quota_bytes = 1ull << 30;    ///< of all stored meshes together
-  std::chrono::milliseconds ttl{3'600'000};  ///< after its last use a mesh is forgotten
+  std::uint64_t quota_bytes = 1ull << 30;    ///< for all stored meshes together
+  std::chrono::milliseconds ttl{3'600'000};  ///< how long a mesh is kept after its last use
 };
 
-/// Immutable; `owner` keeps the bytes of the mesh and its further files, and not much else.
+/// A stored mesh. Immutable. `owner` keeps the bytes of the mesh and its further files alive, and little else.
 struct StoredMesh {
   std::string digest;  ///< digest_of() in hex
   MeshFormat format = MeshFormat::kGlb;
   std::shared_ptr<const void> owner;
   std::span<const std::byte> mesh;
   std::vector<ImportFile> files;
-  /// What GET says of it, as JSON: written once, because a file of many nodes has a long report. Never null.
+  /// JSON document that GET returns. It is written once, because a file with many nodes has a long report. Never null.
   std::shared_ptr<const std::string> description = std::make_shared<const std::string>();
-  std::uint64_t triangles = 0;  ///< of the solid: what a fracture of it costs
-  std::uint64_t capacity = 0;   ///< bytes that `owner` keeps, where that is more than bytes()
+  std::uint64_t triangles = 0;  ///< number of the solid's triangles, for the cost of a fracture
+  std::uint64_t capacity = 0;   ///< bytes that `owner` keeps, if that is more than bytes()
 
-  /// Of the mesh and its files, names included.
+  /// Returns the size of the mesh and its files, including their names.
   std::uint64_t bytes() const {
     std::uint64_t sum = input_bytes(mesh, files);
     for (const ImportFile& file : files) sum += file.name.size();
     return sum;
   }
-  /// What it takes of the quota: everything that is kept for it. Of that, what equal meshes share, and what
-  /// each has for itself (its description, its places in the tables of the store).
+  /// Returns how many bytes of the quota the mesh uses.
   std::uint64_t held() const { return shared_bytes() + own_bytes(); }
+  /// Returns the part of held() that equal meshes share.
   std::uint64_t shared_bytes() const { return std::max(bytes(), capacity); }
+  /// Returns the part of held() that each mesh has for itself: its description, and its entries in the store's tables.
   std::uint64_t own_bytes() const;
 };
 
-/// Whether a mesh whose owner has `capacity` bytes is kept as a copy, because too much came around it.
+/// Returns whether a mesh is copied when it is stored. This is done if its owner would keep too many other bytes alive.
+/// `capacity`: bytes that the owner keeps.
 bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity);
-/// A stored mesh of the request's digest, format, mesh and files: with its owner, or with a copy of mesh and
-/// files.
+/// Returns a stored mesh with the request's digest, format, mesh and files. It keeps the request's owner, or a copy of mesh
+/// and files.
 std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity);
 
 struct StoreFigures {
-  std::uint64_t stored = 0;   ///< meshes that were put in
-  std::uint64_t expired = 0;  ///< forgotten because nobody used them
-  std::uint64_t evicted = 0;  ///< forgotten because others needed their room
-  std::uint64_t bytes = 0;    ///< held, those of evicted meshes that are computed on included
+  std::uint64_t stored = 0;   ///< meshes that were stored
+  std::uint64_t expired = 0;  ///< meshes removed because nobody used them
+  std::uint64_t evicted = 0;  ///< meshes removed because others needed their room
+  std::uint64_t bytes = 0;    ///< bytes held, including evicted meshes that are still in use
   std::size_t meshes = 0;
 };
 
-/// Each owner has meshes of its own: what another stored is not there for it. Equal bytes are kept once,
-/// whoever stored them, and leave with the last owner; format and description are each owner's. Where nobody is
-/// asked who it is, all are one owner, "".
+/// Each owner has its own meshes and does not see those of other owners. Equal bytes are kept only once, and are freed
+/// together with the last mesh that uses them. Each owner has its own format and description of such a mesh. If the server
+/// does not ask for names, all clients are one owner, "".
 ///
-/// Invariant: the bytes of all meshes that were stored and are still in memory are at most the quota; equal ones count once.
-/// The meshes of one owner, counted for itself, are at most its share. Whoever holds an evicted mesh keeps it alive, and it
-/// counts against the quota until then: a limit counts what is held.
+/// Invariants: all stored meshes that are still in memory take at most the quota together; equal bytes count once. The
+/// meshes of one owner take at most its share; equal bytes count for each owner. A computation that uses an evicted mesh
+/// keeps it alive, and the mesh counts against the quota until the computation releases it.
 /// Thread-safe.
 class MeshStore {
  public:
@@ -86,27 +88,28 @@ class MeshStore {
   enum class Put {
     kCreated,
     kReplaced,
-    kOverQuota,  ///< it is larger than the quota
-    kOverShare,  ///< it is larger than the share of its owner
-    kNoRoom,     ///< meshes that are computed on leave too little of the quota for now
+    kOverQuota,  ///< the mesh is larger than the quota
+    kOverShare,  ///< the mesh is larger than the share of its owner
+    kNoRoom,     ///< meshes that are in use leave too little of the quota for now
   };
-  /// The owner's least recently used ones leave for it where its share needs them to; where the quota does,
-  /// those of whoever has most.
+  /// Stores a mesh. If the owner's share is used up, the owner's least recently used meshes are evicted. If the quota is used
+  /// up, meshes of the owner with the most bytes are evicted.
   Put put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner, Clock::time_point now = Clock::now());
   Put put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now = Clock::now()) {
     return put(std::move(mesh), {}, now);
   }
-  /// Null when it is not there; a use. The owner's own before anybody's.
+  /// Returns the mesh, and counts as a use. Returns null if there is none. The owner's own mesh is preferred to another
+  /// owner's.
   std::shared_ptr<const StoredMesh> find(const std::string& digest, const std::string& owner, Whose whose,
                                          Clock::time_point now = Clock::now());
   std::shared_ptr<const StoredMesh> find(const std::string& digest, Clock::time_point now = Clock::now()) {
     return find(digest, "", Whose::kOwn, now);
   }
-  /// Takes it away from this owner, or from everybody. False when there was none.
+  /// Removes the mesh of this owner, or of all owners. Returns false if there was none.
   bool erase(const std::string& digest, const std::string& owner = "", Whose whose = Whose::kOwn);
-  /// What this owner has.
+  /// Returns how many bytes this owner's meshes take.
   std::uint64_t bytes_of(const std::string& owner) const;
-  /// Forgets what has expired; put() and find() do it too, a little at a time.
+  /// Removes expired meshes. put() and find() also do this, for a few meshes at a time.
   void sweep(Clock::time_point now = Clock::now());
 
   StoreFigures figures() const;
@@ -126,27 +129,28 @@ class MeshStore {
     std::uint64_t bytes = 0;
     std::list<Iterator> entries{};  // most recently used first
   };
-  /// The bytes of a mesh, of which equal meshes have one: they count for as long as anybody has them.
+  /// Totals of all meshes in memory. Equal meshes share their bytes, so they count once, until nobody holds them any more.
   struct Sum {
     std::atomic<std::uint64_t> bytes{0};
     std::atomic<std::size_t> meshes{0};
   };
   static std::shared_ptr<const void> counted(const std::shared_ptr<Sum>& sum, const StoredMesh& mesh);
-  /// The entry of this owner, else, with kAnybodys, of any.
+  /// Returns the entry of this owner. With kAnybodys, falls back to the entry of any owner.
   Iterator at(const std::string& digest, const std::string& owner, Whose whose);
   void remove(Iterator at);
   void remove_least_recent_of(const std::string& owner);
-  /// Meshes that nobody else holds have so many bytes: if not, a mesh is refused before others leave for it in vain.
+  /// Returns whether evicting meshes that are not in use would free enough bytes. put() checks this first, so that it does not
+  /// evict meshes in vain.
   bool can_free(std::uint64_t bytes) const;
-  /// The least recently used mesh that nobody else holds, of the owner with most that has one: false, and nothing is done,
-  /// if there is none.
+  /// Evicts the least recently used mesh that is not in use, of the owner with the most bytes among those that have such a
+  /// mesh. Returns false if there is none.
   bool remove_one_of_most();
   std::shared_ptr<const StoredMesh> equal_of(const StoredMesh& mesh);
   std::uint64_t bytes_of_locked(const std::string& owner) const;
   bool has_expired(const Entry& entry, Clock::time_point now) const {
     return entry.used + config_.ttl <= now;
   }
-  /// At most so many: others wait for the lock. False: there may be more.
+  /// Removes at most kExpiredAtOnce expired meshes, because others wait for the lock. Returns false if there may be more.
   bool expire(Clock::time_point now);
   static constexpr int kExpiredAtOnce = 16;
 

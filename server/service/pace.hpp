@@ -1,9 +1,10 @@
-// How long work takes for each second that admission expects of it.
+// The ratio of measured to expected time: how many seconds work takes for each second that admission expects.
 //
-// Each client has a ratio of its own. The estimates of some requests are a thousand times too low, and what takes longest
-// decides a sum. With one ratio for everybody, one client would decide how long all others are predicted to wait. The
-// ratio of a newcomer is the lower median over the known clients and the start value. A minority of the clients cannot move
-// it. The lower of two candidates lets a request be tried that the higher one would refuse.
+// Each client has a ratio of its own. Estimates of some requests are a thousand times too low, and the longest request
+// dominates a sum. With one ratio for everybody, a single client would decide the predicted wait of all others. A new
+// client starts with the lower median of the known clients' ratios and the start value. A minority of the clients cannot
+// move this median. With two candidates in the middle, the lower one is used: it lets requests be tried that the higher one
+// would refuse.
 #pragma once
 
 #include <algorithm>
@@ -18,10 +19,10 @@ namespace fracture {
 /// Not thread-safe.
 class Pace {
  public:
-  /// Work of this client that was expected to take `cost` seconds took so many.
+  /// Records that work of this client took `seconds` when `cost` seconds were expected.
   void measured(const std::string& client, double cost, double seconds) {
-    constexpr double kKept = 0.95;      // the last twenty or so decide
-    constexpr double kStartCost = 0.1;  // seconds: as much as a usual request counts the start value
+    constexpr double kKept = 0.95;      // about the last twenty measurements matter
+    constexpr double kStartCost = 0.1;  // seconds; gives the start value the weight of a typical request
     Sums& sums = clients_.try_emplace(client, Sums{kStartCost * usual_, kStartCost}).first->second;
     sums.took = kKept * sums.took + seconds;
     sums.cost = kKept * sums.cost + cost;
@@ -29,14 +30,14 @@ class Pace {
     if (clients_.size() > kMostClients) clients_.erase(least_recently_measured());
     usual_ = lower_median();
   }
-  /// Seconds for each that is expected of work of this client.
+  /// Returns the ratio of this client.
   double of(const std::string& client) const {
     const auto at = clients_.find(client);
     return at == clients_.end() ? usual_ : at->second.ratio();
   }
   std::size_t known() const { return clients_.size(); }
 
-  /// Beyond them, the one that was measured longest ago is forgotten.
+  /// With more clients than this, the least recently measured one is forgotten.
   static constexpr std::size_t kMostClients = 256;
   static constexpr double kStart = 1;
 
@@ -45,7 +46,7 @@ class Pace {
   struct Sums {
     double ratio() const { return took / cost; }
     double took, cost;
-    std::uint64_t measured = 0;  ///< the last time
+    std::uint64_t measured = 0;  ///< when it was last measured, in measurements of all clients
   };
   using Clients = std::unordered_map<std::string, Sums>;
 

@@ -1,4 +1,5 @@
-// For whom something is computed: whose turn it takes, and who is charged for it.
+// The client for which a computation runs. The computation takes this client's turn, and its time is charged to the client's
+// account.
 #pragma once
 
 #include <algorithm>
@@ -13,25 +14,25 @@
 namespace fracture {
 
 struct Payer {
-  /// What it asks for takes this turn.
+  /// Returns the turn that the payer's requests take.
   Flow turn() const { return {flow.name, flow.weight, account}; }
 
-  std::shared_ptr<tenants::Account> account{};  ///< null: nobody is asked for a token
-  Flow flow{};                                  ///< of the name, else of the client's address
+  std::shared_ptr<tenants::Account> account{};  ///< null: the server does not ask for tokens
+  Flow flow{};  ///< identified by the payer's name, or else by the client's address
 };
 
-/// A payer, and the class of its request, which says what its seconds count as.
+/// A payer, and the class of its request, which decides how much its seconds count.
 struct Waits {
   Payer payer;
   Priority priority = Priority::kBatch;
 };
 
-/// All who have waited for one computation, each once. Who left while it ran stays: it ran for them, too.
-/// Thread-safe.
+/// All payers that have waited for one computation, each once. A payer that leaves early stays in the list, because the
+/// computation also ran for this payer. Thread-safe.
 class Payers {
  public:
-  /// Returns the seconds that all others were charged by now: this one owes them as well, and nobody else
-  /// will charge it.
+  /// Adds a payer. Returns the seconds that all others have been charged so far; the caller must charge the new payer for
+  /// them. Returns 0 if the payer was already in the list.
   double add(Payer payer, Priority priority) {
     const std::lock_guard lock(mutex_);
     const bool known = std::any_of(all_.begin(), all_.end(),
@@ -40,7 +41,7 @@ class Payers {
     all_.push_back({std::move(payer), priority});
     return charged_;
   }
-  /// Who is to be charged so many seconds more, each all of them.
+  /// Adds further seconds, and returns the payers to charge. Each payer is charged for all of the seconds.
   std::vector<Waits> charge(double seconds) {
     const std::lock_guard lock(mutex_);
     charged_ += seconds;

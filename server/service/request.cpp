@@ -16,21 +16,22 @@ Digest digest_of(const FractureRequest& request, const Execution& execution) {
   if (request.files.empty()) return sha256(request.mesh, execution);
   std::vector<const ImportFile*> files;
   for (const ImportFile& file : request.files) files.push_back(&file);
-  // By bytes, as every client sorts them; a char of itself is signed on some machines.
+  // The order is by bytes, as in all clients. std::string compares bytes as unsigned, although char may be signed.
   std::sort(files.begin(), files.end(),
             [](const ImportFile* a, const ImportFile* b) { return a->name < b->name; });
   std::string list = "files\n" + sha256(request.mesh, execution).hex() + "\n";
-  for (const ImportFile* file : files)  // the length keeps names with line breaks apart
+  for (const ImportFile* file : files)  // the length makes names with line breaks unambiguous
     list += std::to_string(file->name.size()) + " " + file->name + " " +
             sha256(file->bytes, execution).hex() + "\n";
-  // A mesh alone may have any bytes, those of this list too: an OBJ of lines that its reader skips, with a
-  // mesh in the name of a file. Hashed twice, what would have to be such a mesh is one fixed line and a hash.
+  // A mesh without files may consist of any bytes, even of this list: an OBJ reader would skip its lines, and a file's name
+  // may contain a mesh. Because of the second hash, a mesh with the same digest would have to be a fixed line and a hash.
   return sha256("fracture files 2\n" + sha256(list).hex());
 }
 
 namespace {
 
-/// Where there are hits, make_diagram() grows aggregates, which are no smaller than the limits of size say.
+/// Returns the size limits as text for the diagram's key. They matter only if there are hits: then make_diagram() grows
+/// aggregates, which must not be smaller than these limits.
 std::string sizes_in_diagram(const FractureParameters& parameters) {
   if (parameters.hits.empty() || cells_per_fragment(parameters) == 1) return {};
   const SizeLimits& size = parameters.size;
@@ -67,7 +68,7 @@ RequestKeys keys_of(const FractureRequest& request) {
 
 std::optional<Error> wrong_mesh(const FractureRequest& request, const RequestKeys& keys) {
   const std::string& of = request.parameters.of;
-  // Both begin with the digest of their mesh.
+  // A result key and a digest of the same mesh have the same first 16 digits.
   if (of.empty() || of.compare(0, 16, keys.digest, 0, 16) == 0) return std::nullopt;
   return Error{ErrorCode::kBadParameter,
                "'of' refers to an answer for another mesh, whose digest begins with " + of.substr(0, 16) +

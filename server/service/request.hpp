@@ -1,4 +1,4 @@
-// One request of the service, and the keys that it has in the caches.
+// A request to the service, and its keys in the caches.
 #pragma once
 
 #include <cstddef>
@@ -16,42 +16,43 @@
 
 namespace fracture {
 
-/// Names of a request's values in the caches. Keys hash the algorithm version and everything that determines the
-/// value, so an entry is never stale.
+/// The cache keys of a request's values. A key covers everything that determines the value, and the algorithm version
+/// where it matters, so an entry is never stale.
 struct RequestKeys {
   std::string digest;  ///< digest_of() in hex
-  std::string mesh;    ///< bytes, format and everything that decides the solid
-  /// The solid and the sites: every dual and output format shares it. With new hits: the answer without them.
+  std::string mesh;    ///< input bytes, format and all parameters that affect the solid
+  /// The solid and its sites; all duals and output formats share the value. With new hits: the answer without these hits.
   std::string diagram;
-  std::string kept;  ///< of an answer that is kept: what hits on it start from, a `diagram` of theirs
-  /// 64 hex digits, the whole request. The first 16 are the mesh digest's, so that a proxy can route every
-  /// request that concerns one mesh to one server.
+  /// Key of a kept answer. A later request that applies hits to it has this key as its `diagram`.
+  std::string kept;
+  /// 64 hex digits for the whole request. The first 16 come from the mesh digest, so that a proxy can route all requests
+  /// for one mesh to the same server.
   std::string result;
 };
 
-/// The mesh and its further files are borrowed: from `owner` when there is one, else from the caller for the
-/// duration of the call.
+/// The mesh and its further files are borrowed: from `owner` if there is one, otherwise from the caller for the duration
+/// of the call.
 struct FractureRequest {
   std::span<const std::byte> mesh;
   MeshFormat format = MeshFormat::kGlb;
   RequestParameters parameters;
-  std::vector<ImportFile> files{};  ///< what the mesh may name; their order does not matter
+  std::vector<ImportFile> files{};  ///< files that the mesh may refer to, in any order
   OutputFormat output = OutputFormat::kGlb;
   std::shared_ptr<const void> owner{};
-  std::string digest{};         ///< digest_of() in hex, when it is known already
-  std::uint64_t triangles = 0;  ///< of the solid, when they were counted before
-  /// keys_of() of this request, if already known. The members that they hash must not change afterwards.
+  std::string digest{};         ///< digest_of() in hex, if it is already known
+  std::uint64_t triangles = 0;  ///< number of the solid's triangles, if it is already known
+  /// keys_of() of this request, if already known. Members that the keys depend on must not change afterwards.
   std::shared_ptr<const RequestKeys> keys{};
 };
 
-/// The digest of an input: of the mesh's bytes when it is alone; with further files, of a fixed line and the
-/// digest of a text that lists the digest of the mesh and then name and digest of each file, ordered by name.
-/// No mesh alone has the digest of one with files.
+/// Returns the digest of an input. For a mesh without further files, it is the digest of the mesh's bytes. With files, a list
+/// is made of the mesh's digest and each file's name and digest, ordered by name. The result is then the digest of a fixed
+/// line and the list's digest, so that it never equals the digest of a mesh without files.
 Digest digest_of(const FractureRequest& request, const Execution& execution = kUninterrupted);
 
 RequestKeys keys_of(const FractureRequest& request);
 
-/// Where `of` names an answer to another mesh: kBadParameter.
+/// Returns kBadParameter if `of` names an answer for another mesh.
 std::optional<Error> wrong_mesh(const FractureRequest& request, const RequestKeys& keys);
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// A finished answer, as the caches and the responses share it.
+// A finished answer, which caches and responses share.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@
 
 namespace fracture {
 
-/// Immutable and shared: by the caches and by every response that is being written from it.
+/// Immutable. Shared by the caches and by all responses that are being written from it.
 struct FractureResult {
   std::string key;          ///< RequestKeys::result
   std::string mesh_digest;  ///< "sha256:<hex>", digest_of(the request)
   OutputFormat format = OutputFormat::kGlb;
   std::vector<std::uint8_t> file;
   Digest file_digest;                      ///< SHA-256 of `file`
-  TextRange figures;                       ///< in `file`: the extras.fracture object of the root node
+  TextRange figures;                       ///< range of the root node's extras.fracture object in `file`
   Digest figures_digest;                   ///< SHA-256 of that object's text
-  std::string parameters{};                ///< canonical, as JSON text; empty: of a variant
-  std::optional<AnswerSummary> summary{};  ///< where it was made by this process
+  std::string parameters{};                ///< canonical parameters as JSON text; empty in a variant
+  std::optional<AnswerSummary> summary{};  ///< only if this process made the answer
 
   std::span<const std::uint8_t> bytes_of(TextRange range) const {
     return std::span(file).subspan(range.at, range.size);
@@ -36,7 +36,7 @@ enum class CacheOutcome {
   kHit,
   kMissStored,
   kMissNotStored,
-  kCollapsed,  ///< not there, but somebody else was computing it: waited for that
+  kCollapsed,  ///< a miss, but another request was already computing the value: this one waited for it
 };
 
 }  // namespace fracture

@@ -11,7 +11,7 @@
 namespace fracture {
 namespace {
 
-/// An entry as it was read, and the result that is made of it.
+/// Memory holds the entry as it was read and, at the same time, the result that is made from it.
 constexpr std::uint64_t kCopies = 2;
 
 }  // namespace
@@ -46,8 +46,8 @@ ResultTiers::~ResultTiers() {
 }
 
 std::optional<std::uint64_t> ResultTiers::expected_bytes(const std::string& key) const {
-  constexpr std::uint64_t kUsual = 1u
-                                   << 20;  // a game's answer; Redis says how large an entry is with the entry
+  // A typical answer for a game. Redis reports the size only together with the entry.
+  constexpr std::uint64_t kUsual = 1u << 20;
   if (const auto size = disk_ ? disk_->size_of(key) : std::nullopt) return size;
   return redis_ ? std::optional(kUsual) : std::nullopt;
 }
@@ -108,7 +108,7 @@ void ResultTiers::flush(std::chrono::steady_clock::time_point until) {
   const auto done = [this] { return pending_.empty() && writing_.empty(); };
   std::unique_lock lock(mutex_);
   if (until == std::chrono::steady_clock::time_point::max())
-    written_.wait(lock, done);  // the clock's last moment overflows in some implementations of wait_until
+    written_.wait(lock, done);  // time_point::max() overflows in some implementations of wait_until
   else
     written_.wait_until(lock, until, done);
 }
@@ -116,7 +116,7 @@ void ResultTiers::flush(std::chrono::steady_clock::time_point until) {
 bool ResultTiers::keep_on_disk(const std::shared_ptr<const FractureResult>& result) {
   if (!disk_) return false;
   {
-    // The thread that writes behind answers may be about to.
+    // The writer thread may be writing it, or have it in its queue.
     std::unique_lock lock(mutex_);
     written_.wait(lock, [&] {
       return stopping_ || (writing_ != result->key &&

@@ -1,6 +1,6 @@
-// The tiers below memory, for results: the disk of this server (L1), then a Redis that servers share (L2).
-// Reading blocks, on a thread of the pool; writing happens behind the answer, on a thread of its own, and is
-// given up when it cannot keep up: a cache may always miss.
+// The cache tiers below memory, for results: this server's disk (L1), then a Redis that several servers share (L2).
+// Reading blocks and happens on a pool thread. Writing happens after the answer, on a thread of its own. If writing cannot
+// keep up, results are dropped, because a cache may always miss.
 #pragma once
 
 #include <chrono>
@@ -22,18 +22,18 @@
 namespace fracture {
 
 struct TiersConfig {
-  std::string folder;  ///< of the disk tier; empty: none
+  std::string folder;  ///< folder of the disk tier; empty: no disk tier
   std::uint64_t disk_bytes = 4ull << 30;
-  RedisConfig redis;       ///< without an address: none; its keys and algorithm are set here
-  FarmKeys keys;           ///< sign what goes to Redis, and are asked for of what comes from there
-  bool sign_disk = false;  ///< with the keys: the same of the disk
-  std::size_t max_pending_bytes = 64u << 20;  ///< of results that wait to be written
+  RedisConfig redis;       ///< no Redis tier if the address is empty; ResultTiers sets its keys and algorithm
+  FarmKeys keys;           ///< sign entries written to Redis, and verify entries read from it
+  bool sign_disk = false;  ///< also sign and verify entries on the disk with these keys
+  std::size_t max_pending_bytes = 64u << 20;  ///< limit on results that wait to be written
 };
 
 struct TiersFigures {
-  std::optional<DiskFigures> disk;  ///< nothing: there is no such tier
+  std::optional<DiskFigures> disk;  ///< empty: there is no such tier
   std::optional<RedisFigures> redis;
-  bool disk_unusable = false;  ///< a folder is configured, and cannot be used
+  bool disk_unusable = false;  ///< a folder is configured but cannot be used
   std::uint64_t dropped = 0;   ///< results that were not written because too many waited
 };
 
@@ -41,39 +41,40 @@ struct TiersFigures {
 class ResultTiers {
  public:
   explicit ResultTiers(const TiersConfig& config);
-  /// Writes what is still pending, for a second at most.
+  /// Keeps writing pending results for at most a second, then drops the rest.
   ~ResultTiers();
   ResultTiers(const ResultTiers&) = delete;
   ResultTiers& operator=(const ResultTiers&) = delete;
 
-  /// Is there any tier to ask?
+  /// Returns whether any tier exists.
   bool any() const { return disk_ || redis_; }
-  /// kFileAccess when there is to be a disk tier and it could not be used at the start.
+  /// kFileAccess if a disk tier is configured but could not be used at startup.
   const std::optional<Error>& disk_unusable() const { return disk_unusable_; }
-  /// Another server has the folder of the disk tier. Until take_folder() gets it, that tier misses.
+  /// Returns whether another server has the folder of the disk tier. Until take_folder() gets the folder, that tier misses.
   bool waits_for_folder() const { return disk_ && !disk_->held(); }
-  /// Takes the folder when the other server has let it go. False while it has not. By one thread at a time.
+  /// Takes the folder if the other server has released it; returns false if it has not. Must not be called by several
+  /// threads at the same time.
   Expected<bool> take_folder() { return disk_ ? disk_->take() : true; }
 
-  /// What reading the entry of this key should take, in bytes; nothing where it is known that there is none.
+  /// Returns the expected size of this key's entry in bytes; nothing if no tier can have one.
   std::optional<std::uint64_t> expected_bytes(const std::string& key) const;
 
   struct Found {
-    std::shared_ptr<const FractureResult> result;  ///< null: nowhere
+    std::shared_ptr<const FractureResult> result;  ///< null: not found
     CacheOutcome disk = CacheOutcome::kNotConsulted, redis = CacheOutcome::kNotConsulted;
-    bool no_room = false;  ///< it is there, and was not read for lack of memory
+    bool no_room = false;  ///< an entry exists, but was not read because memory is short
   };
-  /// Blocks. What Redis had is written to the disk too. `room` is asked before an entry is read whether so
-  /// many bytes may be held meanwhile; empty: always.
+  /// Looks for a result in all tiers. Blocks. A result found in Redis is also written to the disk. Before an entry is read,
+  /// `room` decides whether that many bytes may be held; an empty function always allows it.
   Found find(const std::string& key, const Room& room = {}, const Execution& execution = kUninterrupted);
-  /// Returns at once.
+  /// Queues the result to be written, and returns at once.
   void store(std::shared_ptr<const FractureResult> result);
-  /// Returns when nothing is pending, or at that time.
+  /// Blocks until all pending results are written, at most until that time.
   void flush(std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max());
-  /// Is there an entry on the disk?
+  /// Returns whether the disk has an entry for this key.
   bool on_disk(const std::string& key) const { return disk_ && disk_->size_of(key).has_value(); }
-  /// Returns when the result is on the disk, written by whoever. False when it cannot be: no such tier, no
-  /// room, or the system refuses. Blocks.
+  /// Makes sure that the result is on the disk, whichever thread writes it. Blocks. Returns false if that is impossible:
+  /// there is no disk tier, no room, or the system reports an error.
   bool keep_on_disk(const std::shared_ptr<const FractureResult>& result);
 
   TiersFigures figures() const;
@@ -96,7 +97,7 @@ class ResultTiers {
   std::size_t pending_bytes_ = 0;
   std::uint64_t dropped_ = 0;
   bool stopping_ = false;
-  std::string writing_;  ///< the key of what is being written; empty: nothing
+  std::string writing_;  ///< key of the result that is being written; empty: none
   std::thread writer_;
 };
 

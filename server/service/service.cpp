@@ -12,7 +12,7 @@
 namespace fracture {
 namespace {
 
-/// For the parameters of answers that may be named by further requests: some thousand answers.
+/// Budget for the parameters of answers that further requests may name: enough for some thousand answers.
 constexpr std::size_t kAnswerBytes = 4u << 20;
 
 std::size_t memory_size(const nlohmann::json& parameters) {
@@ -38,16 +38,16 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   options.friction = parameters.physical.friction;
   options.restitution = parameters.physical.restitution;
   options.bond_strength = parameters.physical.bond_strength;
-  // A partition has the solid's volume, which hits do not change: fragments that a hit leaves alone keep every bit
-  // of their mass. The sum of the fragments' volumes changes with the order of its terms. Hulls of barycentres are
-  // not a partition: only their sum says how much there is of them.
+  // A partition has the volume of the solid, which hits do not change. So fragments that a hit does not touch keep their
+  // mass bit for bit. The sum of the fragments' volumes would not do, because it depends on the order of its terms. Hulls of
+  // barycentres are not a partition, so only their sum gives the volume.
   const Certificate& sums = fragments.certificate;
   const double volume = parameters.fracture.dual == Dual::kBarycenter ? sums.volume_out : sums.volume_in;
   if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
   return options;
 }
 
-/// Who asks for physics gets collision hulls.
+/// Returns the parameters with collision hulls added if the request asks for physics or Unreal collision.
 FractureParameters with_hulls(const RequestParameters& asked) {
   FractureParameters parameters = asked.fracture;
   const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
@@ -107,7 +107,7 @@ std::uint64_t FractureService::earlier_bytes(const std::vector<RawParameter>& gi
   if (of == given.end() || !of->value.is_string()) return 0;
   const std::string key = answer_key_in(of->value.get_ref<const std::string&>());
   if (const auto result = results_.peek(key)) return result->parameters.size();
-  // A number of a list takes five times its text in memory, a member ten times.
+  // In memory, a number in a list takes five times the size of its text, and a member of an object ten times.
   constexpr std::uint64_t kOfText = 8;
   return answers_.size_of(key).value_or(0) / kOfText;
 }
@@ -205,13 +205,14 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
                                               config_.import_limits, execution);
     if (!imported) return tl::unexpected<Error>(std::move(imported.error()));
     *mesh = std::move(*imported);
-    // What the bytes of the file did not say is known now. A small mesh is within what every request is
-    // admitted for.
+    // The real size of the mesh is known only now, because the file's size does not tell it. A small mesh fits into the
+    // memory that every request is admitted with.
     constexpr std::size_t kSmall = 64u << 10;
     if (const std::size_t bytes = memory_size(*mesh); bytes > kSmall)
       execution.made(Product::kMeshBytes, bytes);
     execution.made(Product::kSurfaceTriangles, mesh->triangles.size());
-    // What the reader took beside that is free for others: it has ended (a bake's is kept, and reserves nothing).
+    // The reader has ended, so other computations may use the memory that it no longer needs. (With `bake`, the reader keeps
+    // running, but there the allowance reserves nothing.)
     if (execution.allowance) execution.allowance->shrink();
     const Expected<FrameReport> frame = to_metres_y_up(*mesh, request.parameters.frame);
     if (!frame) return tl::unexpected<Error>(frame.error());
@@ -292,7 +293,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     if (const auto& rest = mesh.solid.source->passed_through)
       fractured.report.passed_through = rest->triangles.size();
     GltfOptions options = output_options(request.parameters, fractured.set);
-    // What holds what is about all fragments.
+    // The support analysis needs all fragments, so an answer with only the changed fragments has none.
     if (request.parameters.fracture.anchors.any() && request.parameters.delta != DeltaAnswer::kOnly) {
       const SupportOptions support{request.parameters.gravity, options.density, options.bond_strength,
                                    request.parameters.broken};

@@ -1,12 +1,11 @@
-// The service without HTTP: a mesh and parameters in, a finished GLB out, with caches between the steps. The
-// HTTP adapter and `fracture-server bake` are two faces of this one class, which is why their answers have
-// the same bytes.
+// The service without HTTP: it takes a mesh and parameters, returns a finished GLB, and caches values between the steps.
+// The HTTP adapter and `fracture-server bake` both use this class, so their answers have the same bytes.
 //
 //   bytes ──import──> Mesh ──prepare──> Solid ──diagram──> Diagram ──cut──> FracturedSolid ──encode──> GLB
 //                          [mesh cache]          [diagram cache]                             [result cache]
 //
-// Everything here is synchronous, on the caller's thread. The server arranges the steps on its worker pool
-// and shares them between requests (dispatcher.hpp); `bake` and `inspect` call them as they are.
+// Everything here is synchronous, on the caller's thread. The server runs the steps on its worker pool and shares their
+// values between requests (dispatcher.hpp). `bake` and `inspect` call them directly.
 #pragma once
 
 #include <cstddef>
@@ -39,23 +38,23 @@ struct ServiceConfig {
   std::size_t mesh_cache_bytes = 256u << 20;
   std::size_t diagram_cache_bytes = 64u << 20;
   std::size_t result_cache_bytes = 256u << 20;
-  std::uint64_t max_bytes_per_job = 0;  ///< of memory that one computation may hold; 0: no limit
-  TiersConfig tiers;                    ///< below the result cache
+  std::uint64_t max_bytes_per_job = 0;  ///< memory that one computation may hold, in bytes; 0: no limit
+  TiersConfig tiers;                    ///< the cache tiers below the result cache
 };
 
-/// A mesh made ready for any number of fractures.
+/// A mesh that is ready for any number of fractures.
 struct PreparedMesh {
   Solid solid;
-  FrameReport frame;  ///< units and axes: what was assumed
+  FrameReport frame;  ///< the assumed units and axes
 };
 
-/// What one step made, or found.
+/// A value that one step computed or found in a cache.
 template <class Value>
 struct Step {
   std::shared_ptr<const Value> value;
   CacheOutcome cache = CacheOutcome::kNotConsulted;
-  StageTimings timings;          ///< import, prepare, tetrahedralize, clip, encode: those that ran
-  double processor_seconds = 0;  ///< what it took of all threads, where that was measured
+  StageTimings timings;          ///< of the stages that ran: import, prepare, tetrahedralize, clip, encode
+  double processor_seconds = 0;  ///< processor time on all threads, if it was measured
 };
 
 struct FractureAnswer {
@@ -64,39 +63,39 @@ struct FractureAnswer {
   CacheOutcome disk_cache = CacheOutcome::kNotConsulted, redis_cache = CacheOutcome::kNotConsulted;
   CacheOutcome diagram_cache = CacheOutcome::kNotConsulted;
   CacheOutcome mesh_cache = CacheOutcome::kNotConsulted;
-  double queue_milliseconds = -1;  ///< waiting for a computing thread; -1: never did
-  double work_milliseconds = 0;  ///< from then on until the result was there: the stages and what is between
-  StageTimings timings;          ///< as in Step, of all steps
+  double queue_milliseconds = -1;  ///< time in the queue; -1: it was never queued
+  double work_milliseconds = 0;    ///< time from the end of the queue to the result
+  StageTimings timings;            ///< of all steps; see Step
 };
 
 class FractureService {
  public:
-  /// May the caller use the answer of this key? Empty: any.
+  /// Returns whether the caller may use the answer with this key. An empty function allows all answers.
   using MaySee = std::function<bool(const std::string& key)>;
 
   FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine);
 
-  /// Parses what is asked; where it names an earlier answer, with the parameters of that. Errors of
-  /// ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, also for an answer that the caller may
-  /// not see. Asks memory alone.
+  /// Parses a request's parameters. If they name an earlier answer, that answer's parameters are added. Looks only into
+  /// memory. Errors: those of ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, even if the answer exists but
+  /// the caller may not see it.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given, const MaySee& may_see = {});
-  /// How many bytes of parameters parse() takes over from the earlier answer that is named, about; 0: none is.
+  /// Returns roughly how many bytes of parameters parse() takes over from the earlier answer; 0 if `given` names none.
   std::uint64_t earlier_bytes(const std::vector<RawParameter>& given) const;
 
-  /// Thread-safe and synchronous. All bad input, cancellation (kCancelled) and a passed deadline
-  /// (kDeadlineExceeded) come back as errors; a broken invariant or lack of memory throws.
+  /// Computes an answer, or finds it in a cache. Thread-safe and synchronous. Bad input, cancellation (kCancelled) and a
+  /// passed deadline (kDeadlineExceeded) are returned as errors. A broken invariant or a lack of memory throws.
   Expected<FractureAnswer> fracture(const FractureRequest& request, const Execution& execution);
 
-  /// The first two steps alone, for a report on the mesh without fracturing it. Errors as fracture().
+  /// Runs only the first two steps, for a report on the mesh without fracturing it. Errors: those of fracture().
   Expected<std::shared_ptr<const PreparedMesh>> prepare(const FractureRequest& request,
                                                         const Execution& execution);
 
-  /// What is still in memory; null when it is not.
+  /// Finds a value that is still in memory; null if there is none.
   std::shared_ptr<const PreparedMesh> find_mesh(const RequestKeys& keys) { return meshes_.find(keys.mesh); }
   std::shared_ptr<const CutBase> find_diagram(const RequestKeys& keys) {
     return diagrams_.find(keys.diagram);
   }
-  /// The same for a second look, which the caches do not count.
+  /// As above, but does not count as a request in the cache.
   std::shared_ptr<const PreparedMesh> peek_mesh(const RequestKeys& keys) const {
     return meshes_.peek(keys.mesh);
   }
@@ -104,32 +103,31 @@ class FractureService {
     return diagrams_.peek(keys.diagram);
   }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
-  /// Nobody may have it any more.
+  /// Removes a result from memory, because nobody may use it any more.
   void forget_result(const std::string& key) {
     results_.erase(key);
     answers_.erase(key);
   }
-  /// What was made of a result (compressed), found again by its own key while there is room for it.
+  /// Caches a variant of a result (compressed, for example) under its own key, if there is room for it.
   void keep_variant(std::shared_ptr<const FractureResult> variant);
-  /// Why this request had no answer lately (kUnsound); nothing when that is not known.
+  /// Returns the error (kUnsound) with which this request failed recently; nothing if no failure is known.
   std::optional<Error> find_failure(const std::string& key) const { return failures_.find(key); }
 
-  /// Are there tiers below memory? fetch_result() looks into them, which blocks, and takes what it finds into
-  /// memory: `answer` gets the result (null: nowhere) and the caches. False: it is there, and there is no
-  /// `room` to read it.
+  /// Returns whether there are cache tiers below memory.
   bool has_tiers() const { return tiers_.any(); }
+  /// Looks for a result in the tiers and copies it to memory. Blocks. Sets the result in `answer` (null: not found) and the
+  /// cache outcomes. Returns false if the result exists but `room` does not allow reading it.
   bool fetch_result(const std::string& key, FractureAnswer& answer, const Room& room = {},
                     const Execution& execution = kUninterrupted);
 
-  /// Each step by itself: computes without looking into the cache, and stores. Errors as fracture(), but an
-  /// interruption is thrown (Interrupted).
+  /// The single steps. Each computes its value without looking into the cache, and then stores it there. Errors: those of
+  /// fracture(), but an interruption is thrown (Interrupted).
   Expected<Step<PreparedMesh>> make_mesh(const FractureRequest& request, const RequestKeys& keys,
                                          const Execution& execution);
   Expected<Step<CutBase>> make_diagram(const PreparedMesh& mesh, const FractureRequest& request,
                                        const RequestKeys& keys, const Execution& execution);
-  /// `answer` gets the result, its cache and timings. Returns what the result was made of, only
-  /// so that the caller may reply before it lets go: freeing some ten thousand arrays takes a third of a
-  /// millisecond.
+  /// Sets the result, its cache outcome and its timings in `answer`. Returns the fragments that the result was made from, so
+  /// that the caller can reply before it frees them: freeing about ten thousand arrays takes a third of a millisecond.
   Expected<FracturedSolid> make_result(const PreparedMesh& mesh, const CutBase& diagram,
                                        const FractureRequest& request, const RequestKeys& keys,
                                        const Execution& execution, FractureAnswer& answer);
@@ -137,7 +135,7 @@ class FractureService {
   struct Figures {
     CacheFigures meshes, diagrams, results;
     TiersFigures tiers;
-    std::uint64_t unsound = 0;  ///< answers that did not prove themselves
+    std::uint64_t unsound = 0;  ///< answers that failed their own checks
   };
   Figures figures() const {
     return {meshes_.figures(), diagrams_.figures(), results_.figures(), tiers_.figures(), failures_.count()};
@@ -147,7 +145,7 @@ class FractureService {
   const ParameterTable& parameters() const { return parameters_; }
 
  private:
-  /// What is in no cache.
+  /// Computes an answer that is not in the caches.
   Expected<FractureAnswer> fracture(const FractureRequest& request, const RequestKeys& keys,
                                     const Execution& execution, FractureAnswer answer);
 
@@ -157,15 +155,15 @@ class FractureService {
   MemoryCache<PreparedMesh> meshes_;
   MemoryCache<CutBase> diagrams_;
   MemoryCache<FractureResult> results_;
-  MemoryCache<nlohmann::json> answers_;  ///< canonical parameters, by RequestKeys::result
+  MemoryCache<nlohmann::json> answers_;  ///< canonical parameters by RequestKeys::result
   FailureMemo failures_;
   ResultTiers tiers_;
 };
 
-/// The error that an interruption is for a client.
+/// Converts an interruption to the error that the client gets.
 Error to_error(const Interrupted& interrupted);
 
-/// Bytes of heap behind a value, close enough to budget a cache with.
+/// Returns the approximate number of heap bytes that a value uses, for the budget of a cache.
 std::size_t memory_size(const Mesh& mesh);
 std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const CutBase& diagram);

@@ -1,6 +1,6 @@
-// Single flight: of several who want the same value at the same time, one computes it and all get it. The
-// computation belongs to the flight and not to who asked first: it is stopped only when the last one who
-// waits has left. Nobody blocks: a waiter is a callback.
+// Single flight: if several callers want the same value at the same time, one computes it and all get it. The computation
+// belongs to the flight and not to the first caller, so it is stopped only after the last waiter has left. Nobody blocks,
+// because a waiter is a callback.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@
 
 namespace fracture {
 
-/// Thread-safe. Callbacks run without the lock, on the thread that lands the flight. `Common` is whatever all
-/// who wait have in common; it guards itself.
+/// Thread-safe. Callbacks run without the lock, on the thread that lands the flight. `Common` is data that all waiters of a
+/// flight share; it must be thread-safe itself.
 struct Nothing {};
 template <class Value, class Common = Nothing>
 class SingleFlight {
  public:
   using Outcome = Expected<Value>;
   enum class Role {
-    kLeader,    ///< the flight began with this waiter: whoever gets this seat computes and lands
+    kLeader,  ///< the flight began with this waiter, so its caller must compute the value and land the flight
     kFollower,  ///< joined later
   };
   using Waiter = std::function<void(const Outcome&, Role)>;
@@ -44,7 +44,7 @@ class SingleFlight {
     explicit Flight(std::string key) : key_(std::move(key)) {}
     const std::string key_;
     std::stop_source stop_;
-    std::map<std::uint64_t, Waiter> waiters_;  // in the order they came
+    std::map<std::uint64_t, Waiter> waiters_;  // in the order in which they joined
     std::uint64_t next_ = 0;
     bool over_ = false;
   };
@@ -55,7 +55,7 @@ class SingleFlight {
     Role role = Role::kFollower;
   };
 
-  /// Takes a seat in the flight of this key, a new one where there is none.
+  /// Takes a seat in this key's flight. Starts a new flight if there is none.
   Seat join(const std::string& key, Waiter waiter) {
     const std::lock_guard lock(mutex_);
     const auto at = flights_.find(key);
@@ -68,14 +68,15 @@ class SingleFlight {
     }
     seat.number = seat.flight->next_++;
     seat.flight->waiters_.emplace(seat.number, std::move(waiter));
-    if (at == flights_.end()) flights_.emplace(key, seat.flight);  // last: with no leader none would land
+    // Last, because a flight without a leader would never land.
+    if (at == flights_.end()) flights_.emplace(key, seat.flight);
     return seat;
   }
 
-  /// Gives the seat up: its waiter will not be called. False when that is too late: it was or is being
-  /// called. The last one who leaves stops the computation; who joins after that starts a new flight.
+  /// Gives up the seat, so that its waiter will not be called. Returns false if it is too late: the waiter was called, or is
+  /// being called. If the last waiter leaves, the computation is stopped, and the next join() starts a new flight.
   bool leave(const Seat& seat) {
-    Waiter dropped;  // destroyed, like the stop callbacks run, without the lock
+    Waiter dropped;  // destroyed without the lock; the stop callbacks also run without it
     std::shared_ptr<Flight> abandoned;
     {
       const std::lock_guard lock(mutex_);
@@ -94,8 +95,8 @@ class SingleFlight {
     return true;
   }
 
-  /// Hands the outcome to everybody who still waits. Nothing happens when all have left. Throws what the
-  /// first of them throws, when all have been called.
+  /// Passes the outcome to all remaining waiters. Does nothing if all have left. After all have been called, rethrows the
+  /// first exception that one of them threw.
   void land(const std::shared_ptr<Flight>& flight, const Outcome& outcome) {
     std::map<std::uint64_t, Waiter> waiters;
     {
@@ -114,7 +115,7 @@ class SingleFlight {
     if (first) std::rethrow_exception(first);
   }
 
-  /// Null when there is none.
+  /// Returns this key's flight; null if there is none.
   std::shared_ptr<Flight> find(const std::string& key) const {
     const std::lock_guard lock(mutex_);
     const auto at = flights_.find(key);

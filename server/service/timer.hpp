@@ -1,4 +1,4 @@
-// One thread that calls functions at given times: deadlines of those who wait, time to live of what is kept.
+// A thread that calls functions at given times, for deadlines of waiting requests and for the expiry of stored data.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@
 
 namespace fracture {
 
-/// Thread-safe. Functions must be quick and must not throw; a pending one is dropped by the destructor.
+/// Thread-safe. Functions must be quick and must not throw. The destructor drops pending calls.
 class Timer {
  public:
   using Clock = std::chrono::steady_clock;
@@ -44,7 +44,7 @@ class Timer {
     return id;
   }
 
-  /// The call does not happen, unless it has begun.
+  /// Cancels a call, unless it has already begun.
   void cancel(const Id& id) {
     std::function<void()> dropped;
     const std::lock_guard lock(mutex_);
@@ -61,7 +61,7 @@ class Timer {
     dropped.swap(calls_);
   }
 
-  /// Returns when no call is in progress that had begun before.
+  /// Waits until all calls that have already begun are over.
   void flush() {
     std::promise<void> done;
     at(Clock::time_point::min(), [&done] { done.set_value(); });
@@ -83,8 +83,8 @@ class Timer {
         try {
           call();
         } catch (...) {
-          // Whoever it was for has been told (Api::answering), or there was not even the memory to do so. The
-          // others' deadlines go on.
+          // The client was already told (Api::answering), or there was not even enough memory to do so. Other deadlines
+          // must still be kept.
         }
         call = nullptr;
         lock.lock();

@@ -1,4 +1,4 @@
-// How urgent a computation is: as urgent as the most urgent of all who wait for it, now.
+// The urgency of a computation: that of the most urgent client that is waiting for it now.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace fracture {
 
-/// Of one flight. Thread-safe. A result that needs a part (a mesh or a diagram, a flight of its own) waits for it
-/// like a client, as urgently as its own clients wait for the result. Locks are taken in this order: of the
-/// result, of the part, of the pool.
+/// The urgency of one flight. Thread-safe. A result needs parts (a mesh and a diagram), which are flights of their own. It
+/// waits for a part like a client, as urgently as its own clients wait for the result. Locks are taken in this order:
+/// result, part, pool.
 class Urgency {
  public:
-  /// The leader, who waits like the others, queues the task that computes, at the turn it takes. Who joined
-  /// before may be more urgent.
+  /// Adds the leader, which waits like the others, and calls `submit` to queue the computing task at the leader's turn.
+  /// Followers may have joined before and may be more urgent; then the task takes their class and turn.
   template <class Submit>
   void lead(WorkerPool& pool, const Flow& flow, Priority priority, Submit submit) {
     const std::lock_guard lock(mutex_);
@@ -31,26 +31,26 @@ class Urgency {
     hasten(pool, priority_, Flow(this->flow()));
   }
 
-  /// One more waits. A task that is queued takes its turn, if that comes sooner than the turn of those who wait already: one
-  /// client's queue does not keep others waiting who ask for the same.
+  /// Adds a client that waits. If the task is queued and this client's turn comes sooner, the task takes this turn. So one
+  /// client's long queue does not delay others that ask for the same value.
   void join(WorkerPool& pool, Priority priority, const Flow& flow) {
     const std::lock_guard lock(mutex_);
     add_to(pool, priority, flow);
   }
-  /// One who joined, or the leader, waits no longer.
+  /// Removes a client, follower or leader, that no longer waits.
   void leave(WorkerPool& pool, Priority priority) {
     const std::lock_guard lock(mutex_);
     --waiting(priority);
     decide(pool);
   }
 
-  /// It waits for a part that others compute. Where that is over by then, this changes nothing: the task may have
-  /// gone on already, and wait for its next part.
+  /// The computation waits for a part that another one computes. Does nothing if that part is already over: the task may
+  /// have gone on by now, and may be waiting for its next part.
   void waits_for(WorkerPool& pool, std::shared_ptr<Urgency> part) {
     const std::lock_guard lock(mutex_);
     if (part->join_unless_over(pool, priority_, flow())) part_ = std::move(part);
   }
-  /// The part has landed. `resume` queues the task as which it goes on.
+  /// The part has landed. `resume` queues the task that continues the computation.
   template <class Resume>
   void goes_on(WorkerPool& pool, Resume resume) {
     const std::lock_guard lock(mutex_);
@@ -59,15 +59,15 @@ class Urgency {
     tell_of_others(pool);
   }
 
-  /// Its own task computes the part: until end_part() that decides how urgent the task is, for others wait for
-  /// the part as well.
+  /// The computation's own task computes the part. Until end_part(), the part decides how urgent the task is, because others
+  /// may also wait for the part.
   void lead_part(WorkerPool& pool, std::shared_ptr<Urgency> part) {
     const std::lock_guard lock(mutex_);
     part->lead(pool, flow(), priority_, [this] { return task_; });
     part_ = std::move(part);
     in_part_ = true;
   }
-  /// The part ends; the task is as urgent as those who wait for the result.
+  /// Ends the part. From now on, the task is as urgent as the clients that wait for the result.
   void end_part(WorkerPool& pool, Urgency& part) {
     const std::lock_guard lock(mutex_);
     part.end();
@@ -75,13 +75,13 @@ class Urgency {
     in_part_ = false;
     pool.reclassify(task_, priority_, flow());
   }
-  /// It is computed, and lands next: who still joins hurries nobody.
+  /// The value is computed and about to land. Clients that still join do not hurry anything.
   void end() {
     const std::lock_guard lock(mutex_);
     task_ = 0;
     over_ = true;
   }
-  /// Nobody waits for the result any more, and so the result not for its part.
+  /// Nobody waits for the result any more, so it stops waiting for its part.
   void gives_up(WorkerPool& pool) {
     const std::lock_guard lock(mutex_);
     if (part_) part_->leave(pool, priority_);
@@ -92,22 +92,23 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return priority_;
   }
-  /// The priority of its task. If the task computes a part, others may wait for that part.
+  /// Returns the priority of the task. While the task computes a part, it is the part's priority, because others may wait
+  /// for that part.
   Priority priority_of_task() const {
     const std::lock_guard lock(mutex_);
     return in_part_ ? part_->priority() : priority_;
   }
-  /// More than one client waits, or has waited.
+  /// Returns whether more than one client waits or has waited.
   bool is_of_several() const {
     const std::lock_guard lock(mutex_);
     return others_;
   }
-  /// Whose turn it takes: the earliest of the most urgent who wait.
+  /// Returns the turn that the task takes: the earliest turn among the most urgent clients that wait.
   Flow turn() const {
     const std::lock_guard lock(mutex_);
     return flow();
   }
-  /// The task may ask itself: it runs, perhaps, before submit() or resume() has said which it is.
+  /// Returns the task's id. The task may call this itself, because it may run before submit() or resume() returns its id.
   WorkerPool::TaskId task() const {
     const std::lock_guard lock(mutex_);
     return task_;
@@ -116,10 +117,10 @@ class Urgency {
  private:
   struct Waiting {
     std::size_t count = 0;
-    Flow flow{};  ///< of the one whose turn came first, whether that still waits or not
+    Flow flow{};  ///< the earliest turn; the client that had it may have left
   };
 
-  // All of these with the lock.
+  // All functions from here on require the lock.
   std::size_t& waiting(Priority priority) { return waiting_[static_cast<std::size_t>(priority)].count; }
   const Flow& flow() const { return waiting_[static_cast<std::size_t>(priority_)].flow; }
   void add(Priority priority, const Flow& flow) {
@@ -133,7 +134,7 @@ class Urgency {
     decide(pool);
     hasten(pool, priority, flow);
   }
-  /// The task, or the part that it waits for, is queued and may take this turn.
+  /// Lets the task take this turn if the task is queued and the turn comes sooner. Does the same for a part that it waits for.
   void hasten(WorkerPool& pool, Priority priority, const Flow& flow) {
     if (priority != priority_ || in_part_) return;
     Flow& turn = waiting_[static_cast<std::size_t>(priority)].flow;
@@ -142,12 +143,12 @@ class Urgency {
     const std::lock_guard lock(part_->mutex_);
     part_->hasten(pool, priority, flow);
   }
-  /// That its first client is over its rate must not keep the others waiting.
+  /// Tells the pool if several clients wait. Then the task runs even if its first client is over its processor rate.
   void tell_of_others(WorkerPool& pool) {
     if (others_ && task_ > 0) pool.share(task_);
   }
-  /// Those who wait have changed. When nobody does, it is being stopped, and ends in the class that it has: it is not what
-  /// others would have to wait for.
+  /// Updates the task after the waiting clients have changed. If nobody waits any more, the task is being stopped and keeps
+  /// its class. Its remaining cost becomes 0, because predictions must not count it.
   void decide(WorkerPool& pool) {
     tell_of_others(pool);
     const Priority before = priority_;
@@ -176,11 +177,11 @@ class Urgency {
   mutable std::mutex mutex_;
   std::array<Waiting, 3> waiting_;  ///< by Priority
   Priority priority_ = Priority::kBackground;
-  WorkerPool::TaskId task_ = 0;       ///< 0: none that could be hurried
-  std::optional<std::string> first_;  ///< whose name came first ...
-  bool others_ = false;               ///< ... and whether another one did
-  std::shared_ptr<Urgency> part_;     ///< what it waits for, or computes as a part
-  bool in_part_ = false;              ///< it computes that itself
+  WorkerPool::TaskId task_ = 0;       ///< 0: no task that could be hurried
+  std::optional<std::string> first_;  ///< name of the first client
+  bool others_ = false;               ///< clients with other names have also joined
+  std::shared_ptr<Urgency> part_;     ///< the part that it waits for or computes
+  bool in_part_ = false;              ///< its own task computes the part
   bool over_ = false;
 };
 

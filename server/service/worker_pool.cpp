@@ -56,7 +56,7 @@ WorkerPool::WorkerPool(int threads, std::size_t max_queue, const Longest& longes
 WorkerPool::~WorkerPool() {
   {
     const std::lock_guard lock(mutex_);
-    stopping_ = true;  // nothing is held, and no thread is started any more
+    stopping_ = true;  // from now on, no task is held back, and no thread is started
     schedule();
   }
   wake_.notify_all();
@@ -119,7 +119,7 @@ bool WorkerPool::withdraw(TaskId task, std::optional<Task> (Queue::*remove)(std:
   if (!withdrawn) return false;
   ++withdrawing_;
   lock.unlock();
-  withdrawn.reset();  // what it holds is released before anybody is told that nothing is left
+  withdrawn.reset();  // releases what it holds before wait_idle() can return
   lock.lock();
   --withdrawing_;
   rest();
@@ -130,7 +130,7 @@ void WorkerPool::charge(Priority priority, const Flow& flow, double seconds) {
   if (flow.account) flow.account->charge(seconds);
   const std::lock_guard lock(mutex_);
   queue_.charge(priority, flow, seconds);
-  // Who computes and uses nothing (it waits for a disk, say) holds the others' time up no more.
+  // A job that computes but uses no processor time (because it waits for a disk, say) must not hold back the lowest tag.
   const Clock::time_point now = Clock::now();
   std::optional<double> least;
   for (const auto& [id, job] : running_)
@@ -152,7 +152,7 @@ void WorkerPool::wait_idle() {
   idle_.wait(lock, [this] { return is_idle(); });
 }
 
-// -- who computes
+// -- which tasks compute
 
 std::size_t WorkerPool::running_of(Priority priority) const {
   return static_cast<std::size_t>(std::count_if(
@@ -199,7 +199,7 @@ bool WorkerPool::has_thread() {
   if (stopping_ || threads_.size() >= kMostThreads) return false;
   try {
     threads_.emplace_back([this] { work(); });
-  } catch (const std::exception&) {  // the system gives no more: a task waits until one of them is free
+  } catch (const std::exception&) {  // the system allows no more threads: the task waits for a free one
     return false;
   }
   ++free_threads_;
@@ -209,7 +209,7 @@ bool WorkerPool::has_thread() {
 void WorkerPool::schedule() noexcept {
   try {
     decide();
-  } catch (const std::bad_alloc&) {  // as things were; a free thread looks again soon
+  } catch (const std::bad_alloc&) {  // the rest stays as it is; a free thread tries again soon
     holds_ = true;
     wake_.notify_one();
   }
@@ -243,15 +243,16 @@ void WorkerPool::decide() {
       paused.front()->start_again();
       paused.erase(paused.begin());
     } else {
-      break;  // there is no thread
+      break;  // no thread is available
     }
   }
-  // One more than there are processors for: a collision, if none computes; or who has stood still for long.
+  // One task more than there are processors may compute: a realtime task if none computes, or a task that has stood still for
+  // too long.
   if (computing() == thread_count_) {
     const auto collision = std::find_if(fresh.begin(), fresh.end(), [](const Queue::Next& next) {
       return next.priority == Priority::kRealtime;
     });
-    // Who stands still for other clients has its turn by what they use.
+    // Only tasks that stand still for their own client count. The others get their turn as other clients use up theirs.
     const auto longest = std::find_if(paused.begin(), paused.end(), [this, now](const Running* job) {
       return job->stood(now) >= kLongestPause && computes(job->client);
     });
@@ -269,7 +270,7 @@ void WorkerPool::decide() {
 }
 
 void WorkerPool::begin(const Queue::Next& next) {
-  // If it was hurried and there is a place where it comes from, it is that which it keeps.
+  // If the task was hurried and its original class still has a place, it occupies that place.
   const Priority origin = next.item().origin;
   const bool has_its_place = origin > next.priority && has_place(*next.client, origin);
   auto job =
@@ -282,7 +283,7 @@ void WorkerPool::begin(const Queue::Next& next) {
     begun_.pop_back();
     throw;
   }
-  begins.task = queue_.take(next);  // last: what throws before leaves it in the queue
+  begins.task = queue_.take(next);  // last, so that an exception before leaves the task in the queue
   wake_.notify_one();
 }
 
@@ -297,7 +298,7 @@ void WorkerPool::ask(const std::vector<Queue::Next>& fresh, const std::vector<Ru
     job->asked = job->computes() && job->is_held();
     if (job->computes() && !job->asked && !job->is_protected(now)) computing.push_back(job);
   }
-  // The least entitled first; of a client's the one that began last.
+  // The least entitled job comes first. Among jobs of one client and class, the one that began last comes first.
   std::sort(computing.begin(), computing.end(), [](const Running* a, const Running* b) {
     return std::pair(a->key(), a->task.id) > std::pair(b->key(), b->task.id);
   });
@@ -321,7 +322,7 @@ void WorkerPool::ask(const std::vector<Queue::Next>& fresh, const std::vector<Ru
   auto first = waiting.begin();
   for (Running* const job : computing) {
     const bool outranked = all >= thread_count_ && first != waiting.end() && goes_before(*first, *job);
-    if (too_many == 0 && !outranked) continue;  // short work ends first; another one may be stopped
+    if (too_many == 0 && !outranked) continue;  // a short job may finish; another job may be stopped instead
     job->asked = true;
     if (too_many > 0)
       --too_many;
@@ -351,7 +352,7 @@ void WorkerPool::work() {
     begun_.pop_front();
     --free_threads_;
     std::size_t sharing = computing(job->priority);
-    for (const Priority priority : kPriorities)  // those that are less urgent stand back
+    for (const Priority priority : kPriorities)  // less urgent tasks do not count, because they stand back
       if (priority <= job->priority) sharing += queue_.resumed(priority) + queue_.size(priority);
     sharing = std::clamp<std::size_t>(sharing, 1, thread_count_);
     lock.unlock();
@@ -370,18 +371,18 @@ void WorkerPool::run(Running& job, int threads) {
   try {
     job.task.job(threads);
     job.charge();
-  } catch (...) {  // a bug, or no memory even to say that there is none: the others go on
+  } catch (...) {  // a defect, or no memory even to report the lack of memory; other jobs go on
     ++escaped_;
   }
-  // What they hold (a request body) is released here, not when the next job arrives.
+  // Releases what they hold (a request body) now, and not only when the next job arrives.
   job.task.job = nullptr;
   job.task.used = nullptr;
   Running::of_this_thread = nullptr;
 }
 
-/// A task has ended, one way or another.
+/// Updates the queue and wakes waiting threads after a task has ended or was withdrawn.
 void WorkerPool::rest() {
-  const std::size_t most = 2 * max_queue_ + thread_count_;  // clients that are remembered
+  const std::size_t most = 2 * max_queue_ + thread_count_;  // maximum number of clients to remember
   if (running_.empty() && queue_.empty())
     queue_.idle();
   else if (queue_.flows() > most)

@@ -1,28 +1,30 @@
-// The threads that compute, and who has them. Three classes: realtime work (a collision) goes before batch work (a
-// client waits for the answer), and that before background work (jobs that nobody waits for). Among clients (names,
-// addresses) who has used less processor time goes first, whatever the class (fair_queue.hpp says how the two meet).
-// Every task says what it should cost. How long a new one would wait follows from the costs that go before it, at the pace
-// of their clients (pace.hpp). So a client is refused at once instead of waiting for an answer that comes too late.
+// The threads that compute, and the tasks that use them. There are three classes. Realtime work (a collision) goes before
+// batch work (a client waits for the answer), which goes before background work (jobs that nobody waits for). Among clients
+// (names, addresses), the one that has used less processor time goes first, whatever the class; fair_queue.hpp explains how
+// the two rules combine. Every task states its expected cost. The predicted wait of a new task follows from the costs of the
+// tasks before it and the pace of their clients (pace.hpp). So a client is refused at once instead of waiting for an answer
+// that would be too late.
 //
-// This holds while tasks run, and not only when they begin. What a task uses is charged at its polls
-// (base/execution.hpp), some hundred times a second. As many tasks compute as was asked for; whoever should compute
-// now and does not, because it waits or stands still, takes the place of the task that should the least: that one stands
-// still at its next poll. So each task has a thread of its own, because a computation's scratch memory belongs to its
-// thread; threads are started when they are needed. If there are two processors or more, realtime work need not even wait
-// for the poll: when tasks compute on all of them, one more is begun at once, and whoever polls first makes room.
+// These rules apply all the time, not only when tasks begin. A task's use is charged at its polls (base/execution.hpp), some
+// hundred times a second. Normally, threads() tasks compute at the same time. If a task that waits or stands still is entitled
+// to compute now, it takes the place of the least entitled task, which stands still at its next poll. A computation's scratch
+// memory belongs to its thread, so each task has its own thread; threads are started when they are needed. With two or more
+// processors, realtime work need not even wait for that poll. If other tasks compute on all processors, one realtime task
+// begins at once, and the first task that polls makes room.
 //
-// Nobody stands still for ever. Other clients use up their turn. And whoever stood still for kLongestPause while another
-// task of its client computes goes on for a quarter of that, one task at a time beyond those that there are processors
-// for. So nothing that it holds (a value that others wait for) is held for ever, and within a client each class gets its
-// part of the time even if more urgent work never ends.
+// No task stands still forever, because other clients use up their turns. Within a client, a task that has stood still for
+// kLongestPause while another one computes goes on for a quarter of that time. One task at a time may do so in addition to
+// threads(). So a task never blocks others forever with a value that they wait for. And each class of a client gets its part
+// of the time, even if more urgent work never ends.
 //
-// A client that is over its processor rate (tenants/account.hpp) computes nothing until it is within it again, except what
-// others wait for, too.
+// A client that exceeds its processor rate (tenants/account.hpp) computes nothing until it is within the rate again. The
+// exception is tasks that other clients also wait for.
 //
-// A task that runs may change its class, and those who hurry it by turns may do so for ever. So it is of a class for a
-// limited time in all (Longest), and of the next one from then on. As many tasks of a client begin in a class as there
-// are processors, and each keeps its place there while it is more urgent. So where too many run, it is those who began
-// in a more urgent class: they end at their next poll (kOverloaded), or they would keep threads for as long as they take.
+// A running task may change its class, and clients could take turns hurrying it forever. So a task's total time in a class is
+// limited (Longest); after that it moves to the next class. A client can begin as many tasks in a class as there are
+// processors, and a task keeps its place in that class while it is more urgent. So if too many tasks run in a class, some of
+// them began in a more urgent class. These end at their next poll (kOverloaded), because they would otherwise occupy threads
+// for as long as they take.
 #pragma once
 
 #include <array>
@@ -47,7 +49,7 @@
 
 namespace fracture {
 
-/// For how long a task that runs is realtime, or batch work, in all: nobody waits longer in that class.
+/// How long a running task may be realtime or batch work in total. It holds up other work of that class no longer than this.
 struct Longest {
   std::chrono::milliseconds realtime{2'000}, batch{60'000};
 };
@@ -56,111 +58,114 @@ struct Execution;
 
 class WorkerPool {
  public:
-  /// A job is told how many threads it may use for its own loops: the pool's threads divided among the jobs
-  /// that run, so that a lone request uses every core and a loaded server runs one job a core.
+  /// `threads`: how many threads the job may use for its own loops. The pool divides its threads among the running jobs, so
+  /// that a lone request uses all cores and a loaded server runs one job per core.
   using Job = std::function<void(int threads)>;
-  /// Told on the job's thread, at some of its polls and at its end, how many seconds it has used since it was told
-  /// before. Charges whoever it is for.
+  /// Called on the job's thread, at some of its polls and at its end, with the seconds that the job has used since the last
+  /// call. It must charge the clients for which the job runs.
   using Used = std::function<void(double seconds)>;
   using TaskId = std::uint64_t;
 
-  /// `threads`: jobs that compute at the same time.
+  /// `threads`: maximum number of jobs that compute at the same time.
   WorkerPool(int threads, std::size_t max_queue, const Longest& longest = {});
-  /// Finishes what is queued (cancel it through its own stop tokens first when that would take too long).
+  /// Finishes all queued jobs. If that would take too long, cancel them first through their stop tokens.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  /// The id of the task; never refused (look at full() and predicted_wait() first). `cost`: what the job
-  /// should take, in seconds of one thread of a machine of nominal speed; measured() says how far off such
-  /// estimates are. `used`: empty, the flow is charged. Jobs must not throw.
+  /// Queues a job and returns the task's id. Never refuses a job, so check full() and predicted_wait() first. `cost`: expected
+  /// time in seconds on one thread of the reference machine; measured() corrects such estimates. `used`: if it is empty, the
+  /// flow is charged. Jobs must not throw.
   TaskId submit(Priority priority, double cost, Job job, const Flow& flow = {}, Used used = {});
-  /// Work that was admitted before and goes on: never refused, and every other task of its client and class that begins
-  /// is such a one while any wait. `cost`: what is left of it; `origin`: the class in which it was submitted.
+  /// Queues a job that continues work which was admitted before. Never refused. While resumed tasks wait, they alternate with
+  /// the other tasks of their client and class. `cost`: remaining cost; `origin`: the class in which the work was submitted.
   TaskId resume(Job job, Priority priority = Priority::kRealtime, double cost = 0,
                 std::optional<Priority> origin = std::nullopt, const Flow& flow = {}, Used used = {});
-  /// A task is of this class from now on, queued or running, or of the most urgent one that is left to it (Longest).
-  /// Nothing happens when it is neither, or of that class already. True: it is queued, and takes the turn of this flow
-  /// there instead of the one that it had.
+  /// Moves a queued or running task to this class. If a running task's time in that class is used up (Longest), it moves to
+  /// the next class instead. Does nothing if the task has ended or already has this class. Returns true if the task is queued;
+  /// it then takes the turn of this flow instead of its old one.
   bool reclassify(TaskId task, Priority priority, const Flow& flow = {});
-  /// Another client waits for the task, too, in the same class. True: it is queued, and takes the turn of this flow, because
-  /// that comes sooner.
+  /// Another client in the same class also waits for the task. If the task is queued and this flow's turn comes sooner, the
+  /// task takes that turn, and the function returns true.
   bool hasten(TaskId task, const Flow& flow);
-  /// Another client waits for the task, too: that the first one is over its processor rate holds it up no longer.
+  /// Another client also waits for the task. From now on, the task runs even if its first client exceeds its processor rate.
   void share(TaskId task);
-  /// A task that is queued does not run. False where it is not: it has begun, or was resumed.
+  /// Removes a queued task, so that it never runs. Returns false if it has begun or was resumed.
   bool withdraw(TaskId task);
-  /// The same for a task that was resumed. The caller must end the work that the task was to continue.
+  /// As above, but for a resumed task. The caller must end the work that the task would have continued.
   bool withdraw_resumed(TaskId task);
-  /// A background task that runs ends at its next poll (kOverloaded): more urgent ones need what it holds. False where it
-  /// does not run, or is more urgent.
+  /// Ends a running background task at its next poll (kOverloaded), because more urgent tasks need what it holds. Returns
+  /// false if the task does not run or is more urgent.
   bool give_up(TaskId task);
-  /// So many seconds were used for a flow, and its account.
+  /// Charges a flow and its account for the seconds used.
   void charge(Priority priority, const Flow& flow, double seconds);
 
-  /// Of the job that the calling thread runs, for its Execution; null on other threads.
+  // The following functions concern the job that the calling thread runs.
+
+  /// Returns the job's turn, for its Execution; null on other threads.
   static Turn* turn();
-  /// What the job that the calling thread runs has used is charged by now.
+  /// Charges everything that the job has used so far.
   static void charge_by_now();
-  /// The job that the calling thread runs stands still no longer when this is stopped or past its deadline: its poll says so.
+  /// Tells the pool the job's stop token and deadline. A job that stands still continues when it is stopped or past its
+  /// deadline, so that its poll can end it.
   static void stands_still_while_wanted(const Execution& execution);
-  /// The job that the calling thread runs should stand still at its next poll, or does.
+  /// Returns whether the job stands still, or should do so at its next poll.
   static bool stands_back();
-  /// Seconds for which the job that the calling thread runs was made to stand still, by now.
+  /// Returns for how many seconds the job has stood still so far.
   static double paused_seconds();
-  /// Processor seconds that went into it in other processes (Turn::spent_elsewhere), by now.
+  /// Returns how many processor seconds other processes have used for the job so far (Turn::spent_elsewhere).
   static double seconds_elsewhere();
 
-  /// What a job that runs turned out to cost, for predictions of the wait. Nothing happens when it does not
-  /// run.
+  /// Updates the cost of a running job, for predictions of the wait. Does nothing if the task does not run.
   void revise(TaskId task, double cost);
 
-  /// How many tasks go before each of these, as things are; nothing for one that is not queued, and for all of them
-  /// while more than kMostPlaced wait: everybody waits for the lock meanwhile.
+  /// Returns how many tasks currently go before each of these; nothing for a task that is not queued. If more than kMostPlaced
+  /// tasks wait, returns nothing for all of them, because the lock would be held for too long.
   std::vector<std::optional<std::size_t>> positions(const std::vector<TaskId>& tasks) const;
   static constexpr std::size_t kMostPlaced = 1000;
 
-  /// This flow has as many tasks waiting as it may: max_queue if no other waits, else its part of twice as many
-  /// (FairShare). A first one is taken up to four times as many, so that there is room for whoever comes next. Background tasks are counted for themselves: they may wait for
-  /// long, and nobody else is turned away for them.
+  /// Returns whether this flow already has as many waiting tasks as it may have. The limit is max_queue if no other flow
+  /// waits, and otherwise the flow's part of 2 * max_queue (FairShare). A flow's first task is accepted while fewer than
+  /// 4 * max_queue tasks wait, so that there is room for newcomers. Background tasks are counted separately: they may wait for
+  /// a long time, and must not cause other tasks to be refused.
   bool full(Priority priority, const Flow& flow = {}) const;
 
-  /// How long a new job of this class, flow and cost would be queued or stand still: what is computed before its end, at the
-  /// pace of each client that was measured so far.
+  /// Returns how long a new job of this class, flow and cost would be queued or stand still. This is the time of all other
+  /// work computed before it ends, at the measured pace of each client.
   std::chrono::duration<double> predicted_wait(Priority priority, const Flow& flow = {},
                                                double cost = 0) const;
-  /// How long all work of this class and of more urgent ones that has come would take: for whoever has used more than
-  /// everybody else, and so for the need of further servers.
+  /// Returns how long all waiting and running work of this class and of more urgent ones would take. This is the wait of the
+  /// client that has used the most time, and it shows whether more servers are needed.
   std::chrono::duration<double> backlog(Priority priority) const;
-  /// The seconds that a job of this client and cost should take, by the same measure.
+  /// Returns how many seconds a job of this client and cost should take, at the client's measured pace.
   std::chrono::duration<double> predicted_run(const std::string& client, double cost) const;
 
-  /// Work of this client and cost took so many seconds of one thread, over all the jobs it was divided into.
+  /// Records how many seconds on one thread work of this client and cost took, summed over all its jobs.
   void measured(const std::string& client, double cost, double seconds);
 
-  /// Returns when nothing is queued and nothing runs.
+  /// Blocks until nothing is queued and nothing runs.
   void wait_idle();
 
   int threads() const { return static_cast<int>(thread_count_); }
   std::size_t queued() const;
   std::size_t running() const;
-  /// Jobs that stand still for more urgent ones, now.
+  /// Returns how many jobs currently stand still.
   std::size_t paused() const;
-  /// Jobs that threw, though they must not.
+  /// Returns how many jobs have thrown, although they must not.
   std::uint64_t escaped() const { return escaped_; }
 
   static constexpr std::chrono::milliseconds kAging = FairQueue<int>::kAging;
-  /// A task stands still for one of a client that has used so much less; each computes for about twice that before
-  /// it is the other's turn.
+  /// A task stands still for another client's task if that client has used this much less time. Two such tasks alternate:
+  /// each computes for about twice this time.
   static constexpr std::chrono::milliseconds kQuantum{20};
-  /// But what takes no longer than this ends first, unless another client's is more urgent: so that when many clients ask for
-  /// more than there is, each of their short computations is not begun only to stand still for the next one.
+  /// A task that has used less time than this is stopped only for a more urgent task. Otherwise, under overload, the short
+  /// computations of many clients would each begin only to stand still for the next one.
   static constexpr std::chrono::milliseconds kShort{30};
-  /// A job stands still for others of its client for at most this long at once ...
+  /// Maximum length of one pause in which a job stands still for other jobs of its client.
   static constexpr std::chrono::milliseconds kLongestPause{250};
-  /// ... and then not again for so long.
+  /// After such a pause, the job is not asked to stand still again for this long.
   static constexpr std::chrono::milliseconds kLeastWork = kLongestPause / 4;
-  /// Tasks that have begun, those that stand still included. Beyond that, clients wait for one of them to end.
+  /// Maximum number of tasks that have begun, including those that stand still. Other tasks wait until one of them ends.
   static constexpr std::size_t kMostThreads = 128;
 
  private:
@@ -173,7 +178,7 @@ class WorkerPool {
     Job job;
     Used used;
     Priority origin;      ///< the class in which it was submitted
-    bool shared = false;  ///< others wait for it, too
+    bool shared = false;  ///< other clients also wait for it
   };
   class Running;
   using Queue = FairQueue<Task>;
@@ -182,39 +187,41 @@ class WorkerPool {
   void work();
   void run(Running& job, int threads);
   bool withdraw(TaskId task, std::optional<Task> (Queue::*remove)(std::uint64_t id));
-  // All of these with the lock.
+  // All functions from here on require the lock.
   bool is_idle() const { return running_.empty() && withdrawing_ == 0 && queue_.empty(); }
   std::size_t running_of(Priority priority) const;
-  /// Of a client which run and are of this class, or began there and are more urgent now.
+  /// Returns how many of the client's running tasks have this class, or began in it and are more urgent now.
   std::size_t places_of(const Client& client, Priority priority) const;
-  /// Jobs that compute, of this class and more urgent ones.
+  /// Returns how many jobs compute, in class `least` and in more urgent ones.
   std::size_t computing(Priority least = Priority::kBackground) const;
   bool computes(const Client& client) const;
   bool any_paused() const;
-  /// A client may have as many jobs of each class as may compute, the last of them are for realtime jobs alone; who is
-  /// away or stands still keeps its place.
+  /// Returns whether the client may begin another job of this class. A client has 3 * threads() places, and the last
+  /// threads() of them are for realtime jobs only. In each other class, it may have threads() jobs. A job that is away or
+  /// stands still keeps its place.
   bool has_place(const Client& client, Priority priority) const;
-  /// Its account is over its rate, and nobody else waits for it.
+  /// Returns whether the task must wait because its account exceeds its processor rate and no other client waits for it.
   bool is_held(const Flow& flow, bool shared) const;
-  /// There is a thread for one more, or one can be started.
+  /// Returns whether there is a thread for one more task, after trying to start one if necessary.
   bool has_thread();
-  /// Who computes, begins and stands still, as things are. After every change.
+  /// Decides which tasks compute, begin and stand still. Must be called after every change.
   void schedule() noexcept;
   void decide();
   void begin(const Queue::Next& next);
-  /// How much less another client must have used, in what that counts as.
+  /// Returns how much less time another client must have used before its task displaces this job. The result is in weighted
+  /// seconds (FairQueue::cost_of).
   static double quantum(const Running& job);
-  /// Seconds that the tasks of a client and class should still take, queued ones included.
+  /// Returns the seconds that the queued and running tasks of a client and class should still take.
   double left_of(const Client& client, Priority priority) const;
-  /// Fewer tasks of this class and of more urgent ones than there are processors.
+  /// Returns whether this class and more urgent ones have fewer tasks than there are processors.
   bool has_idle_processors(Priority priority) const;
-  /// Tells those who compute whether they should stand still at their next poll.
+  /// Tells computing jobs whether they should stand still at their next poll.
   void ask(const std::vector<Queue::Next>& fresh, const std::vector<Running*>& paused);
-  /// A task that runs is of this class from now on, or of the one that is left to it.
+  /// Moves a running task to this class, or to the next one in which its time is not used up.
   void become(Running& job, Priority priority);
-  /// Those that were of their class for long enough are so no longer.
+  /// Moves running tasks whose time in their class is used up to the next class.
   void end_classes();
-  /// Those end that are too many.
+  /// Ends tasks of clients that have too many running in a class.
   void thin_out();
   void rest();
 
@@ -224,13 +231,13 @@ class WorkerPool {
   std::condition_variable wake_, idle_;
   Queue queue_;
   std::map<TaskId, Running*> running_;
-  std::deque<std::unique_ptr<Running>> begun_;  ///< that wait for their thread to wake
+  std::deque<std::unique_ptr<Running>> begun_;  ///< wait for their thread to wake up
   TaskId next_ = 1;
   std::size_t withdrawing_ = 0;  ///< tasks that were taken out of the queue and are being released
   std::size_t thread_count_ = 0, free_threads_ = 0;
-  double charged_ = 0;    ///< seconds since that was looked at
-  bool holds_ = false;    ///< something waits only because its client is over its rate ...
-  bool watches_ = false;  ///< ... and a free thread looks again soon
+  double charged_ = 0;    ///< seconds charged since schedule() was last called for them
+  bool holds_ = false;    ///< a task waits only because its client exceeds its rate
+  bool watches_ = false;  ///< a free thread checks such tasks again soon
   Pace pace_;
   std::atomic<std::uint64_t> escaped_{0};
   bool stopping_ = false;

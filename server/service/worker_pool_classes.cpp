@@ -1,4 +1,5 @@
-// The classes of tasks that run: how long a task keeps its class, and which tasks end for more urgent ones.
+// The classes of running tasks: how long a task keeps its class, and which tasks end because more urgent ones need their
+// threads.
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -28,7 +29,7 @@ void WorkerPool::thin_out() {
         return &job.second->client == &client && counts(*job.second);
       }));
     };
-    // The latest first. No more of the others begin than may run.
+    // The latest tasks end first. Tasks that began in these classes never exceed the limit on their own.
     for (auto at = running_.rbegin(); at != running_.rend(); ++at) {
       Running& job = *at->second;
       if (!counts(job) || job.began >= least || count_of(job.client) <= most) continue;
@@ -39,7 +40,7 @@ void WorkerPool::thin_out() {
 }
 
 void WorkerPool::end_classes() {
-  if (queue_.empty() && !any_paused()) return;  // nobody waits
+  if (queue_.empty() && !any_paused()) return;  // no task waits
   const Clock::time_point now = Clock::now();
   for (const auto& [id, job] : running_)
     if (job->class_ends() <= now) become(*job, job->priority);

@@ -1,4 +1,5 @@
-// What the pool says of itself: how much waits, how long a new task would, and what it learns that from.
+// The pool's statistics and predictions: how much work waits, how long a new task would wait, and the measurements behind
+// these predictions.
 #include <algorithm>
 #include <utility>
 
@@ -15,7 +16,7 @@ std::vector<std::optional<std::size_t>> WorkerPool::positions(const std::vector<
   const std::size_t queued = queue_.size();
   if (queued > kMostPlaced) return positions;
   constexpr std::size_t kAsHashed =
-      64;  // bytes: to find the place of a task takes as long as hashing so many
+      64;  // bytes: finding a task's position takes as long as hashing this many
   count_bulk(kAsHashed * queued);
   std::vector<std::pair<TaskId, std::size_t>> asked;
   for (std::size_t k = 0; k < tasks.size(); ++k) asked.emplace_back(tasks[k], k);
@@ -40,11 +41,11 @@ bool WorkerPool::full(Priority priority, const Flow& flow) const {
     own += queue_.size_of(flow.name, counted);
     others += queue_.others_than(flow.name, counted);
   }
-  // An idle worker, or one that stands back, takes the job at once: such a job does not count as queued.
+  // A job does not count as queued if an idle thread, or one whose job can stand back, takes it at once.
   const std::size_t idle = thread_count_ - std::min(thread_count_, ahead);
   if (waiting < idle) return false;
   waiting -= idle;
-  if (own == 0) return waiting >= 4 * max_queue_;  // a first one, though those with more have all of theirs
+  if (own == 0) return waiting >= 4 * max_queue_;  // a flow's first task, even if the others use all theirs
   own -= std::min(own, idle);
   return !FairShare{2 * max_queue_, max_queue_}.allows(own + 1, waiting + 1, others, false);
 }

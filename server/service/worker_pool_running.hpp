@@ -1,4 +1,4 @@
-// A job of the worker pool on its thread: for the files of the pool.
+// A running job of the worker pool. Only the pool's own files include this header.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace fracture {
 
 using Seconds = std::chrono::duration<double>;
 
-/// A job on its thread. Everything that is not said to be otherwise is guarded by the pool's mutex.
+/// A job that runs on its thread. The pool's mutex guards all members, unless stated otherwise.
 class WorkerPool::Running final : public Turn {
  public:
   Running(WorkerPool& its_pool, Client& its_client, Priority its_priority, Priority its_place)
@@ -24,16 +24,16 @@ class WorkerPool::Running final : public Turn {
 
   void give_way() override {
     if (of_this_thread == this) tick();
-    // All threads of a job stand still, also those that poll when the first of them has made room already.
+    // All threads of a job stand still, even those that poll after the first one has made room.
     if (!concerns_it()) return;
     std::unique_lock lock(pool.mutex_);
     end_if_too_many();
     if (away || (!paused && !asked)) return;
     if (!paused) stop();
-    // Every thread of the job waits here; whoever lets it go on lets all of them.
+    // Every thread of the job waits here. They all continue together.
     while (paused && !must_end && !unwanted()) {
       go_on.wait_for(lock, kLook);
-      pool.schedule();  // it may have stood still for long enough, or its client may be within its rate again
+      pool.schedule();  // it may have stood still long enough, or its client may be within its rate again
     }
     end_if_too_many();
   }
@@ -54,7 +54,7 @@ class WorkerPool::Running final : public Turn {
     return priority == Priority::kRealtime;
   }
 
-  /// What it has used is charged. On its own thread, without the lock.
+  /// Charges what the job has used since the last call. Must be called on the job's own thread, without the lock.
   void charge() {
     const double now = processor_seconds_of_this_thread() + elsewhere;
     const double used = now - std::exchange(charged, now);
@@ -69,7 +69,7 @@ class WorkerPool::Running final : public Turn {
         task.used(used);
       else
         pool.charge(priority_of_charge(), task.flow, used);
-    } catch (const std::bad_alloc&) {  // no memory to remember the client in: it is not charged
+    } catch (const std::bad_alloc&) {  // without memory to store the client, it is not charged
     }
   }
 
@@ -81,7 +81,7 @@ class WorkerPool::Running final : public Turn {
     return paused ? now - paused_since : Clock::duration(0);
   }
 
-  /// When it is of its class no longer, if nothing changes.
+  /// Returns when the job will leave its class if nothing changes.
   Clock::time_point class_ends() const {
     const auto of = static_cast<std::size_t>(priority);
     return priority == Priority::kBackground ? Clock::time_point::max()
@@ -107,27 +107,28 @@ class WorkerPool::Running final : public Turn {
   Client& client;
   Task task{};
   Priority priority;
-  const Priority began;  ///< the class whose place it has
+  const Priority began;  ///< the class in which it occupies a place
   const Clock::time_point start = Clock::now();
-  std::atomic<bool> asked{false}, paused{false}, must_end{false};  // read at every poll, without the lock
+  std::atomic<bool> asked{false}, paused{false}, must_end{false};  // polls read them without the lock
   std::condition_variable go_on{};
-  Clock::time_point since = start;         // it is of its class
-  std::array<Clock::duration, 3> spent{};  // in each class, before that
+  Clock::time_point since = start;         // when it entered its class
+  std::array<Clock::duration, 3> spent{};  // time in each class, before `since`
   bool away = false;
   Clock::time_point paused_since{}, works_until{}, used_at{};
   Clock::duration paused_for{};
-  double used_by_now = 0;  ///< processor seconds that were charged
+  double used_by_now = 0;  ///< processor seconds charged so far
   StopToken stop_token{};
   std::optional<Clock::time_point> deadline{};
-  // Of the job's own thread alone.
-  double elsewhere = 0;  ///< processor seconds of other processes
-  double charged = 0;    ///< of its thread and elsewhere, by now
+  // Only the job's own thread uses these.
+  double elsewhere = 0;  ///< processor seconds in other processes
+  double charged = 0;    ///< clock reading at the last charge(): seconds of the thread and elsewhere
   Clock::time_point next_tick{};
 
   static thread_local Running* of_this_thread;
 
  private:
-  /// Between two looks at the clock of the processor; and of one that stands still at whether it is wanted.
+  /// kTick: time between two readings of the processor clock. kLook: how often a job that stands still checks whether it is
+  /// still wanted.
   static constexpr std::chrono::milliseconds kTick{4}, kLook{25};
 
   bool concerns_it() const {

@@ -7,10 +7,10 @@
 namespace fracture::tenants {
 namespace {
 
-/// What was not used of so many seconds may be used at once.
+/// Seconds. Processor time that was not used within this window may be used at once.
 constexpr double kProcessorWindow = 10;
 
-/// Requests that may come at once, and the seconds after which as many more may.
+/// burst_of(): how many requests may come at once. window_of(): after how many seconds the same number may come again.
 double burst_of(double rate) { return std::max(1.0, std::floor(rate)); }
 double window_of(double rate) { return std::max(1.0, std::ceil(burst_of(rate) / rate)); }
 
@@ -94,7 +94,7 @@ std::vector<std::pair<std::string, std::string>> Account::rate_fields(Clock::tim
   };
   if (const auto rate = shares_.requests_per_second)
     add("requests", burst_of(*rate), window_of(*rate), requests_.level(), *rate);
-  if (const auto rate = shares_.cores)  // both in milliseconds: the fields hold whole numbers
+  if (const auto rate = shares_.cores)  // in milliseconds, because the fields contain whole numbers
     add("processor-ms", std::ceil(1000 * *rate * kProcessorWindow), kProcessorWindow,
         1000 * processor_.level(), 1000 * *rate);
   if (policy.empty()) return {};

@@ -1,5 +1,4 @@
-// What one name has used and may still use, while the server runs. Outlives a reload of the token file: who
-// is over its share is not forgiven by one.
+// Tracks how much one name has used and may still use while the server runs. A reload of the token file does not reset it.
 #pragma once
 
 #include <atomic>
@@ -23,26 +22,26 @@ class Account : public std::enable_shared_from_this<Account> {
  public:
   using Clock = Bucket::Clock;
 
-  /// `isolated`: sees only what it made or uploaded itself.
+  /// `isolated`: the name sees only what it has made or uploaded itself.
   Account(Tenant tenant, bool isolated);
-  /// What the file says now.
+  /// Applies the settings of a reloaded file.
   void configure(Tenant tenant, bool isolated);
 
   const std::string& name() const { return name_; }
   Scopes scopes() const;
   Shares shares() const;
-  /// Whose the things are that it makes: its name, or nothing in particular where all names share.
+  /// Returns the owner of everything that this name makes: its name, or "" if all names share everything.
   std::string owner() const;
-  /// May it see what belongs to `owner`?
+  /// Returns whether this name may see what belongs to `owner`.
   bool sees(const std::string& owner) const;
 
-  /// Counts a request. kOverShare over the share.
+  /// Counts a request. Returns kOverShare if the name exceeds its request rate.
   std::optional<Error> request(Clock::time_point now = Clock::now());
-  /// RateLimit and RateLimit-Policy (draft-ietf-httpapi-ratelimit-headers), for an answer to it: what is left
-  /// of the shares that have a limit.
+  /// Returns the header fields RateLimit and RateLimit-Policy (draft-ietf-httpapi-ratelimit-headers) for a response to this
+  /// name. They say how much is left of its limited rates.
   std::vector<std::pair<std::string, std::string>> rate_fields(Clock::time_point now = Clock::now());
 
-  /// A computation of this name, queued or running, from its construction to its destruction.
+  /// Counts as one queued or running computation of this name while it lives.
   class Seat {
    public:
     Seat() = default;
@@ -60,11 +59,11 @@ class Account : public std::enable_shared_from_this<Account> {
    private:
     std::shared_ptr<Account> account_;
   };
-  /// kOverShare over the share.
+  /// Begins a computation. Returns kOverShare if the name exceeds its processor rate or its number of computations.
   Expected<Seat> begin_computation(Clock::time_point now = Clock::now());
-  /// It has used more processor time than it may by now: what it asked for stands still.
+  /// Returns whether the name currently exceeds its processor rate. Its computations stand still in that case.
   bool is_over_processor_rate(Clock::time_point now = Clock::now());
-  /// Processor seconds that were spent for this name, all threads together.
+  /// Charges this name for processor seconds, summed over all threads.
   void charge(double processor_seconds, Clock::time_point now = Clock::now());
   void count_answer(std::uint64_t bytes_in, std::uint64_t bytes_out);
 

@@ -36,7 +36,7 @@ Accounts::Found Accounts::find(std::string_view token) const {
     }
     const TokenFile::Match match = file->find(token);
     const std::lock_guard lock(mutex_);
-    if (file != file_) continue;  // another file took its place meanwhile: that one decides
+    if (file != file_) continue;  // the file was replaced in the meantime, so the new one decides
     if (!match.tenant) return {};
     return {accounts_.at(match.tenant->name), match.token->expires};
   }

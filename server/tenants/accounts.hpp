@@ -1,5 +1,4 @@
-// Every name's account, under the token file that is in force; another file can take its place while requests
-// are answered.
+// The accounts of all names in the current token file. The file can be replaced while requests are being answered.
 #pragma once
 
 #include <map>
@@ -19,19 +18,20 @@ class Accounts {
  public:
   explicit Accounts(TokenFile file) { replace(std::move(file)); }
 
-  /// From now on this file decides. Names that stay keep their accounts and what those have used.
+  /// Replaces the token file. Names that are still in the file keep their accounts and their used amounts.
   void replace(TokenFile file);
 
-  /// Nobody is asked for a token.
+  /// Returns whether the server asks nobody for a token.
   bool open() const;
 
   struct Found {
-    std::shared_ptr<Account> account;  ///< null: nobody's token
+    std::shared_ptr<Account> account;  ///< null: the token is unknown
     std::optional<std::chrono::sys_seconds> expires;
   };
   Found find(std::string_view token) const;
 
-  /// By name. Accounts of names that the file no longer has are among them while something uses them.
+  /// Returns all accounts in the order of their names. An account whose name is no longer in the file is included while it is
+  /// in use.
   std::vector<std::shared_ptr<Account>> all() const;
 
  private:

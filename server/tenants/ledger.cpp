@@ -55,7 +55,7 @@ std::uint64_t AnswerLedger::held_bytes() const {
   return entries_ * kBytesPerEntry;
 }
 
-/// And the name with its last one.
+/// Removes the owner's least recently used answer, and the owner with its last answer.
 void AnswerLedger::drop_last(Owners::iterator owner, std::vector<std::string>& nobodys) {
   Owned& owned = owner->second;
   Entry& last = owned.entries.back();

@@ -1,5 +1,5 @@
-// Which name has made which answer. The address of an answer is a digest that others can learn or work out;
-// it opens the answer only to names that stand here.
+// Records which names have made which answers. An answer's address is a digest that others can learn or compute, so only the
+// names recorded here may fetch the answer.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +14,24 @@
 
 namespace fracture::tenants {
 
-/// Thread-safe. Takes `capacity` bytes at most: where it is full, names forget their least recently used
-/// answers, whoever has most of them first.
+/// Thread-safe. Takes at most `capacity` bytes. If it is full, the name with the most answers loses its least recently used
+/// one.
 class AnswerLedger {
  public:
-  /// What an entry takes (measured: tests/server/tenants/tenant_account_test.cpp).
+  /// Bytes that an entry takes (measured in tests/server/tenants/tenant_account_test.cpp).
   static constexpr std::uint64_t kBytesPerEntry = 512;
 
   explicit AnswerLedger(std::uint64_t capacity) : capacity_(capacity) {}
 
-  /// `owner` made the answer, or was given it. Its least recently used ones leave while all of them together
-  /// have more than `limit` bytes, this one too where it alone does. Returns what nobody has any more.
+  /// Records that `owner` has made or received the answer. If the owner's answers exceed `limit` bytes, the least recently
+  /// used ones are removed. If the new answer alone exceeds the limit, it is also removed. Returns the keys that no name has
+  /// any more.
   std::vector<std::string> add(const std::string& owner, const std::string& key, std::uint64_t bytes,
                                std::uint64_t limit);
-  /// A use.
+  /// Returns whether `owner` has the answer. Counts as a use.
   bool has(const std::string& owner, const std::string& key);
   std::uint64_t bytes_of(const std::string& owner) const;
-  /// Of the ledger itself.
+  /// Returns the memory that the ledger itself takes.
   std::uint64_t held_bytes() const;
 
  private:
@@ -48,8 +49,8 @@ class AnswerLedger {
 
   const std::uint64_t capacity_;
   mutable std::mutex mutex_;
-  Owners owned_;                                           // none without entries
-  std::unordered_map<std::string, std::uint32_t> owners_;  // how many, by key
+  Owners owned_;                                           // contains only owners with entries
+  std::unordered_map<std::string, std::uint32_t> owners_;  // number of owners by key
   std::uint64_t entries_ = 0;
 };
 

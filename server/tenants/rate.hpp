@@ -1,5 +1,5 @@
-// A token bucket (Turner 1986, "New directions in communications"): so much a second on average, and what was
-// not used of some seconds at once.
+// A token bucket (Turner 1986, "New directions in communications"). It limits the average rate, but allows the unused amount
+// of the last seconds to be used at once.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,12 @@
 
 namespace fracture::tenants {
 
-/// Not thread-safe. Starts full. The level may fall below zero, where what was taken is only known
-/// afterwards.
+/// Not thread-safe. Starts full. The level may fall below zero, because some amounts are known only afterwards.
 class Bucket {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Refills up to `now`. A new rate or capacity holds from then on.
+  /// Refills the bucket up to `now`. A new rate or capacity applies from then on.
   void advance(double rate, double capacity, Clock::time_point now) {
     if (begun_ && now > last_) level_ += rate * std::chrono::duration<double>(now - last_).count();
     level_ = begun_ ? std::min(level_, capacity) : capacity;
@@ -24,7 +23,7 @@ class Bucket {
   }
   double level() const { return level_; }
   void take(double amount) { level_ -= amount; }
-  /// How long until the level is `wanted`.
+  /// Returns how long it takes until the level is `wanted`.
   std::chrono::duration<double> until(double wanted, double rate) const {
     return std::chrono::duration<double>(std::max(0.0, wanted - level_) / rate);
   }

@@ -1,4 +1,4 @@
-// One name of the token file: what it may ask, how much of the server is its own.
+// A name in the token file: what it may request, and how much of the server it may use.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 namespace fracture::tenants {
 
 enum class Scope : std::uint8_t {
-  kRead = 1,      ///< GET and HEAD of what the name has made or uploaded
-  kFracture = 2,  ///< store and delete meshes, fracture while the client waits
-  kBake = 4,      ///< store and delete meshes, start and cancel jobs
+  kRead = 1,      ///< GET and HEAD answers that the name has made, and meshes that it has uploaded
+  kFracture = 2,  ///< store and delete meshes, and fracture while the client waits
+  kBake = 4,      ///< store and delete meshes, and start and cancel jobs
   kAdmin = 8,     ///< see and delete what other names have made
 };
 
@@ -32,29 +32,29 @@ class Scopes {
   std::uint8_t bits_ = 0;
 };
 
-/// What one name may take at most. Left out of the file: the server's own limits alone.
+/// The limits of one name. If the file leaves a limit out, only the server's own limits apply.
 struct Shares {
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
   std::optional<double> requests_per_second;
-  /// Processor seconds a second, measured, over some ten seconds.
+  /// Measured processor seconds per second, averaged over about ten seconds.
   std::optional<double> cores;
   std::uint64_t computations = kNoLimit;  ///< queued and running at the same time
-  /// Of meshes in memory, of which the least recently used leave for new ones; and, for itself, of jobs on the disk.
+  /// Limit on stored meshes in memory, where the least recently used ones are evicted; also a separate limit on jobs on disk.
   std::uint64_t stored_bytes = kNoLimit;
-  std::uint64_t cached_bytes = kNoLimit;  ///< of answers that the name can fetch again
-  bool realtime = true;                   ///< false: what asks for realtime is done as batch
-  double weight = 1;                      ///< of its turn in the queue, beside the others'
+  std::uint64_t cached_bytes = kNoLimit;  ///< limit on answers that the name can fetch again
+  bool realtime = true;                   ///< false: realtime requests run as batch work
+  double weight = 1;                      ///< weight in the queue, relative to other names
 };
 
 struct Token {
-  std::array<std::uint8_t, 32> digest{};              ///< SHA-256 of the token, which itself is nowhere
-  std::optional<std::chrono::sys_seconds> expires{};  ///< seconds reach beyond 2262, nanoseconds do not
+  std::array<std::uint8_t, 32> digest{};  ///< SHA-256 of the token; the token itself is not stored
+  std::optional<std::chrono::sys_seconds> expires{};  ///< in seconds, because nanoseconds end in 2262
 };
 
 struct Tenant {
   std::string name;
-  std::vector<Token> tokens;  ///< several, so that they can be exchanged without a gap
+  std::vector<Token> tokens;  ///< several, so that a token can be replaced without a gap
   Scopes scopes;
   Shares shares;
 };

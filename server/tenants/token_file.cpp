@@ -26,7 +26,7 @@ bool is_token(std::string_view s) {
 }  // namespace
 
 Expected<TokenFile> TokenFile::load(const std::string& path) {
-  // A pipe would keep whoever reads it on SIGHUP, who also waits for SIGTERM.
+  // Reading a pipe could block the thread that handles SIGHUP, and this thread also handles SIGTERM.
   if (std::error_code gone; !std::filesystem::is_regular_file(path, gone))
     return fail(ErrorCode::kFileAccess, path + (gone ? " cannot be read" : " is not a regular file"));
   std::ifstream file(path, std::ios::binary);
@@ -85,7 +85,7 @@ Expected<TokenFile> TokenFile::parse_lines(std::string_view text) {
 TokenFile::Match TokenFile::find(std::string_view given) const {
   const Digest digest = sha256(given);
   Match match;
-  for (const Tenant& tenant : tenants_)  // to the end, whichever matches
+  for (const Tenant& tenant : tenants_)  // does not stop at a match, so that timing reveals nothing
     for (const Token& token : tenant.tokens)
       if (CRYPTO_memcmp(token.digest.data(), digest.bytes.data(), digest.bytes.size()) == 0)
         match = {&tenant, &token};

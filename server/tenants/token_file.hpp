@@ -1,6 +1,6 @@
-// The token file: who may ask (RFC 6750 bearer tokens). Two forms.
+// The token file, which lists the clients that may use the server (RFC 6750 bearer tokens). It has two forms.
 //
-// A JSON object names tenants, each with a room of its own (tenant.hpp):
+// The first form is a JSON object with tenants, which are separated from each other (tenant.hpp):
 //
 //   {"tenants": [{
 //      "name": "studio",
@@ -11,11 +11,12 @@
 //      "priority": "realtime", "weight": 2}]}
 //
 // - `name`: at most 64 letters, digits and characters of ._-
-// - `tokens`: 1 to 8, so that one can be exchanged; `expires` may be left out.
+// - `tokens`: 1 to 8, so that a token can be replaced; `expires` is optional.
 // - `scopes`: at least one.
-// - The numbers may be left out: no limit, and a weight of 1. `priority` is "realtime" or "batch".
+// - The numbers are optional. Default: no limit, and a weight of 1.
+// - `priority`: "realtime" (the default) or "batch".
 //
-// Lines `name token` or `name token read-only` are the older, simpler form: the names share everything.
+// The second form is older and simpler: lines `name token` or `name token read-only`. These names share everything.
 #pragma once
 
 #include <chrono>
@@ -32,21 +33,22 @@ class TokenFile {
  public:
   static constexpr std::size_t kMaxBytes = 1u << 20, kMaxTenants = 1000, kMaxTokens = 8;
 
-  /// kFileAccess, kTooLarge, kBadParameter: one sentence that names the file and the place in it, never a token.
+  /// Read the file. Errors: kFileAccess, kTooLarge, kBadParameter, with a sentence that names the file and the place in it,
+  /// but never contains a token.
   static Expected<TokenFile> load(const std::string& path);
   static Expected<TokenFile> parse(std::string_view text);
 
   bool empty() const { return tenants_.empty(); }
   std::size_t size() const { return tenants_.size(); }
   const std::vector<Tenant>& tenants() const { return tenants_; }
-  /// Does each name see only what it made or uploaded itself?
+  /// Returns whether each name sees only what it has made or uploaded itself.
   bool isolated() const { return isolated_; }
 
   struct Match {
-    const Tenant* tenant = nullptr;  ///< null: nobody's
+    const Tenant* tenant = nullptr;  ///< null: the token is unknown
     const Token* token = nullptr;
   };
-  /// Compares with every token in constant time. Whether it has expired is for the caller to judge.
+  /// Finds a token. Compares it with every token in constant time. The caller must check whether it has expired.
   Match find(std::string_view token) const;
 
  private:
@@ -57,7 +59,7 @@ class TokenFile {
   bool isolated_ = false;
 };
 
-/// The moment of an RFC 3339 time in UTC without fractions ("2027-01-31T00:00:00Z"); nothing for other forms.
+/// Parses an RFC 3339 time in UTC without fractions ("2027-01-31T00:00:00Z"). Returns nothing for any other form.
 std::optional<std::chrono::sys_seconds> parse_utc(std::string_view text);
 
 }  // namespace fracture::tenants

@@ -1,5 +1,5 @@
-// The JSON form of the token file, read as strictly as a configuration of who may do what has to be: what is
-// not understood, or said twice, is an error and never ignored.
+// Parses the JSON form of the token file. It decides access rights, so parsing is strict: unknown or repeated members are
+// errors and never ignored.
 #include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What is wrong, with its place ("tenants[1].scopes"); thrown within this file only.
+/// An error and its place ("tenants[1].scopes"). Thrown only within this file.
 struct Wrong {
   std::string place, what;
 };
