@@ -181,9 +181,23 @@ std::uint64_t MeshStore::bytes_of_locked(const std::string& owner) const {
 
 bool MeshStore::can_free(std::uint64_t bytes) const {
   std::uint64_t sum = 0;
-  return std::any_of(entries_.rbegin(), entries_.rend(), [&](const Entry& entry) {
-    return entry.mesh.use_count() == 1 && (sum += entry.bytes) >= bytes;
-  });
+  for (auto at = index_.begin(); at != index_.end() && sum < bytes;) {
+    // Equal meshes of several owners share memory. It becomes free with the last of them.
+    const std::string& digest = at->first.first;
+    bool all_free = true;
+    std::uint64_t shared = 0;
+    for (; at != index_.end() && at->first.first == digest; ++at) {
+      const Entry& entry = *at->second;
+      const std::uint64_t own = entry.mesh->own_bytes();
+      shared = entry.mesh->shared_bytes();
+      if (entry.mesh.use_count() == 1)
+        sum += own;
+      else
+        all_free = false;
+    }
+    if (all_free) sum += shared;
+  }
+  return sum >= bytes;
 }
 
 bool MeshStore::remove_one_of_most() {

@@ -19,9 +19,10 @@
 
 namespace fracture {
 
+struct Nothing {};
+
 /// Thread-safe. Callbacks run without the lock, on the thread that lands the flight. `Common` is data that all waiters of a
 /// flight share; it must be thread-safe itself.
-struct Nothing {};
 template <class Value, class Common = Nothing>
 class SingleFlight {
  public:

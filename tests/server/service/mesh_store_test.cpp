@@ -113,5 +113,16 @@ TEST(MeshStore, AMeshThatIsHeldIsNotEvicted) {
   EXPECT_EQ(store.figures().evicted, 1u);
 }
 
+// Two owners store the same bytes, and a request uses the second one's mesh: to evict the first one's frees nothing.
+TEST(MeshStore, AMeshThatSharesItsBytesWithOneInUseIsNotEvictedForThem) {
+  MeshStore store({.quota_bytes = 60'000, .ttl = seconds(1000)});
+  EXPECT_EQ(store.put(stored_mesh("a", 40'000), {"first"}), Put::kCreated);
+  EXPECT_EQ(store.put(stored_mesh("a", 40'000), {"second"}), Put::kCreated);
+  const auto held = store.find("a", "second", MeshStore::Whose::kOwn);
+  EXPECT_EQ(store.put(stored_mesh("b", 30'000), {"third"}), Put::kNoRoom);
+  EXPECT_TRUE(store.find("a", "first", MeshStore::Whose::kOwn));
+  EXPECT_EQ(store.figures().evicted, 0u);
+}
+
 }  // namespace
 }  // namespace fracture
