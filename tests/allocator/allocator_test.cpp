@@ -29,7 +29,7 @@ std::uint64_t resident() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// Of this process's memory, the bytes in large pages.
+/// Bytes of this process's memory that lie in large pages.
 std::uint64_t in_large_pages() {
   std::ifstream rollup("/proc/self/smaps_rollup");
   std::string word;
@@ -39,14 +39,15 @@ std::uint64_t in_large_pages() {
   return kib * 1024;
 }
 
-/// Not where the system has none, or gives them to nobody who asks.
+/// Whether the system gives large pages to a program that asks for them.
 bool large_pages_on_request() {
   std::string modes;
   std::getline(std::ifstream(kLargePages), modes);
   return modes.find("[madvise]") != std::string::npos || modes.find("[always]") != std::string::npos;
 }
 
-/// Memory of kUsed, written, in blocks of half a page to 32 KiB, and freed again. What is resident before that.
+/// Allocates kUsed bytes in blocks of 2 KiB to 32 KiB, writes to them and frees them. Returns the resident
+/// bytes just before the blocks are freed.
 std::uint64_t use_and_free() {
   std::vector<std::unique_ptr<char[]>> blocks;
   std::uint64_t sum = 0;
@@ -76,9 +77,9 @@ Value setting(const char* name) {
   return value;
 }
 
-// A name that jemalloc does not know it ignores.
+// jemalloc ignores names of settings that it does not know.
 TEST_F(Allocator, ItsSettingsAreInForce) {
-  // Where the system knows nothing of large pages (gVisor, say), jemalloc asks for none.
+  // If the system has no large pages (for example gVisor), jemalloc asks for none.
   if (std::ifstream(kLargePages)) {
     EXPECT_STREQ(setting<const char*>("opt.thp"), "always");
   }
@@ -93,7 +94,8 @@ TEST_F(Allocator, ItsSettingsAreInForce) {
 
 TEST_F(Allocator, WhatWasFreedIsKeptAndUsedAgain) {
   const std::uint64_t once = use_and_free();
-  // On a slow machine not all of it: what is freed just after a purge may be taken for older than it is.
+  // On a slow machine not all memory is returned: jemalloc may treat memory freed just after a purge as older
+  // than it is.
   EXPECT_GE(free_memory(), 16 * kMiB);
   for (int k = 0; k < 5; ++k) EXPECT_LE(use_and_free(), once + 24 * kMiB) << "of 96 MiB used again";
 }
@@ -122,7 +124,7 @@ TEST_F(Allocator, PagesAreLarge) {
   const std::uint64_t before = in_large_pages();
   const auto block = std::make_unique_for_overwrite<char[]>(64 * kMiB);
   std::memset(block.get(), 1, 64 * kMiB);
-  EXPECT_GE(in_large_pages(), before + 16 * kMiB);  // as many as are free in one piece
+  EXPECT_GE(in_large_pages(), before + 16 * kMiB);  // only as many as are free in one piece
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ std::vector<std::string> with_defaults(std::vector<std::string> settings) {
   return settings;
 }
 
-/// Of "--memory 768MiB" or "2GiB".
+/// The value of --memory, such as "768MiB" or "2GiB", in bytes.
 std::uint64_t memory_of(const std::vector<std::string>& settings) {
   const auto at = std::find(settings.begin(), settings.end(), "--memory");
   const std::string value = at == settings.end() ? "768MiB" : *(at + 1);
@@ -137,7 +137,7 @@ double Neighbours::worst_wait() const {
 Siege::Siege(std::vector<std::string> settings)
     : server(with_defaults(settings)), memory(memory_of(settings)), peak_(server.pid()) {
   neighbours = std::make_unique<Neighbours>(server);
-  // The first of each asks before the attack begins.
+  // Each kind of neighbour gets its first answer before the attack begins.
   require_eventually(kPatience, "the neighbours to be served", [&] {
     if (neighbours->failed != 0) throw std::runtime_error(neighbours->first_failure());
     return neighbours->served > 0 && neighbours->probes > 1;
@@ -157,8 +157,8 @@ void Siege::attack(int attackers, int least, const std::function<int(const std::
         try {
           status = once(from, k * attackers + attacker);
         } catch (const std::runtime_error&) {
-          // Cut off, or the server is gone: the neighbours tell which.
-          // pause: who was cut off comes back, but not at once
+          // The attacker was cut off, or the server died; the neighbours tell which.
+          // pause: an attacker that was cut off returns, but not at once
           std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
         const std::lock_guard lock(mutex);

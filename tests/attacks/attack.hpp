@@ -1,7 +1,8 @@
-// A fresh server under attack: what it has resident is watched, and neighbours, who mean no harm, ask all the
-// while. Every attack is one row of a table that is printed at the end.
+// A new server under attack. Its resident memory is watched, and neighbours (clients that mean no harm) send
+// requests the whole time. Every attack is a row in a table that is printed at the end.
 //
-// FRACTURE_TEST_SERVER=PROGRAM runs the attacks against another build, one without the limit concerned, say.
+// FRACTURE_TEST_SERVER=PROGRAM runs the attacks against another build, for example one without the limit in
+// question.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,23 +22,24 @@
 
 namespace fracture::test {
 
-/// One line of the table; `before`: what the attack did to servers without the limit.
+/// Adds a row to the table. `before` describes the effect of the attack on servers without the limit.
 void report(const std::string& attack, const std::string& measured, const std::string& before);
 
-/// Neighbours have been served when they have had so many answers.
+/// An attack goes on until the neighbours have received this many further answers.
 inline constexpr int kServed = 12;
 
-/// Who breaks something in a game (a stored mesh, put again where it is forgotten, as the interface says),
-/// and who asks for /version and /livez. One connection at a time each, from 127.0.0.1. 503 with Retry-After
-/// is a refusal, which a server in little memory may give; everything else but 200 is a failure.
+/// Harmless clients: one fractures a stored mesh as a game does (it uploads the mesh again if the server has
+/// forgotten it, as the interface requires), another asks for /version and /livez. Each has one connection at
+/// a time, from 127.0.0.1. A 503 with Retry-After is a refusal, which a server with little memory may give;
+/// every other status except 200 is a failure.
 class Neighbours {
  public:
   explicit Neighbours(const ServeProcess& server);
   ~Neighbours();
   void stop();
   std::string first_failure() const;
-  /// The processor seconds of the server between a question and its answer, the worst: how long somebody
-  /// waits for others, whatever else the machine does.
+  /// The most processor seconds that the server used between a request and its answer. This tells how long a
+  /// client waits for others, whatever else the machine does.
   double worst_wait() const;
 
   std::atomic<int> served{0}, probes{0}, refused{0}, failed{0};
@@ -58,25 +60,25 @@ class Neighbours {
 
 class Siege {
  public:
-  /// `settings` beside --memory 768MiB, two import workers and a realtime deadline that no busy machine
+  /// `settings` are added to --memory 768MiB, two import workers and a realtime deadline that no busy machine
   /// reaches.
   explicit Siege(std::vector<std::string> settings = {});
 
-  /// Each of so many attackers, with addresses of their own (127.0.1.x), calls once(from, n) `least` times,
-  /// and goes on until the neighbours have been served; then all are gone. once: the status of the answer.
-  /// Being cut off (an exception) counts as 0.
+  /// Each attacker has its own address (127.0.1.x) and calls once(from, n) at least `least` times, until the
+  /// neighbours have been served. `once` returns the status of the answer. An exception means that the
+  /// attacker was cut off, and counts as status 0.
   void attack(int attackers, int least, const std::function<int(const std::string& from, int n)>& once);
-  /// What the attackers were answered, such as "400: 12, 503: 3".
+  /// The statuses that the attackers received, such as "400: 12, 503: 3".
   std::string answers() const;
 
   enum class Refusals { kAllowed, kNone };
-  /// Fails the test unless memory stayed within what the server may have, the neighbours were served without
-  /// a failure and the server ends as it should. Reports the row.
+  /// Fails the test unless memory stayed within the server's limit, the neighbours were served without a
+  /// failure, and the server ends as it should. Reports the row.
   void judge(const std::string& attack, const std::string& before, Refusals refusals = Refusals::kAllowed,
              const std::string& more = "");
 
   ServeProcess server;
-  const std::uint64_t memory;  ///< bytes that it may have resident
+  const std::uint64_t memory;  ///< bytes that the server may have resident
   std::map<int, int> statuses;
 
  private:

@@ -1,4 +1,4 @@
-// What attackers send: small on the wire, large when it is read.
+// Request bodies of attackers: small on the wire, large once they are read.
 #pragma once
 
 #include <string>
@@ -18,18 +18,19 @@ inline std::string many(const std::string& item, std::size_t count) {
   return text;
 }
 
-/// A cube with these parameters.
+/// A form with a cube and these parameters.
 inline std::string form_of(const std::string& params) {
   return "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.obj\r\n\r\n" + kCube +
          "\r\n--B\r\nContent-Disposition: form-data; name=params\r\n\r\n" + params + "\r\n--B--\r\n";
 }
 
-/// One name so many times, at last with a list so long.
+/// One name `times` times, followed by the same name with a list of `length` numbers.
 inline std::string repeated_parameters(std::size_t times, std::size_t length) {
   return form_of("{" + many("\"a\":0,", times) + "\"a\":[0" + many(",0", length) + "]}");
 }
 
-/// A tetrahedron whose node has `more` members; equal but for `unique`.
+/// A tetrahedron whose node has the members `more`. Meshes with different `unique` differ only in that
+/// number.
 inline std::string gltf_with(const std::string& more, const std::string& material = "{}", int unique = 0) {
   return R"({"asset":{"version":"2.0","copyright":")" + std::to_string(unique) +
          R"("},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + more +
@@ -42,7 +43,7 @@ inline std::string gltf_with(const std::string& more, const std::string& materia
          R"("buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)"
          R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"}]})";
 }
-/// Of four triangles each: 900,000 of them.
+/// 900,000 instances of four triangles each.
 inline std::string gltf_of_many_instances(int unique) {
   return gltf_with(R"(,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":2}}})", "{}",
                    unique);

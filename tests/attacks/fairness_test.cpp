@@ -1,6 +1,6 @@
-// Waiting: nobody's turn comes later for what others ask, beyond their part. Counted where that says the same
-// as a time; the one rule that is a time (p99 within 1.5 times) is judged with FRACTURE_TEST_FULL, as a
-// quotient of medians over alternating rounds of one run.
+// Waiting times: the requests of others do not delay a client by more than their share. Tests compare counts
+// where a count says as much as a time. The only rule about time (p99 within 1.5 times) is judged with
+// FRACTURE_TEST_FULL, as a quotient of medians over alternating rounds of one run.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -31,7 +31,7 @@ double computed(const ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body)["fracture_results_computed_total"];
 }
 
-/// Threads that ask until the object goes.
+/// Threads that send requests until the object is destroyed.
 class Crowd {
  public:
   Crowd(int size, const std::function<void(int client, int n)>& once) {
@@ -41,7 +41,7 @@ class Crowd {
           try {
             once(client, n);
           } catch (const std::runtime_error&) {
-            // pause: who was cut off comes back, but not at once
+            // pause: a client that was cut off returns, but not at once
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
           }
         }
@@ -57,8 +57,8 @@ class Crowd {
   std::vector<std::thread> threads_;
 };
 
-// Forty addresses of one /64, which is one subscriber, fill the only thread's queue; somebody else asks ten
-// times.
+// Forty addresses in one /64, which count as one subscriber, fill the queue of the only thread. Another
+// client asks ten times.
 TEST(FairnessAttack, ManyAddressesOfOneSubscriber) {
   ServeProcess server({"--threads", "1", "--trusted-proxy", "127.0.0.0/8", "--memory", "2GiB"});
   constexpr int kClients = 40, kQuestions = 10;
@@ -94,7 +94,7 @@ TEST(FairnessAttack, ManyAddressesOfOneSubscriber) {
   server.signal(SIGTERM);
 }
 
-// One thread, on which a long batch job runs: it stands still for every collision.
+// A long batch job runs on the only thread, and pauses for every collision.
 TEST(FairnessAttack, RealtimeBesideALongBatchJob) {
   ServeProcess server({"--threads", "1", "--memory", "4GiB", "--realtime-deadline", "60"});
   const StoredMesh mesh(1);
@@ -122,13 +122,13 @@ TEST(FairnessAttack, RealtimeBesideALongBatchJob) {
   EXPECT_EQ(server.wait(), 0);
 }
 
-/// Requests that take long, each on a connection of its own, left when this goes.
+/// Long requests, each on its own connection. The destructor resets the connections.
 class Waiting {
  public:
   Waiting(const Siege& siege, int clients, bool one_address, int sites) {
     for (int k = 0; k < clients; ++k) {
       std::string mesh = kCube;
-      mesh.replace(0, 7, "v 0 0 -" + std::to_string(k + 1));  // another for each
+      mesh.replace(0, 7, "v 0 0 -" + std::to_string(k + 1));  // a different mesh for each
       connections_.push_back(std::make_unique<RawClient>(
           siege.server.port, one_address ? "127.0.1.1" : "127.0.1." + std::to_string(k + 1)));
       connections_.back()->send("POST /fracture?sites=" + std::to_string(sites) +
@@ -144,8 +144,8 @@ class Waiting {
   std::vector<std::unique_ptr<RawClient>> connections_;
 };
 
-// Found with this program: what is set aside for one request of 150 bytes was all the memory that
-// computations have.
+// This test once showed that the reservation for a single request of 150 bytes was all the memory for
+// computations.
 TEST(FairnessAttack, MemoryForComputations) {
   struct Case {
     const char* name;
@@ -162,7 +162,7 @@ TEST(FairnessAttack, MemoryForComputations) {
       std::unique_ptr<Waiting> waiting = std::make_unique<Waiting>(siege, c.clients, c.one_address, c.sites);
       EXPECT_TRUE(eventually(kPatience, "the neighbours", [&] {
         const auto m = parse_exposition(ask(siege.server.admin_port, "GET", "/metrics").body);
-        // Again, where all were done before the neighbours were.
+        // Repeats the requests if all ended before the neighbours were served.
         if (m.sum("fracture_memory_reserved_bytes", "part=\"working\"") == 0)
           waiting = std::make_unique<Waiting>(siege, c.clients, c.one_address, c.sites);
         return siege.neighbours->served >= end || siege.neighbours->refused > 0 ||
@@ -175,15 +175,15 @@ TEST(FairnessAttack, MemoryForComputations) {
   }
 }
 
-/// Processors that other programs of the machine may use while a time is judged.
+/// Number of processors that other programs on this machine may use while a time is judged.
 constexpr double kForeign = 0.25;
-/// What a name may feel of another, of its p99 alone.
+/// How much another name may increase the p99 of a name, as a quotient.
 constexpr double kMostQuotient = 1.5;
 constexpr int kTries = 3;
 
-/// What a name with its game sees, alone and beside another.
+/// The measurements of a name that plays a game, alone or with another name.
 struct Round {
-  std::vector<double> milliseconds, processor;  ///< of each question; the server's processor milliseconds
+  std::vector<double> milliseconds, processor;  ///< for each request; processor milliseconds of the server
   int failed = 0;
 };
 
@@ -212,13 +212,13 @@ struct TwoNames : testing::Test {
            (realtime ? "Priority: u=0\r\n" : "Priority: u=5\r\n") +
            "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   }
-  /// So many questions of the quiet name, forty a second.
+  /// Sends this number of requests by the quiet name, forty a second.
   Round quiet(int questions) {
     Round round;
     std::optional<RawClient> client;
     auto next = Clock::now();
     for (int k = 0; k < questions; ++k) {
-      std::this_thread::sleep_until(next);  // pause: forty questions a second are the load
+      std::this_thread::sleep_until(next);  // pause: forty requests a second are the load
       next = std::max(next + std::chrono::milliseconds(25), Clock::now());
       if (!client) client.emplace(server->port);
       const std::string text = request("quiet", 50, true);
@@ -233,7 +233,8 @@ struct TwoNames : testing::Test {
     }
     return round;
   }
-  /// Who asks for `rate` a second, whatever is answered (0: again as soon as it was); half of it realtime.
+  /// Clients that send `rate` requests a second regardless of the answers (0: the next as soon as the last is
+  /// answered). Half of the requests are realtime.
   std::unique_ptr<Crowd> others(int clients, double rate) {
     auto connections = std::make_shared<std::vector<std::unique_ptr<RawClient>>>(clients);
     return std::make_unique<Crowd>(clients, [this, connections, clients, rate](int client, int n) {
@@ -250,11 +251,11 @@ struct TwoNames : testing::Test {
     });
   }
 
-  /// Medians of the rounds' p99, alone and beside the others.
+  /// Medians of the rounds' p99, alone and with the others.
   struct Measured {
     double alone_ms, beside_ms, alone_processor, beside_processor;
     int failed;
-    double foreign;  ///< processors that other programs had
+    double foreign;  ///< number of processors that other programs used
     double quotient() const { return beside_ms / alone_ms; }
   };
   Measured measure(int clients, double rate, int rounds, int questions) {
@@ -284,20 +285,22 @@ struct TwoNames : testing::Test {
 
   void run(const std::string& attack, int clients, double rate, bool judge_time) {
     const int rounds = full_tests() ? 9 : 3, questions = full_tests() ? 400 : 60;
-    quiet(20);  // warm
+    quiet(20);  // warm-up
     Measured m = measure(clients, rate, rounds, questions);
     int failed = m.failed, tries = 1;
-    // What is too long is measured again: the pauses of the machine come elsewhere each time, those of the server do not.
+    // A measurement that is too long is repeated. The machine's own pauses vary between measurements; those
+    // of the server do not.
     for (; judge_time && full_tests() && m.quotient() > kMostQuotient && tries < kTries; ++tries) {
       const Measured again = measure(clients, rate, rounds, questions);
       failed += again.failed;
       if (again.quotient() < m.quotient()) m = again;
     }
     EXPECT_EQ(failed, 0);
-    // Both threads may be busy for as long as the answer takes, which is longer where others have the processors.
+    // Both threads may be busy for as long as the answer takes, and an answer takes longer while others use
+    // the processors.
     EXPECT_LE(m.beside_processor, 2 * kMostQuotient * m.alone_processor + 20 * (1 + m.foreign))
         << "processor milliseconds of the server, p99";
-    // A time says something where nobody else has the processors.
+    // A time is meaningful only if nobody else uses the processors.
     const bool judged = judge_time && full_tests() && m.foreign < kForeign;
     if (judged) {
       EXPECT_LE(m.quotient(), kMostQuotient) << "p99 of the quiet name, measured " << tries << " times";
@@ -329,8 +332,8 @@ TEST_F(TwoNames, OneAtTenTimesItsShare) {
   EXPECT_GT(greedy[200], 0);
 }
 
-// What remains when nothing but turns holds the other back: it may have all that is left, and nobody fails
-// for it.
+// Without shares, only turns hold the other name back: it may use all that is left, and no request of the
+// quiet name fails.
 TEST_F(TwoNames, OneWithoutAShare) {
   start(nlohmann::json::object());
   run("OneWithoutAShare", 10, 0, false);

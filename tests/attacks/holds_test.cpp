@@ -1,5 +1,5 @@
-// What refused and queued requests hold, and what jobs leave behind: never the last that others need, however many clients
-// hold a little.
+// The resources that refused and queued requests hold, and that jobs leave behind: however many clients hold
+// a little, the last of it is never taken from others.
 #include <array>
 #include <deque>
 
@@ -48,12 +48,13 @@ TEST(HoldsAttack, ConnectionsOfManyAddresses) {
   const int end = siege.neighbours->probes + 40;
   EXPECT_TRUE(eventually(kPatience, "the neighbours",
                          [&] { return siege.neighbours->probes >= end || siege.neighbours->failed > 0; }));
-  many.clear();  // else the server waits for the rest of their requests when it stops
+  many.clear();  // otherwise the server waits for the rest of their requests when it stops
   siege.judge("ConnectionsOfManyAddresses", "100 addresses that wait: 503 for everybody",
               Siege::Refusals::kNone);
 }
 
-/// Jobs of so many addresses until each is refused: how many were taken.
+/// Submits jobs from each address until one is refused, at most `most` of them. Returns how many were
+/// accepted.
 int fill_the_queue(const ServeProcess& server, int addresses, int most) {
   int taken = 0;
   for (int k = 0; k < addresses; ++k) {
@@ -75,7 +76,7 @@ TEST(HoldsAttack, QueuedJobs) {
   };
   for (const Case& c : {Case{"QueuedJobsOfTwo", 2, 400}, Case{"QueuedJobsOfMany", 120, 4}}) {
     Siege siege({"--threads", "1", "--memory", "2GiB", "--job-ttl", "5"});
-    // The only thread that computes is busy for long, so that all others wait.
+    // The only computing thread is busy for long, so all others wait.
     ASSERT_EQ(ask(siege.server.port, "POST", "/fracture?sites=8000&lloyd=50", kObj + kRespondAsync, kCube,
                   "127.0.3.1")
                   .status,

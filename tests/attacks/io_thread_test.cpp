@@ -1,5 +1,6 @@
-// Small requests that once kept the thread busy that everybody waits for: milliseconds for a few bytes, with no token and no
-// share to be charged to. Their work is done once, or on the pool; the thread's turns are counted by how long they take.
+// Small requests that once occupied the I/O thread, for which everybody waits. A few bytes cost milliseconds,
+// without a token or a share to charge. Now their work is done only once, or in the pool. The tests measure
+// how long each of the thread's turns takes.
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/server/support/exposition.hpp"
@@ -13,13 +14,13 @@ Exposition metrics_of(const ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
 }
 
-/// Of the turns of the io threads those that took ten times what one may (0.2 ms), in processor time.
+/// Number of the io threads' turns that took ten times the processor time allowed for one (0.2 ms).
 double long_turns(const ServeProcess& server) {
   const Exposition m = metrics_of(server);
   return m["fracture_io_turn_seconds_count"] - m["fracture_io_turn_seconds_bucket{le=\"0.002\"}"];
 }
 
-/// Runs the attack and judges it. Before the repair every request of it made one turn that was so long.
+/// Runs the attack and judges it. Before the fix, each of its requests caused such a long turn.
 void attack(Siege& siege, const std::string& name, const std::string& before, int attackers, int least,
             const std::function<int(const std::string& from, int n)>& once) {
   const double long_before = long_turns(siege.server);
@@ -27,7 +28,7 @@ void attack(Siege& siege, const std::string& name, const std::string& before, in
   int requests = 0;
   for (const auto& [status, count] : siege.statuses) requests += count;
   EXPECT_GE(requests, attackers * least);
-#ifndef FRACTURE_SANITIZED  // in which everything takes ten times as long
+#ifndef FRACTURE_SANITIZED  // Everything takes ten times as long there.
   EXPECT_LT(long_turns(siege.server) - long_before, 0.1 * requests) << siege.answers();
 #endif
   EXPECT_EQ(metrics_of(siege.server)["fracture_io_bulk_turns_total"], 0) << "more than kMostInTurn in a turn";

@@ -1,5 +1,6 @@
-// Long work of one client: as much as there are processors and import workers for, of each class. Others are answered
-// meanwhile, and that is counted: nothing of the long work has ended when all of theirs is answered.
+// Long work of one client, in each class, for all processors and import workers. Others are answered
+// meanwhile. The proof is a count: none of the long work has ended by the time all of their requests are
+// answered.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -23,13 +24,14 @@ Exposition figures(const ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
 }
 
-/// Requests that take longer than any test, each on a connection of its own, left when this goes.
+/// Requests that take longer than any test, each on its own connection. The destructor resets the
+/// connections.
 class LongWork {
  public:
   LongWork(const ServeProcess& server, int count, const std::string& target, const std::string& fields,
            const std::string& body = kCube) {
     for (int k = 0; k < count; ++k) {
-      const std::string mesh = body + "# " + std::to_string(k) + "\n";  // another for each
+      const std::string mesh = body + "# " + std::to_string(k) + "\n";  // a different mesh for each
       clients_.push_back(std::make_unique<RawClient>(server.port, kAttacker));
       clients_.back()->send("POST " + target + " HTTP/1.1\r\nHost: localhost\r\n" + kObj + fields +
                             "Content-Length: " + std::to_string(mesh.size()) + "\r\n\r\n" + mesh);
@@ -47,7 +49,7 @@ struct LongWorkAttack : testing::TestWithParam<std::string> {
   ServeProcess server{
       {"--threads", "2", "--import-workers", "2", "--memory", "4GiB", "--realtime-deadline", "60"}};
 
-  /// So many are answered, and nothing of the others was.
+  /// Sends the bystander's requests. Returns how many were answered, and expects that nothing else was.
   int answered(const std::string& fields) {
     int good = 0;
     const double before = figures(server)["fracture_results_computed_total"];
@@ -103,7 +105,8 @@ TEST_P(LongWorkAttack, Imports) {
 INSTANTIATE_TEST_SUITE_P(Classes, LongWorkAttack, testing::Values(kU0, kU3),
                          [](const auto& instance) { return instance.param == kU0 ? "Realtime" : "Batch"; });
 
-/// Of many small realtime requests, those answered between the question of a batch client and its answer.
+/// During a flood of small realtime requests, counts those that are answered between a batch client's request
+/// and its answer.
 TEST(RealtimeFlood, LeavesABatchClientItsShare) {
   ServeProcess server({"--threads", "2", "--memory", "4GiB"});
   std::atomic<bool> stop{false};
@@ -142,7 +145,7 @@ TEST(RealtimeFlood, LeavesABatchClientItsShare) {
   EXPECT_EQ(server.wait(), 0);
 }
 
-/// A name that may have a twentieth of a processor asks for hours of it at once.
+/// A name with a twentieth of a processor asks for hours of processor time at once.
 TEST(CoresOfAName, HoldWhileItComputes) {
   const TemporaryFolder folder;
   folder.write("tokens", tenant_file({tenant("greedy", {"read", "fracture", "bake"}, {{"cores", 0.05}}),

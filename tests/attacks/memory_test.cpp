@@ -1,5 +1,5 @@
-// Small requests that unfold, in little memory: what is resident stays within what the server may have,
-// others are served, and what was held is given back.
+// Small requests that expand, in a server with little memory. The resident memory stays within the server's
+// limit, others are served, and the memory is given back.
 #include <algorithm>
 #include <sstream>
 
@@ -16,13 +16,13 @@ namespace {
 struct Attack {
   const char* name;
   const char* before;
-  /// Sends one request of many, the n-th, to this port: its status.
+  /// Sends the n-th request to this port. Returns its status.
   std::function<int(std::uint16_t port, const std::string& from, int n)> send;
-  /// What a server with the limit may answer.
+  /// The statuses that a server with the limit may return.
   std::vector<int> allowed;
 };
 
-/// Every attacker sends bodies of its own, so that nobody saves the server work.
+/// Every attacker sends different bodies, so that no cache saves the server work.
 const Attack kAttacks[] = {
     {"RepeatedParameters",
      "1.2 to 2 GB, quadratic",
@@ -64,7 +64,7 @@ const Attack kAttacks[] = {
      {200, 413, 422, 429, 503, 504}},
 };
 
-/// Of an exposition what it says of memory.
+/// The lines of an exposition that describe memory.
 std::string memory_lines(const std::string& metrics) {
   std::istringstream lines(metrics);
   std::string some;
@@ -73,7 +73,7 @@ std::string memory_lines(const std::string& metrics) {
   return some;
 }
 
-/// Named in failures instead of as bytes.
+/// Prints the attack's name in failures, not its bytes.
 void PrintTo(const Attack& attack, std::ostream* out) { *out << attack.name; }
 
 struct MemoryAttack : testing::TestWithParam<Attack> {};
@@ -86,7 +86,7 @@ TEST_P(MemoryAttack, WhatIsResidentStaysWithinTheBudgetAndOthersAreServed) {
     EXPECT_TRUE(std::count(GetParam().allowed.begin(), GetParam().allowed.end(), status))
         << count << " times " << status;
   siege.neighbours->stop();
-  // At rest it holds no more than it says, beside what every server holds.
+  // At rest the server holds no more than it reports, in addition to what every server holds.
   std::string metrics;
   const auto at_rest = [&] {
     metrics = ask(siege.server.admin_port, "GET", "/metrics").body;

@@ -1,4 +1,4 @@
-// Faults and commands of every day, under load: a damaged cache file, signals, long jobs.
+// Everyday faults and commands under load: a damaged cache file, signals, long jobs.
 #include <signal.h>
 
 #include <map>
@@ -62,8 +62,8 @@ TEST(OperationsAttack, Hangup) {
               std::to_string(kTimes) + " signals");
 }
 
-// The importers are the first that a system short of memory ends: whoever posts meanwhile may be told so,
-// nobody of a bug.
+// A system that is short of memory kills importers first. A client that posts meanwhile may be told so, but
+// must not be told of a bug.
 TEST(OperationsAttack, KilledImporters) {
   Siege siege;
   std::map<int, int> statuses;
@@ -91,11 +91,11 @@ std::string state_of(const ServeProcess& server, const std::string& job) {
   return ask(server.port, "GET", job).json().value("state", "");
 }
 
-// Whatever a request may take, a job has its own time: it ends well after the deadlines of both classes have
-// passed.
+// A job has its own time limit, whatever a request may take: it ends well after the deadlines of both classes
+// have passed.
 TEST(OperationsAttack, LongJobs) {
   Siege siege({"--memory", "4GiB", "--deadline", "0.2", "--realtime-deadline", "0.2"});
-  siege.neighbours->stop();  // whose deadline that is, too
+  siege.neighbours->stop();  // these deadlines apply to them as well
   const int failed_before = siege.neighbours->failed;
   const Reply stored = ask(siege.server.port, "POST", "/meshes", kObj, kCube);
   const std::string id = stored.json().value("id", "");
@@ -125,8 +125,8 @@ TEST(OperationsAttack, LongJobs) {
               Siege::Refusals::kAllowed, "deadlines of 0.2 s, jobs: " + states);
 }
 
-// A job that runs when the server is told to stop is finished within the grace, and there for whoever asks
-// the next one.
+// A job that runs when the server is told to stop is finished within the grace period. The next server has
+// its result.
 TEST(OperationsAttack, DrainWithAJob) {
   const TemporaryFolder folder;
   const std::vector<std::string> settings = {"--memory", "4GiB",        "--grace",

@@ -1,4 +1,4 @@
-// Names and addresses that share a server: what each may have, and what the others see of it.
+// Names and addresses that share a server: the share of each, and the effect on the others.
 #include <algorithm>
 #include <map>
 
@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A server whose tokens are these; one without names gives everybody a line.
+/// A server with these tokens. A server program without shares gets a plain line for each token.
 struct TenantAttack : testing::Test {
   const TemporaryFolder folder;
   std::unique_ptr<ServeProcess> server;
@@ -29,7 +29,7 @@ struct TenantAttack : testing::Test {
   }
   void write(const std::vector<json>& tenants) {
     std::string text = tenant_file(tenants);
-    if (!knows_shares()) {  // which may know names without shares only
+    if (!knows_shares()) {  // an older program reads only plain lines
       text.clear();
       for (const json& each : tenants)
         text += each.at("name").get<std::string>() + " " + token_of(each.at("name")) + "\n";
@@ -73,7 +73,7 @@ TEST_F(TenantAttack, ComputationsAndBytesOverTheShare) {
   start({tenant("greedy", {"read", "fracture", "bake"},
                 {{"computations", 2}, {"stored_bytes", 100'000}, {"cached_bytes", 200'000}}),
          tenant("quiet")});
-  // Jobs that take long: the third is over the share.
+  // Long jobs. The third is over the share.
   int running = 0, refused = 0;
   std::vector<std::string> jobs;
   for (int k = 0; k < 6; ++k) {
@@ -141,7 +141,7 @@ TEST_F(TenantAttack, ComputationsThatSeveralWaitFor) {
   end();
 }
 
-// Reload under load: a name that was taken out is nobody at once, a broken file changes nothing, nobody else
+// Reloads under load: a removed name is refused at once, a broken file changes nothing, and no other client
 // notices.
 TEST_F(TenantAttack, ReloadUnderLoad) {
   start({tenant("ana"), tenant("bob")}, {"--log-format", "json"});
@@ -188,7 +188,7 @@ TEST_F(TenantAttack, ReloadUnderLoad) {
   end();
 }
 
-// -- a digest is no access token, straight and through proxies
+// -- a digest is not an access token, directly and through proxies
 
 struct TenantWay : TenantAttack, testing::WithParamInterface<std::string> {};
 

@@ -1,4 +1,5 @@
-// Clients that are slow, many or never content: what they hold and wait for is theirs alone.
+// Slow, numerous or insatiable clients: only they bear the cost of the resources that they hold and of their
+// waits.
 #include "common/digest/digest.hpp"
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
@@ -12,14 +13,15 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Seconds of processor that somebody may wait for others: a hundred times what a collision costs here.
+/// Processor seconds that a client may wait for others: a hundred times the cost of a collision here.
 constexpr double kLongestWait = 0.5;
 
 TEST(TransportAttack, AnnouncedBodies) {
   Siege siege({"--memory", "2GiB"});
   const auto limit =
       ask(siege.server.port, "GET", "/limits").json().value("max_body_bytes", std::uint64_t{64} << 20);
-  // Eight who announce as much as they may and send 17 KiB/s, while twenty collisions come with their meshes.
+  // Eight clients announce the largest body and send 17 KiB/s, while twenty collisions arrive with their
+  // meshes.
   std::atomic<bool> stop{false};
   std::vector<std::thread> slow;
   std::atomic<int> sending{0};
@@ -39,13 +41,13 @@ TEST(TransportAttack, AnnouncedBodies) {
           --sending;
           client.reset();
         } catch (const std::runtime_error&) {
-          // pause: who was cut off comes back, but not at once
+          // pause: a client that was cut off returns, but not at once
           std::this_thread::sleep_for(milliseconds(10));
         }
       }
     });
   EXPECT_TRUE(eventually(kPatience, "all of them to send", [&] { return sending == 8; }));
-  std::this_thread::sleep_for(milliseconds(300));  // pause: what they have sent by then is there
+  std::this_thread::sleep_for(milliseconds(300));  // pause: by then their bytes have arrived
   int posted = 0;
   for (int seed = 0; seed < 20; ++seed)
     posted += ask(siege.server.port, "POST", "/fracture?sites=4&seed=" + std::to_string(seed),
@@ -78,7 +80,7 @@ TEST(TransportAttack, HeadsOfFigures) {
   Siege siege({"--memory", "2GiB"});
   const Reply large = ask(siege.server.port, "POST", "/fracture?sites=5000", kObj, kCube);
   ASSERT_EQ(large.status, 200);
-  // What one costs the server, measured while nobody else asks for them.
+  // The cost of one such request for the server, measured while nobody else sends requests.
   const auto cost = [&](const std::string& method, const std::string& path) {
     constexpr int kTimes = 10;
     const double begin = processor_seconds(siege.server.pid());
@@ -103,7 +105,7 @@ TEST(TransportAttack, HeadsOfFigures) {
 }
 
 TEST(TransportAttack, AnswersThatNobodyReads) {
-  // Each of them makes a large answer and leaves it in the server, until that loses patience.
+  // Each reader requests a large answer and does not read it, until the server loses patience.
   Siege siege({"--max-answers", "64MiB", "--write-stall", "2", "--result-cache", "16MiB"});
   constexpr int kReaders = 48;
   std::vector<std::unique_ptr<RawClient>> idle;
@@ -123,7 +125,7 @@ TEST(TransportAttack, AnswersThatNobodyReads) {
                   std::to_string(kReaders) + " cut, the others refused or taken by the kernel");
 }
 
-// Found by hand: a body of one-byte chunks, or of chunk extensions, cost the I/O thread 0.3 s a MiB.
+// Found by hand: a body of one-byte chunks, or of chunk extensions, took 0.3 s of the I/O thread per MiB.
 TEST(TransportAttack, ChunksOfOneByte) {
   Siege siege({"--memory", "2GiB"});
   siege.neighbours->stop();

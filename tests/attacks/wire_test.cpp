@@ -1,5 +1,5 @@
-// Requests that are attacks by their wording, straight to a server, through nginx, and through the farm:
-// HAProxy with the repository's configuration before three servers.
+// Requests whose wording is an attack, sent directly to a server, through nginx, and through the farm, which
+// is HAProxy with the repository's configuration in front of three servers.
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
 #include "tests/docker/farm.hpp"
@@ -12,13 +12,13 @@
 namespace fracture::test {
 namespace {
 
-/// What stands before the servers, and how many requests came to them.
+/// The path to the servers, and the number of requests that reached them.
 class Way {
  public:
   virtual ~Way() = default;
   virtual std::uint16_t port() const = 0;
   virtual double requests() const = 0;
-  /// Resident bytes of the servers, the largest at its peak.
+  /// The largest peak of resident bytes among the servers.
   virtual std::uint64_t peak() const = 0;
   virtual bool alive() = 0;
 };
@@ -120,7 +120,8 @@ TEST_P(WireAttack, IsRefusedOnceInFewWords) {
     EXPECT_EQ(reply.problem(), words.problem) << words.name;
     EXPECT_LE(reply.body.size(), kFewWords) << words.name;
     ASSERT_TRUE(way->alive()) << words.name;
-    // The server counts a request after its answer has left; a proxy would repeat it before it answers.
+    // The server counts a request after it has sent the answer. A proxy would repeat the request before it
+    // answers.
     EXPECT_TRUE(eventually(kPatience, std::string(words.name) + " to be counted",
                            [&] { return way->requests() > before; }));
     const double times = way->requests() - before;

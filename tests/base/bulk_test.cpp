@@ -1,4 +1,4 @@
-// Threads that must not work on many bytes at once.
+// Tests of the threads that are not allowed to work on many bytes at once.
 #include "common/base/bulk.hpp"
 
 #include <gtest/gtest.h>

@@ -109,7 +109,7 @@ TEST(ParallelFor, StopsWhenCancelled) {
   EXPECT_LT(blocks, 100000);
 }
 
-/// A stop as somebody without std::stop_token has it.
+/// The stop flag of a caller that has no std::stop_token.
 struct FlagToken {
   const std::atomic<bool>* flag;
   bool stop_requested() const { return *flag; }
@@ -141,7 +141,7 @@ TEST(Execution, PollThrowsPastTheDeadline) {
   }
 }
 
-/// What a stage told, in order.
+/// The reports of a stage, in order.
 struct Told {
   std::mutex mutex;
   std::vector<double> fractions;

@@ -34,7 +34,7 @@ TEST(HilbertCurve, RunsThroughTheCubeOverABox) {
   constexpr int kBits = 3, kLast = (1 << kBits) - 1;
   Box box;
   box.add(Vec3d{1, 2, 3});
-  box.add(Vec3d{15, 9, 10});  // 14 long: cells of 2
+  box.add(Vec3d{15, 9, 10});  // longest side 14: cells of size 2
   const HilbertCurve curve(box, kBits);
   EXPECT_EQ(curve.at({1, 2, 3}), hilbert_index(0, 0, 0, kBits));
   EXPECT_EQ(curve.at({15, 9, 10}), hilbert_index(kLast, 3, 3, kBits));

@@ -33,21 +33,21 @@ concept Cast = requires(From from) {
   static_cast<To>(from);
 };
 
-// What is allowed: one kind with itself and with numbers, and to become a number.
+// Allowed: comparing ids of one kind with each other and with numbers, and converting an id to a number.
 static_assert(Equated<AppleId, AppleId> && Differing<AppleId, AppleId> && Ordered<AppleId, AppleId>);
 static_assert(Equated<AppleId, std::uint32_t> && Ordered<AppleId, std::uint32_t> &&
               Ordered<std::size_t, AppleId>);
 static_assert(std::is_convertible_v<AppleId, std::uint32_t> && std::is_convertible_v<AppleId, std::size_t>);
 static_assert(Cast<AppleId, std::uint32_t> && Cast<AppleId, std::size_t> && Cast<AppleId, std::ptrdiff_t>);
 
-// What does not compile: one kind with another, and a number that becomes an id by itself.
+// Does not compile: mixing two kinds of ids, or converting a number to an id implicitly.
 static_assert(!Equated<AppleId, PearId> && !Differing<AppleId, PearId> && !Ordered<AppleId, PearId>);
 static_assert(!Cast<AppleId, PearId> && !std::is_constructible_v<AppleId, PearId>);
 static_assert(!std::is_assignable_v<AppleId&, PearId> && !std::is_assignable_v<AppleId&, std::uint32_t>);
 static_assert(!std::is_convertible_v<PearId, AppleId> && !std::is_convertible_v<std::uint32_t, AppleId>);
 static_assert(!std::is_constructible_v<AppleId, double>);
 
-// What it costs: nothing.
+// Ids cost nothing compared with plain numbers.
 static_assert(sizeof(std::array<AppleId, 3>) == 12 && std::is_trivially_copyable_v<AppleId> &&
               std::is_trivially_default_constructible_v<AppleId>);
 

@@ -1,4 +1,5 @@
-// JSON from strangers: what is refused, and what is held against what malloc says.
+// Reads JSON from untrusted clients: which documents are refused, and that the counted memory agrees with
+// malloc's own figures.
 #include "common/base/json_reader.hpp"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,8 @@
 namespace fracture {
 namespace {
 
-/// With these eigenvalues along x, y and z turned about (1, 1, 1) by a third of a turn and about z by `angle`.
+/// A matrix with these eigenvalues along x, y and z, turned about (1, 1, 1) by a third of a turn and about z
+/// by `angle`.
 Matrix3 turned(const Vec3d& values, double angle, Vec3d (&axes)[3]) {
   const double c = std::cos(angle), s = std::sin(angle);
   axes[0] = {0, c, s};

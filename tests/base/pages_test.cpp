@@ -41,7 +41,7 @@ TEST(ForgetPages, LessThanAPageStays) {
 
 TEST(PagesBehind, GoAndNothingElseDoes) {
   constexpr std::size_t kMiB = std::size_t{1} << 20, kStep = 300'000;
-  // As much less than a whole piece that the reader's last step leads past the end of the piece.
+  // kRead ends so far before the end of a piece that the reader's last step passes the end of the piece.
   constexpr std::size_t kRead = 36 * kMiB - 100'000, kAll = 40 * kMiB;
   std::vector<char> memory(kAll, 1);
   const std::size_t before = resident();
@@ -76,7 +76,7 @@ TEST(PagesBehind, StayWhereTheyAreFew) {
 
 TEST(PopulatePages, HandsOutMemoryBeforeItIsWritten) {
   constexpr std::size_t kSize = std::size_t{64} << 20;
-  const std::unique_ptr<char[]> memory(new char[kSize]);  // not written
+  const std::unique_ptr<char[]> memory(new char[kSize]);  // never written to
   memory[7] = 3;
   if (madvise(memory.get() + (4096 - reinterpret_cast<std::uintptr_t>(memory.get()) % 4096), 4096,
               MADV_POPULATE_WRITE) != 0)

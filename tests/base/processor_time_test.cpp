@@ -19,7 +19,7 @@ void spend(double seconds) {
 
 TEST(ProcessorTime, CountsWorkAndNotSleep) {
   const double begin = processor_seconds_of_this_thread();
-  // pause: what is slept must not count
+  // pause: sleeping must not count as processor time
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_LT(processor_seconds_of_this_thread() - begin, 0.05);
   spend(0.02);

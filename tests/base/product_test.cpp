@@ -26,7 +26,7 @@ TEST(Allowance, AsksOnlyWhenWhatIsGrantedIsUsedUp) {
   EXPECT_EQ(allowance.bytes(), 100'000 * bytes_of(Product::kPolygons));
   EXPECT_GE(held, allowance.bytes());
   EXPECT_LE(held, allowance.bytes() * 3 / 2);
-  EXPECT_LE(asked, 40);  // each time half as much again
+  EXPECT_LE(asked, 40);  // each request is 1.5 times the one before
 }
 
 TEST(Allowance, TakesWhatIsNeededWhereHalfAsMuchAgainIsRefused) {

@@ -9,7 +9,7 @@ namespace fracture {
 namespace {
 
 TEST(Random, MatchesTheReferenceSequenceOfSplitMix64) {
-  // From the authors' splitmix64.c with state 1234567.
+  // Expected values: from the authors' splitmix64.c with state 1234567.
   Random random(1234567);
   for (const std::uint64_t expected : {6457827717110365317ull, 3203168211198807973ull, 9817491932198370423ull,
                                        4593380528125082431ull, 16408922859458223821ull})
@@ -33,7 +33,7 @@ TEST(Random, BelowOneIsAlwaysZero) {
 }
 
 TEST(Random, BelowIsUnbiasedForABoundThatDoesNotDivideTheRange) {
-  // Chi-square with 6 degrees of freedom; 22.5 is exceeded by chance once in a thousand.
+  // Chi-square with 6 degrees of freedom. Chance exceeds 22.5 once in a thousand runs.
   Random random(11);
   std::array<double, 7> counts{};
   constexpr int kDraws = 70000;

@@ -41,7 +41,7 @@ TEST(Scratch, OnlyWhatIsLargeIsGivenBack) {
     EXPECT_GT(scratch_of_this_thread(), kScratchPerThread);
     trim_scratch();
     EXPECT_EQ(scratch_of_this_thread(), 0u);
-    // And what was given back serves again.
+    // A buffer that was given back can be used again.
     worker_map().next_epoch(10);
     EXPECT_EQ(worker_map().slot(9), StampedMap::kEmpty);
   }).join();
@@ -57,7 +57,7 @@ TEST(Scratch, ATrimmerTrimsAtTheEndOfItsLife) {
   }).join();
 }
 
-/// Counts the buffers that exist, and what they hold.
+/// A buffer that counts itself once it has grown large.
 struct Counted {
   static inline std::atomic<std::size_t> large{0};
   std::vector<char> content;
@@ -78,7 +78,7 @@ TEST(Scratch, HelperThreadsGiveBackWhatIsLargeWhenTheyAreIdle) {
   execution.threads = 4;
   std::mutex mutex;
   std::set<std::thread::id> threads;
-  // Until helpers took part: how many come is not promised.
+  // Repeats until helper threads took part: their number is not guaranteed.
   for (int round = 0; round < 1000 && threads.size() < 2; ++round)
     parallel_for(execution, 16, 1, [&](std::size_t, std::size_t) {
       thread_scratch<Counted>().grow();

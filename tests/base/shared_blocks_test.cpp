@@ -45,7 +45,7 @@ TEST(SharedBlocks, ACopyKeepsWhatTheOtherOneChanges) {
     }
     EXPECT_EQ(all_of(now), expected);
     EXPECT_EQ(all_of(copy), before);
-    // Both grow from here on, in blocks that they shared.
+    // From here on both grow in blocks that they shared.
     Numbers other = now;
     Numbers::Edit(now).push_back(1);
     Numbers::Edit(other).push_back(2);

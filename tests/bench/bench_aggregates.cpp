@@ -1,10 +1,11 @@
-// Fragments of several cells beside convex ones: as many of both, of stone and concrete.
+// Compares fragments of several cells with convex fragments: equal numbers of both, for stone and concrete.
 //
 //   bench_aggregates [--repeat N] [--fragments N] [FILE]
 //
-// A mesh file, or assimp-testmodels' monkey; 50 fragments unless told. Least milliseconds of processor time
-// of N runs (default 30) of make_diagram() and fracture() of a prepared mesh, one thread, in turn in one process: with hulls and without, with the
-// material's roughness and with flat cuts. "convex": its pattern with a cell for each fragment.
+// FILE is a mesh; default: the monkey of assimp-testmodels. Default: 50 fragments. The result is the least
+// processor time in milliseconds over N runs (default 30) of make_diagram() and fracture() on a prepared mesh
+// with one thread. All variants run in turn in one process: with and without hulls, with the material's
+// roughness and with flat cuts. "convex": the material's pattern with one cell for each fragment.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Times tetrahedralize() on every workload. --check also times the insertions alone by both methods,
-// validates the structures by exact in_sphere and fails on a broken invariant or a different set of
+// Times tetrahedralize() on every workload. With --check it also times only the insertions by both methods,
+// validates the structures with exact in_sphere tests, and fails on a broken invariant or a different set of
 // tetrahedra.
 #include <cstdio>
 
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     bench::TetSetHash hash;
     for (const auto& [v, n] : result.tets) hash.add({v[0], v[1], v[2], v[3]});
     bench::print_result(w, ms, hash.count(), hash.value());
-    // The numbering too is part of the promise of identical results: compare it between compilers and builds.
+    // Identical results include the numbering. Compare this hash between compilers and builds.
     std::uint64_t numbering = 0;
     for (const Tetrahedron& t : result.tets)
       for (int k = 0; k < 4; ++k)

@@ -1,7 +1,7 @@
-// The peer: CGAL Delaunay_triangulation_3, exact predicates with static filters, range insertion (which sorts
-// spatially), one thread. Times the sites alone. The answer is compared on sites plus the corners of our big
-// tetrahedron, where both programs must find the same set of tetrahedra on generic inputs: the hash is
-// printed with --check.
+// The peer: CGAL Delaunay_triangulation_3 with exact predicates and static filters, range insertion (which
+// sorts spatially), and one thread. Only the sites are timed. The answers are compared on the sites plus the
+// corners of our big tetrahedron, because both programs must find the same set of tetrahedra there on generic
+// inputs. --check prints the hash.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>

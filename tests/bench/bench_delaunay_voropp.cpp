@@ -1,5 +1,5 @@
-// The other peer: Voro++, which computes each Voronoi cell by itself. It builds no Delaunay structure; its
-// time is that of all cells with neighbour information (compute_all_cells), about 6 points a block as its
+// The other peer: Voro++, which computes each Voronoi cell separately. It builds no Delaunay structure. Its
+// time covers all cells with neighbour information (compute_all_cells), with about 6 points per block as its
 // manual advises.
 #include <cmath>
 #include <voro++/voro++.hh>
@@ -29,6 +29,6 @@ int main(int argc, char** argv) {
           if (container.compute_cell(cell, loop)) facets += cell.number_of_faces();
         while (loop.inc());
     });
-    bench::print_result(w, ms, facets, 0);  // facets of all cells in place of tetrahedra
+    bench::print_result(w, ms, facets, 0);  // facets of all cells instead of tetrahedra
   }
 }

@@ -1,12 +1,12 @@
-// The whole fracture from a mesh in memory, stage by stage: make_solid, make_diagram (sites +
+// Times the whole fracture of a mesh in memory, stage by stage: make_solid, make_diagram (sites +
 // tetrahedralization), fracture.
 //
 //   bench_fracture [--out FOLDER] [--threads T] [--filter TEXT] [--only WORKLOAD] [--seconds S] [--hulls yes]
 //
-// One line per workload: median milliseconds, whole and by stage, the least of a mesh that is prepared, as a
-// server keeps it; fragments, relative volume error, and the hash of all fragments; each repetition must give the same hash, a closed certificate and the
-// volume to 1e-9, or the program fails. With --out each workload is also written for the peer
-// (tests/bench/manifold/fracture.mjs), its cells with it.
+// Prints one line per workload: the median milliseconds in total and by stage, the least time for a prepared
+// mesh (as a server keeps it), the fragments, the relative volume error, and a hash of all fragments. The
+// program fails unless each repetition gives the same hash, a closed certificate and the volume to 1e-9. With
+// --out each workload is also written, with its cells, for the peer (tests/bench/manifold/fracture.mjs).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -61,7 +61,7 @@ struct Options {
   bool hulls = false;
 };
 
-/// Returns false when an answer is wrong.
+/// Returns false if an answer is wrong.
 bool run(const std::string& name, const std::shared_ptr<const Mesh>& mesh, std::uint32_t sites,
          const Options& options, nlohmann::json& results) {
   Execution execution;

@@ -1,16 +1,16 @@
-// How time and memory of the whole fracture grow with what goes in and comes out, over families that could
-// make them grow faster (tests/support/growth_families.hpp), and over two plain ones: sites in a sphere, and
-// triangles of it.
+// Measures how time and memory of the whole fracture grow with its input and output. The inputs are families
+// that could make them grow faster (tests/support/growth_families.hpp), and two plain families: sites in a
+// sphere, and triangles of a sphere.
 //
 //   bench_growth [--family NAME[,NAME...]] [--sizes N[,N...]] [--runs N] [--limit SECONDS] [--seed S]
 //                [--program-label TEXT]
 //
-// For each size: processor milliseconds of make_solid, make_diagram and fracture with one thread, the least
-// of the runs; peak memory above that of the mesh; what came out. Each size runs in a process of its own,
-// which may take `limit` seconds of processor time (default 120) and 12 GiB. Exponents are of time and of
-// memory in their logarithms, against triangles and sites in plus triangles out: in each line since the one
-// before, and at the end of a family by least squares. Answers that are not sound are marked; the program
-// then exits with 1.
+// For each size it prints the processor milliseconds of make_solid, make_diagram and fracture with one thread
+// (the least of the runs), the peak memory above that of the mesh, and the size of the output. Each size runs
+// in its own process, which may take `limit` seconds of processor time (default 120) and 12 GiB. Exponents
+// are slopes of time and memory, in logarithms, against triangles and sites in plus triangles out. Each line
+// shows the exponent since the line before, and the end of a family shows one by least squares. Unsound
+// answers are marked, and the program then exits with 1.
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -71,7 +71,7 @@ struct Options {
   std::string label;
 };
 
-/// What a child tells its parent; plain data, written to a pipe.
+/// The measurements that a child sends to its parent: plain data, written to a pipe.
 struct Figures {
   double solid = 0, diagram = 0, fracture = 0;  // ms
   double bytes = 0;
@@ -80,10 +80,10 @@ struct Figures {
   char error[64] = "";
 };
 
-/// Of this thread, which does all the work.
+/// The processor time of this thread, which does all the work.
 double processor_ms() {
   timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);  // with RLIMIT_CPU that of the process moves in steps of 4 ms
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);  // under RLIMIT_CPU the process's clock has steps of 4 ms
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
@@ -126,7 +126,7 @@ void run_once(const std::shared_ptr<const Mesh>& mesh, const FractureParameters&
   figures.relative_error = set.certificate.relative_error;
 }
 
-/// In the child. Peak memory is that of the first run, beyond what the mesh needs.
+/// Runs in the child. The peak memory is that of the first run, without the memory of the mesh.
 Figures measure(const Family& family, std::uint32_t size, const Options& options) {
   test::GrowthInput input = family.make(size, options.seed);
   FractureParameters parameters;
@@ -138,17 +138,17 @@ Figures measure(const Family& family, std::uint32_t size, const Options& options
   const auto mesh = std::make_shared<const Mesh>(std::move(input.mesh));
   Figures figures;
   figures.triangles_in = mesh->triangles.size();
-  std::ofstream("/proc/self/clear_refs") << "5";  // the peak so far is forgotten
+  std::ofstream("/proc/self/clear_refs") << "5";  // resets the peak
   const double before = memory("VmRSS:"), begin = processor_ms();
   run_once(mesh, parameters, figures);
   figures.bytes = std::max(memory("VmHWM:") - before, 0.0);
-  // More runs only where they are short.
+  // Repeats only short runs.
   for (int k = 1; k < options.runs && figures.error[0] == 0 && processor_ms() - begin < 5000; ++k)
     run_once(mesh, parameters, figures);
   return figures;
 }
 
-/// Runs the size in a child. False when that did not end by itself; `why` says how it ended.
+/// Runs the size in a child. Returns false if the child did not end by itself; `why` says how it ended.
 bool measure_in_child(const Family& family, std::uint32_t size, const Options& options, Figures& figures,
                       std::string& why) {
   int ends[2];
@@ -161,7 +161,7 @@ bool measure_in_child(const Family& family, std::uint32_t size, const Options& o
     const rlimit time{options.limit, options.limit + 5}, memory{12ul << 30, 12ul << 30};
     ::setrlimit(RLIMIT_CPU, &time);
     ::setrlimit(RLIMIT_AS, &memory);
-    ::alarm(20 * options.limit);  // should it wait for something
+    ::alarm(20 * options.limit);  // in case it waits for something
     int code = 1;
     try {
       const Figures f = measure(family, size, options);
@@ -202,7 +202,7 @@ double exponent(const std::vector<double>& x, const std::vector<double>& y) {
   return x.size() < 2 ? std::nan("") : (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-/// Between the last two points; NaN where there is one.
+/// The exponent between the last two points; NaN if there is only one.
 double last_exponent(const std::vector<double>& x, const std::vector<double>& y) {
   const auto last_two = [](const std::vector<double>& all) {
     return std::vector<double>(all.end() - std::min<std::ptrdiff_t>(2, std::ssize(all)), all.end());
@@ -210,7 +210,7 @@ double last_exponent(const std::vector<double>& x, const std::vector<double>& y)
   return exponent(last_two(x), last_two(y));
 }
 
-/// Returns false when an answer is wrong.
+/// Returns false if an answer is wrong.
 bool run(const Family& family, const Options& options) {
   std::printf("%s: %s%s%s\n", family.name, family.grows, options.label.empty() ? "" : ", ",
               options.label.c_str());
@@ -223,7 +223,7 @@ bool run(const Family& family, const Options& options) {
     std::string why;
     if (!measure_in_child(family, size, options, f, why)) {
       std::printf("  %8u %s\n", size, why.c_str());
-      break;  // the larger ones would take longer
+      break;  // larger ones would take longer
     }
     if (f.error[0] != 0) {
       std::printf("  %8u %9llu refused: %s\n", size, static_cast<unsigned long long>(f.triangles_in),

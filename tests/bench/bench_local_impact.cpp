@@ -1,12 +1,13 @@
-// A hit on a fractured mesh: the local answer against the same answer from nothing.
+// Compares a hit on a fractured mesh with the same answer computed from scratch.
 //
 //   bench_local_impact [--repeat N] [--triangles N] [--sites N] [--new N] [--hulls 0|1] [--rough PERCENT]
 //
-// A sphere (20k triangles) in cells (300), further sites (30) at its side. Fastest of N runs (default 15)
-// each, in turn, in one process: make_solid(), make_diagram() and fracture() with all sites; fracture_delta()
-// on the kept answer, once the whole of it and once what is new and changed alone; and what they are as a
-// GLB. With --rough, cuts with an amplitude of so much of the size, as wavy as those of stone. Fails when the two
-// answers differ in a bit of a position, an index or a volume.
+// The mesh is a sphere (20k triangles) with 300 cells, and the hit adds 30 sites at its side. Each step is
+// run N times (default 15), in turn in one process, and the fastest run counts. The steps are make_solid(),
+// make_diagram() and fracture() with all sites, and fracture_delta() on the kept answer. The last is run once
+// for the whole answer and once for only the new and changed parts. Writing each answer as a GLB is timed as
+// well. With --rough the cuts have an amplitude of this percentage of the size and the waviness of stone. The
+// program fails if the two answers differ in a bit of a position, an index or a volume.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -41,7 +42,7 @@ bool same(const FragmentSet& a, const FragmentSet& b) {
 }
 
 struct Options {
-  int repeat = 15, triangles = 20000, sites = 300, further = 30, hulls = 1;  // 0: without hulls alone
+  int repeat = 15, triangles = 20000, sites = 300, further = 30, hulls = 1;  // hulls = 0: only without hulls
   int rough = 0;
 };
 
@@ -55,7 +56,8 @@ int run(const Options& options, Hulls hulls) {
   p.hulls = hulls;
   p.rest = LocalRest::kFractured;
   p.roughness = {options.rough / 100.0, 4, 2};
-  // Among more than a thousand cells smaller ones, so that about as many of them are touched.
+  // With more than a thousand cells the radius shrinks with the cells, so that the hit touches about as many
+  // of them.
   const double radius = 0.3 * std::fmin(1, std::cbrt(1000.0 / options.sites));
   p.hits = {{{1, 0, 0}, radius, static_cast<std::uint32_t>(options.further)}};
   const Expected<KeptAnswer> base = fracture_and_keep(*solid, before_hits(p, 1), execution, timings);

@@ -1,10 +1,10 @@
-// What an Allowance counts (common/base/product.hpp) against what is resident: each case in a process of its
-// own, one thread, the peak above what the input holds.
+// Compares the bytes that an Allowance counts (common/base/product.hpp) with the resident memory. Each case runs
+// in its own process with one thread. The result is the peak above the memory of the input.
 //
 //   bench_products [--case NAME]
 //
-// Exits with 1 where more is resident than 1.3 times what was counted and 16 MiB: then an admitted
-// computation would take more than was set aside for it.
+// Exits with 1 if more is resident than 1.3 times the count plus 16 MiB, because an admitted computation would
+// then take more memory than was reserved for it.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -59,7 +59,7 @@ double status(const char* field) {
   return 0;
 }
 
-/// Peak above what was resident at its construction.
+/// The peak above the resident memory at construction.
 class Peak {
  public:
   Peak() {
@@ -81,7 +81,7 @@ bool report(const char* name, const char* stage, double counted, double resident
   return within;
 }
 
-/// In the child.
+/// Runs in the child.
 bool measure(const Case& c) {
   const auto mesh = std::make_shared<const Mesh>(c.mesh());
   FractureParameters parameters;

@@ -1,11 +1,11 @@
-// Rough cuts, and fragments of six cells, against flat cuts and one cell: the whole of make_diagram() and fracture() with
-// hulls.
+// Compares rough cuts and fragments of six cells with flat cuts and one cell: the total of make_diagram() and
+// fracture() with hulls.
 //
 //   bench_rough [--repeat N] [--sites N] [FILE]
 //
-// A mesh file, or a sphere of 2k triangles; 50 cells unless told. For each material with rough cuts its
-// roughness on uniform cells, fastest of N runs (default 15), flat and rough in turn in one process, one
-// thread.
+// FILE is a mesh; default: a sphere of 2k triangles. Default: 50 cells. For each material with rough cuts,
+// its roughness is applied to uniform cells. The result is the fastest of N runs (default 15), flat and rough
+// in turn in one process with one thread.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,13 +1,14 @@
-// Single stages, and a whole that is larger than any collision, on one thread unless told.
+// Times single stages, and a whole fracture that is larger than any collision. Default: one thread.
 //
 //   bench_stages [--threads T] [--runs N] NAME...
 //
 //   canonical_100k   canonicalize() of the tetrahedralization of 100,000 random points
-//   prepare_1M, _4M  make_solid() of a sphere of so many triangles
+//   prepare_1M, _4M  make_solid() of a sphere with this many triangles
 //   giant_100k       make_diagram(), fracture() with hulls and write_glb(): 100,000 sites in a sphere of 20k
 //                    triangles
 //
-// One line each: least milliseconds of N runs (default 3), and a hash of what came out, the same in each run.
+// Prints one line each: the shortest time of N runs in milliseconds (default 3), and a hash of the output,
+// which is the same in each run.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// The points of the Delaunay benchmark, shared by our program and its peers so that all see identical
-// coordinates, and the little that the programs have in common: command line, repetition, output.
+// The points of the Delaunay benchmark, shared by our program and its peers so that all get identical
+// coordinates. Also the little that these programs have in common: command line, repetition, output.
 #pragma once
 
 #include <time.h>
@@ -81,8 +81,8 @@ inline Workload make_workload(const std::string& name) {
   std::exit(2);
 }
 
-/// A hash of a set of tetrahedra given by point indices (corners of the big tetrahedron: n..n+3), whatever
-/// their order.
+/// A hash of a set of tetrahedra given by point indices (corners of the big tetrahedron: n..n+3), independent
+/// of their order.
 class TetSetHash {
  public:
   void add(std::array<std::uint32_t, 4> v) {
@@ -99,15 +99,16 @@ class TetSetHash {
   std::uint64_t sum_ = 0, count_ = 0;
 };
 
-/// Processor time of this process in milliseconds, user and system: all programs here have one thread, and
-/// unlike wall time it does not count what others run on the same machine.
+/// Processor time of this process in milliseconds, user and system. All these programs have one thread, and
+/// unlike wall time it excludes other programs on the same machine.
 inline double cpu_milliseconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-/// Runs body() `least` times and for at least 0.3 s; the best processor time in milliseconds.
+/// Runs body() at least `least` times and for at least 0.3 s. Returns the best processor time in
+/// milliseconds.
 template <class Body>
 double best_milliseconds(int least, Body body) {
   double best = HUGE_VAL, total = 0;
@@ -126,7 +127,7 @@ struct Arguments {
   int runs = 3;
   bool check = false;  ///< print a hash of the answer
 };
-/// [--runs N] [--check] [WORKLOAD...]
+/// Parses [--runs N] [--check] [WORKLOAD...].
 inline Arguments parse_arguments(int argc, char** argv) {
   Arguments arguments;
   for (int i = 1; i < argc; ++i) {
@@ -141,7 +142,7 @@ inline Arguments parse_arguments(int argc, char** argv) {
   return arguments;
 }
 
-/// One line for people and for scripts/bench: name, points, milliseconds, tetrahedra, hash.
+/// Prints one line for people and for scripts/bench: name, points, milliseconds, tetrahedra, hash.
 inline void print_result(const Workload& w, double ms, std::uint64_t tets, std::uint64_t hash) {
   std::printf("%-18s %8zu points %10.3f ms %9llu tets  hash %016llx\n", w.name.c_str(), w.points.size(), ms,
               static_cast<unsigned long long>(tets), static_cast<unsigned long long>(hash));

@@ -11,7 +11,7 @@ namespace {
 
 using Polygon = std::vector<Vec3d>;
 
-/// Keeps the part of the convex polyhedron where dot(normal, x) <= offset; closes it with one face.
+/// Keeps the part of the convex polyhedron in which dot(normal, x) <= offset, and closes it with one face.
 void clip_polyhedron(std::vector<Polygon>& faces, const Vec3d& normal, double offset) {
   std::vector<Polygon> kept;
   Polygon lid;

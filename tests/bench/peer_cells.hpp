@@ -1,5 +1,5 @@
-// What the peer of bench_fracture gets: a solid's triangles, and for each site the vertices of its Voronoi cell
-// within an enlarged box, so that the peer has its cells for free.
+// The input for the peer of bench_fracture: a solid's triangles, and for each site the vertices of its
+// Voronoi cell within an enlarged box. So the cells cost the peer nothing.
 #pragma once
 
 #include <string>

@@ -5,7 +5,7 @@
 
 namespace fracture::bench {
 
-/// Milliseconds since some moment; goes forward only.
+/// Milliseconds since an arbitrary moment; never goes back.
 inline double now_ms() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
       .count();

@@ -10,7 +10,7 @@
 namespace fracture::test {
 namespace {
 
-/// Boxes of all sizes in a unit cube, some of them twice.
+/// Boxes of all sizes in a unit cube. Some occur twice.
 std::vector<Box> random_boxes(std::size_t count, std::uint64_t seed) {
   Random random(seed);
   std::vector<Box> boxes;
@@ -41,7 +41,7 @@ TEST(BoxTree, FindsWhatOverlapsABox) {
   }
 }
 
-/// How many boxes of the tree overlap the query, whose items do not count.
+/// Counts the boxes of the tree that overlap the query. The boxes of the items themselves do not count.
 std::size_t entered(const BoxTree& tree, const Box& query) {
   std::size_t count = 0;
   tree.each_entered(
@@ -91,7 +91,7 @@ TEST(BoxTree, GoesIntoTheBoxesThatAreWantedAndLeavesThem) {
       if (boxes[k].min.x <= limit) expected.insert(k);
     EXPECT_EQ(found, expected);
     EXPECT_EQ(depth, 0);
-    EXPECT_LT(deepest, 12);  // 300 boxes, halved until they are few
+    EXPECT_LT(deepest, 12);  // 300 boxes, halved until few are left
   }
 }
 

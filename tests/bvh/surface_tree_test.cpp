@@ -100,7 +100,7 @@ TEST(SurfaceTree, MissesNoTriangleThatMeetsABox) {
   const SurfaceTree surface(corners_of(torus(24, 12)));
   Random random(6);
   for (int n = 0; n < 200; ++n) {
-    // A small box around a point of a triangle.
+    // Makes a small box around a point of a triangle.
     const auto t = static_cast<std::uint32_t>(random.below(surface.triangles()));
     const auto [a, b, c] = surface.corners(t);
     const double u = random.uniform(), v = (1 - u) * random.uniform();

@@ -54,7 +54,7 @@ TEST(AreWithin, AgreesWithPlacesOfBoth) {
         const Vec3d p = u * s[0] + v * s[1] + (1 - u - v) * s[2];
         least = std::fmin(least, distance_to_triangle(p, t[0], t[1], t[2]));
       }
-    // Some place that was asked is nearer than this to any other.
+    // Every point of the triangles has a sampled point closer than this.
     const double between = 1.8 / kParts;
     EXPECT_TRUE(are_within(s, t, least + 1e-9)) << n;
     const double distance = distance_of_triangles(s, t, 9);

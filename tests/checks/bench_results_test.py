@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Results of scripts/bench: the stored files are whole, and the README and its chart are what they generate."""
+"""Tests the results of scripts/bench: the stored files are complete, and the README and its chart match what they
+generate."""
 import importlib.machinery
 import importlib.util
 import pathlib
@@ -58,7 +59,7 @@ class Stored(unittest.TestCase):
                     seen.add((r.row, r.kind, r.against))
                     if r.kind:
                         ratio = float(r.ours) / float(r.value) if r.unit == "/s" else float(r.value) / float(r.ours)
-                        self.assertAlmostEqual(float(r.ratio) / ratio, 1, delta=0.04)  # both are rounded
+                        self.assertAlmostEqual(float(r.ratio) / ratio, 1, delta=0.04)  # both values are rounded
                     else:
                         self.assertEqual((r.against, r.value, r.ratio, r.goal), ("", "", "", ""))
 

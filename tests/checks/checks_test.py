@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Each check of scripts/check finds an offence that is planted for it, and nothing in the same checkout without it."""
+"""Proves that each check of scripts/check finds an offence planted for it, and finds nothing in the same checkout
+without it."""
 import shutil
 import subprocess
 import sys
@@ -66,15 +67,15 @@ class Checks(PlantedCheckout):
 
     def test_includes(self):
         self.expect_clean("includes")
-        # Linked, but only because of something else that is linked.
+        # The library is linked, but only through another linked library.
         self.plant("server/service.cpp", '#include "common/base/vec.hpp"\n#include "common/solid/solid.hpp"\n')
         self.expect_found("includes", "server/service.cpp:1: includes common/base/vec.hpp", "does not declare fracture_base")
         self.plant("server/CMakeLists.txt", "fracture_library(service SOURCES service.cpp DEPS fracture::solid fracture::base)\n")
         self.expect_clean("includes")
-        # An edge against the order of the rooms.
+        # An include against the order of the rooms.
         self.plant("common/base/vec.cpp", '#include "common/solid/solid.hpp"\n')
         self.expect_found("includes", "common/base/vec.cpp:1: includes common/solid/solid.hpp", "does not declare fracture_solid")
-        # A library from elsewhere.
+        # A library from outside the project.
         self.plant("common/base/vec.cpp", "#include <zstd.h>\n")
         self.expect_found("includes", "common/base/vec.cpp:1: includes zstd.h")
 
@@ -83,7 +84,7 @@ class Checks(PlantedCheckout):
         self.expect_found("includes", "common/lost/lost.cpp:1: no CMakeLists.txt compiles it")
 
     def test_includes_finds_a_source_that_needs_the_include_of_its_neighbour(self):
-        # A unity build reads both as one: <string> of the first is enough.
+        # A unity build reads both files as one: the <string> of the first file is enough for the second.
         self.plant("common/base/CMakeLists.txt", "fracture_library(base SOURCES vec.cpp words.cpp)\n")
         self.plant("common/base/vec.cpp", '#include "common/base/vec.hpp"\n\n#include <string>\n\n'
                    "int twice(int x) { return std::stoi(std::to_string(x + x)); }\n")
@@ -135,13 +136,13 @@ class Checks(PlantedCheckout):
         def compiled():
             return (self.root / "build/tidy/compiled_alone.txt").read_text().splitlines()
         self.assertEqual(self.check("--all", "includes")[0], 0)
-        # vec.cpp, solid.cpp and service.cpp; each header is the first include of one of them.
+        # Three files are compiled: vec.cpp, solid.cpp and service.cpp. Each header is the first include of one of them.
         self.assertEqual(len(compiled()), 3)
         self.assertEqual(self.check("--all", "includes")[0], 0)
         self.assertEqual(len(compiled()), 3)
         self.plant("common/base/vec.hpp", "#pragma once\nint twice(int x);  // of a whole number\n")
         self.assertEqual(self.check("--all", "includes")[0], 0)
-        self.assertEqual(len(compiled()), 5)  # again: vec.cpp and solid.cpp, which include it
+        self.assertEqual(len(compiled()), 5)  # vec.cpp and solid.cpp again, which include it
         self.plant("common/base/vec.hpp", "#pragma once\nstd::string twice(int x);\n")
         self.assertEqual(self.check("--all", "includes")[0], 1)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/lib/count_tests.py: what it counts in a ctest run, and in a second run."""
+"""Tests scripts/lib/count_tests.py: the counts of a ctest run and of a second run."""
 import json
 import pathlib
 import subprocess
@@ -17,7 +17,8 @@ class Counting(unittest.TestCase):
         self.run_folder = pathlib.Path(folder.name) / "release"
 
     def write(self, programs, folder="", reports=None, seconds=None):
-        """`programs`: name and status, as ctest writes them. `reports`: of a GoogleTest program its cases, with what came of each."""
+        """Writes the results. `programs` holds names and statuses as ctest writes them. `reports` holds the cases of
+        each GoogleTest program with their results."""
         place = self.run_folder / folder
         (place / "gtest").mkdir(parents=True)
         cases = "".join(f'<testcase name="{name}" status="{"run" if status == "skipped" else status}" time="{(seconds or {}).get(name, 0)}">'

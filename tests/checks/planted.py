@@ -1,4 +1,5 @@
-"""A small checkout in a temporary folder in which every check of scripts/check finds nothing; tests plant offences in it."""
+"""A small checkout in a temporary folder in which no check of scripts/check finds anything. Tests plant offences in it.
+"""
 import os
 import pathlib
 import shutil

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/lib/progress.py: what it says about a build, and that the log has every line."""
+"""Tests scripts/lib/progress.py: what it reports about a build, and that the log has every line."""
 import io
 import pathlib
 import sys
@@ -16,7 +16,7 @@ class Terminal(io.StringIO):
 
 class Progress(unittest.TestCase):
     def follow(self, lines, out):
-        """The log. Ten seconds pass with each line."""
+        """Returns the log. Ten seconds pass with each line."""
         log, now = io.StringIO(), iter(range(0, 10_000, 10))
         progress.follow(lines, log, out, clock=lambda: next(now))
         return log.getvalue()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/check subjects: `area: verb object` for the commits of a branch."""
+"""Tests scripts/check subjects: the commits of a branch need subjects of the form `area: verb object`."""
 import os
 import subprocess
 import sys

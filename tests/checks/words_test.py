@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""scripts/check words: names, habits of writing in texts and in comments on changed lines, and the list of files that may wait."""
+"""Tests scripts/check words: names, writing habits in texts and in comments on changed lines, and the list of files
+that may wait."""
 import unittest
 
 from planted import PlantedCheckout
 
 NOT_YET = "scripts/lib/checks/not_yet.txt"
-# habit, texts that have it, texts that come near to it and do not.
+# Each habit, texts that have it, and similar texts that do not have it.
 HABITS = (
     ("of-first",
      ("Of an aggregate, which has one for each cell.", "Each is noted once. Of several the first one."),
@@ -121,7 +122,7 @@ class Words(PlantedCheckout):
             self.plant(name, text)
             self.commit("words: plant what users read")
             self.plant("tests/b_test.cpp", f"// {name}\n")
-            self.commit("words: change something else")  # so that no line of it counts as changed
+            self.commit("words: change something else")  # so that none of its lines counts as changed
             with self.subTest(name):
                 self.expect_found("words", f"{name}:{line}: ")
             (self.root / name).unlink()

@@ -1,4 +1,4 @@
-// What an explosion does to wholes, groups and loose pieces, and to the books.
+// The effect of an explosion on whole objects, groups and loose pieces, and on the energy ledger.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ using test::cubes;
 using test::run;
 using test::whole_of;
 
-/// So that momenta and energies are the blast's alone.
+/// No gravity, so that only the blast changes momenta and energies.
 WorldSettings weightless() {
   WorldSettings settings;
   settings.gravity = glm::dvec3(0);
@@ -30,7 +30,7 @@ TEST(Blast, PushesAwayByTheShareOfAllDirectionsAndLessWithDistance) {
   const glm::dvec3 momentum = world.total_momentum().linear;
   double sum = 0;
   for (const double d : distances) {
-    // The area of a cap of the unit sphere over that of the sphere, 2π h / 4π.
+    // The area of a cap of the unit sphere divided by the area of the sphere, 2π h / 4π.
     const double height = 1 - std::cos(std::asin(kRadius / d));
     sum += std::max(0.0, 1 - (d - kRadius) / kBlast) * kImpulse * height / 2;
   }
@@ -59,7 +59,7 @@ TEST(Blast, WhatIsNearIsNoFasterThanTheGas) {
 TEST(Blast, ManyTogetherMakeNothingFasterThanTheGas) {
   World world(weightless());
   world.throw_ball({0.5, 10, 0}, {}, 0.05, 500);
-  world.throw_ball({0, 10, 3}, {0, 0, 30}, 0.05, 500);  // faster before, and no slower after
+  world.throw_ball({0, 10, 3}, {0, 0, 30}, 0.05, 500);  // it was faster before and must not become slower
   for (int k = 0; k < 50; ++k) world.explode({{0, 10, 0}, 1e4, 5});
   world.step();
   const std::vector<BallState> balls = world.balls();
@@ -70,7 +70,7 @@ TEST(Blast, ManyTogetherMakeNothingFasterThanTheGas) {
 
 TEST(Blast, TheLedgerCountsWhatItBrings) {
   World world(weightless());
-  world.throw_ball({1, 10, 0}, {-3, 0, 0}, 0.2, 7800);  // towards it: it may also take
+  world.throw_ball({1, 10, 0}, {-3, 0, 0}, 0.2, 7800);  // towards the blast, which slows it
   world.throw_ball({0, 10, 2}, {0, 0, 4}, 0.2, 7800);
   const double before = world.ledger().brought;
   world.explode({{0, 10, 0}, 2000, 5});
@@ -96,7 +96,7 @@ TEST(Blast, AWholeThatIsHitBeyondItsStrengthBreaksAndItsPiecesTakeTheBlast) {
     EXPECT_EQ(events[0].object, object);
     EXPECT_GT(events[0].impact.impulse, spec.strength);
     EXPECT_LT(events[0].impact.direction.z, -0.9);
-    EXPECT_NEAR(events[0].where.z, 0.125, 0.01);  // its face that looks at the blast
+    EXPECT_NEAR(events[0].where.z, 0.125, 0.01);  // the face towards the blast
     for (std::uint64_t k = 0; k < late; ++k) world.step();
     EXPECT_LT(glm::length(world.total_momentum().linear), 1) << "it waits for its pieces";
     world.fracture(object, prepare(set));
@@ -156,7 +156,7 @@ TEST(Blast, AHeldWallBreaksWhereItIsAndItsAnchorsStay) {
   std::vector<FragmentState> states;
   world.fragment_states(object, states);
   for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(states[k].asset_to_world.position, glm::dvec3(0)) << k;
-  // The one that was nearest to the blast.
+  // The fragment nearest to the blast.
   EXPECT_LT(states[27].asset_to_world.point(set.fragments[27].mass.center).z, -0.2);
   EXPECT_LT(world.ledger().worst_gain, 0.01 * world.ledger().brought);
 }

@@ -1,4 +1,4 @@
-// Fewer pairs than Bullet has, and every contact that it has.
+// Our world has fewer pairs than Bullet's, but every contact.
 #include "client/world/boxed_world.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace fracture::world {
 namespace {
 
-/// Cubes of 4 cm that fly at one another, in Bullet's own world or in ours.
+/// Cubes of 4 cm that fly towards one another, in Bullet's own world or in ours.
 template <class World>
 class Swarm {
  public:
@@ -33,7 +33,7 @@ class Swarm {
   }
   void step() { world_.stepSimulation(1.0 / 120, 0); }
   int pairs() { return world_.getPairCache()->getNumOverlappingPairs(); }
-  /// Pairs of bodies with a contact.
+  /// The pairs of bodies that have a contact.
   std::set<std::pair<int, int>> touching() {
     std::set<std::pair<int, int>> found;
     for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
@@ -57,11 +57,11 @@ class Swarm {
 };
 
 TEST(BoxedWorld, HasFewerPairsAndEveryContact) {
-  constexpr btScalar kTheirs = 0.05, kOurs = 0.01;  // a global of Bullet's
+  constexpr btScalar kTheirs = 0.05, kOurs = 0.01;  // a global variable of Bullet's
   Swarm<btDiscreteDynamicsWorld> bullet;
   Swarm<BoxedWorld> ours;
   std::size_t contacts = 0;
-  // Until the first meet both worlds move alike.
+  // Both worlds move alike until the first cubes meet.
   for (int step = 0; step < 60 && contacts == 0; ++step) {
     gDbvtMargin = kTheirs;
     bullet.step();

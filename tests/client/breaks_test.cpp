@@ -1,4 +1,4 @@
-// What broke is counted once, with what broke it and how late its fragments came.
+// Each break is counted once, with its cause and with the delay of its fragments.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -21,7 +21,7 @@ TEST(Breaks, OfFragmentsThatWereThereAreCountedWhenTheirBondsBreak) {
   spec.pose.position = {0, 4, 0};
   const ObjectId object = world.add_object(spec);
   world.fracture(object, prepare(set));
-  run(world, 0.8);  // 4 m take 0.9 s
+  run(world, 0.8);  // a fall from 4 m takes 0.9 s
   EXPECT_TRUE(world.take_breaks().empty());
   run(world, 1);
   const auto breaks = world.take_breaks();

@@ -1,4 +1,4 @@
-// A further hit on what is fractured: finer fragments in the place of some, and all else as it was.
+// A further hit on a fractured object: finer fragments replace some, and everything else stays.
 #include "client/world/change.hpp"
 
 #include <gtest/gtest.h>
@@ -23,13 +23,13 @@ using test::without_gravity;
 
 constexpr double kSide = 0.5, kDensity = 1000;
 
-/// The cubes with these numbers come apart into eight each, with ids from `next` on, bonded to one another and to the
-/// cubes beside them.
+/// The cubes with these numbers are replaced by eight smaller ones each, with ids from `next` on. They are
+/// bonded to each other and to the cubes next to them.
 FragmentChange eighths(const FragmentSet& set, const std::vector<std::uint32_t>& replaced,
                        double strength = 1e6, std::uint64_t next = 5000) {
   FragmentChange change;
   const double side = kSide / 2;
-  std::vector<std::pair<std::uint64_t, glm::dvec3>> all;  // id and centre of what is there afterwards
+  std::vector<std::pair<std::uint64_t, glm::dvec3>> all;  // ids and centres after the change
   for (std::uint32_t k = 0; k < set.fragments.size(); ++k)
     if (std::find(replaced.begin(), replaced.end(), k) == replaced.end())
       all.emplace_back(set.fragments[k].id, set.fragments[k].mass.center);
@@ -55,7 +55,7 @@ FragmentChange eighths(const FragmentSet& set, const std::vector<std::uint32_t>&
     for (std::size_t a = 0; a < b; ++a) {
       const glm::dvec3 way = all[b].second - all[a].second, size = glm::abs(way);
       const double reach = a < stay ? 0.5 * (kSide + side) : side;
-      // Beside one another along one axis, and not past the other's faces along the others.
+      // The cubes touch along one axis, and overlap along the other two.
       const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
       bool beside = std::abs(size[axis] - reach) < 1e-6;
       for (int other = 0; other < 3; ++other)
@@ -79,7 +79,7 @@ std::vector<FragmentState> states_of(const World& world, ObjectId object) {
 
 double mass_of(const World& world) { return world.total_momentum().mass; }
 
-/// Prepared, or a failure.
+/// Prepares the change. A refusal fails the test.
 std::shared_ptr<const PreparedFragments> prepared(const std::shared_ptr<const PreparedFragments>& before,
                                                   FragmentChange change) {
   auto result = prepare(before, std::move(change));
@@ -98,7 +98,8 @@ TEST(Change, KeepsTheNumbersOfWhatStays) {
     EXPECT_EQ(changed->set.fragments[k].id, 1000 + k);
     EXPECT_EQ(changed->set.fragments[k].gone, k == 1);
   }
-  // Both bonds of the three led to the one in the middle; four lead to each of its neighbours, twelve are among the eight.
+  // Both bonds of the three cubes led to the middle one. Now four bonds lead to each of its neighbours, and
+  // twelve connect the eight new cubes.
   EXPECT_EQ(changed->first_bond, 2u);
   for (std::size_t k = 0; k < changed->set.bonds.size(); ++k)
     EXPECT_EQ(changed->set.bonds[k].gone, k < 2) << k;
@@ -177,7 +178,7 @@ TEST(Change, AMovingGroupMovesOnAsOneBodyWithTheSameMomentum) {
   }
 }
 
-/// A row of cubes on the ground, of which the last ones have come off and lie beside.
+/// A row of cubes on the ground. The last cube has come off and lies next to the others.
 struct Broken {
   World world{without_gravity()};
   FragmentSet set = cubes(4, 1);
@@ -235,7 +236,7 @@ TEST(Change, OneHitAfterAnother) {
   auto now = prepared(broken.first, eighths(broken.set, {1}));
   ASSERT_TRUE(world.change(broken.object, now));
   FragmentChange next = eighths(broken.set, {0}, 1e6, 6000);
-  // Its neighbour is not cube 1 any more: the right half of cube 0 touches the left half of what that became.
+  // Its neighbour is no longer cube 1. The right half of cube 0 touches the left half of cube 1's pieces.
   for (std::size_t k = 0; k < next.ends.size(); ++k)
     if (next.ends[k].a == 1001) next.ends[k].a = next.ends[k].b - 1001;
   ASSERT_TRUE(world.change(broken.object, prepared(now, next)));

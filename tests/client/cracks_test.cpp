@@ -1,4 +1,4 @@
-// A bond may break without anything coming apart.
+// A bond may break without splitting the body.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 
 TEST(Cracks, OneThatPartsNothingLeavesItsBody) {
   World world(test::without_gravity());
-  // Four cubes in a square, one of whose four bonds bears nothing: without it they are a chain.
+  // Four cubes in a square. One of the four bonds carries nothing; without it they are a chain.
   FragmentSet set = test::cubes(2, 2, 0.5, 1000, 1e9);
   set.bonds.back().strength = 1e-3;
   const ObjectId id = world.add_object(test::whole_of(set));
@@ -27,7 +27,7 @@ TEST(Cracks, OneThatPartsNothingLeavesItsBody) {
   world.fragment_states(id, after);
   for (std::size_t k = 0; k < after.size(); ++k)
     EXPECT_EQ(after[k].group, before[k].group) << "another body would be another group";
-  // It is a swap like others, and counted.
+  // This counts as a swap.
   const std::vector<Swap> swaps = world.take_swaps();
   ASSERT_EQ(swaps.size(), 1u);
   EXPECT_EQ(swaps[0].groups, 1u);

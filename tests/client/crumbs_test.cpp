@@ -1,4 +1,4 @@
-// What the world leaves out while more pieces move than it has time for.
+// The pieces that the world leaves out if more pieces move than it has time for.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kCrumb = 0.2;
 
-/// A tower of six loose cubes, the lowest first: how high the highest is after a second.
+/// Drops a tower of six loose cubes. Returns how high the highest one is after a second.
 double height_of_heap(std::size_t live) {
   WorldSettings settings;
   settings.live_bodies = live;
-  settings.debris_share = 0.2;  // each of the cubes is smaller
+  settings.debris_share = 0.2;  // each cube is smaller than this
   World world(settings);
   FragmentSet set = test::cubes(1, 6, kCrumb);
   set.bonds.clear();

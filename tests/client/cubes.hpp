@@ -23,8 +23,8 @@ inline world::MassProperties cube_mass(const glm::dvec3& center, double side, do
   return {mass, center, glm::dmat3(mass * side * side / 6)};
 }
 
-/// columns × rows cubes in the plane z = 0, the lower left one at (side / 2, side / 2), bonded to their
-/// neighbours. `strength` in Pa. Fragment number: row · columns + column; its id is 1000 + number.
+/// columns × rows cubes in the plane z = 0, bonded to their neighbours. The lower left one is at (side / 2,
+/// side / 2). `strength` in Pa. The fragment number is row · columns + column; its id is 1000 + number.
 inline world::FragmentSet cubes(int columns, int rows, double side = 0.5, double density = 1000,
                                 double strength = 1e6) {
   world::FragmentSet set;
@@ -57,7 +57,7 @@ inline world::FragmentSet cubes(int columns, int rows, double side = 0.5, double
   return set;
 }
 
-/// The whole that falls apart into `set`: one hull for each fragment.
+/// The intact object that breaks into `set`: one hull for each fragment.
 inline world::ObjectSpec whole_of(const world::FragmentSet& set) {
   world::ObjectSpec spec;
   std::vector<world::MassProperties> masses;
@@ -81,7 +81,8 @@ inline void run(world::World& world, double seconds) {
   for (int k = 0; k < steps; ++k) world.step();
 }
 
-/// The whole of a set, askew at a height of 10 m, half a second after a ball from aside made it move and turn.
+/// Adds the intact object of a set, tilted, at a height of 10 m. A ball from the side made it move and turn
+/// half a second ago.
 inline world::ObjectId struck_from_aside(world::World& world, const world::FragmentSet& set) {
   world::ObjectSpec spec = whole_of(set);
   spec.pose = {{0, 10, 0}, glm::angleAxis(0.7, glm::normalize(glm::dvec3(1, 2, 3)))};
@@ -101,7 +102,8 @@ inline std::size_t groups_of(const world::World& world, world::ObjectId object) 
   return static_cast<std::size_t>(std::unique(groups.begin(), groups.end()) - groups.begin());
 }
 
-/// Two bonded cubes (ids 7 and 9) as the service writes them, as JSON to be spoilt, and its binary part.
+/// Two bonded cubes (ids 7 and 9) as the service writes them: JSON that tests can damage, and the binary
+/// part.
 struct GlbParts {
   nlohmann::json json;
   std::string binary;
@@ -192,8 +194,8 @@ inline GlbParts two_cubes_glb() {
   return parts;
 }
 
-/// What a hit on the second of the two cubes changes: it is two slabs now, ids 11 and 12, as the service writes it with
-/// delta=only.
+/// The change after a hit on the second of the two cubes, as the service writes it with delta=only. The cube
+/// has become two slabs with ids 11 and 12.
 inline GlbParts halved_cube_glb() {
   using nlohmann::json;
   GlbParts parts = two_cubes_glb();

@@ -109,12 +109,12 @@ TEST(DebrisTest, EqualSeedsGiveEqualDust) {
 }
 
 TEST(DebrisTest, HitsLeaveMarksOnTheGroundAndOnWhatTheyMeet) {
-  // A whole object breaks where it is hit: its mark would be on nothing.
+  // An intact object breaks where it is hit, so there would be nothing to mark.
   const Debris whole = after(knocked(world::Knock::Side::Kind::kObject), "concrete");
   ASSERT_EQ(whole.marks().size(), 1u);
   EXPECT_FALSE(whole.marks()[0].on_object);
   EXPECT_EQ(whole.marks()[0].position, glm::vec3(1, 0, 2));
-  // A fragment bears it, and takes it along.
+  // A fragment carries the mark with it.
   world::World world;
   const world::FragmentSet set = test::cubes(2, 1);
   world::ObjectSpec spec = test::whole_of(set);
@@ -131,12 +131,12 @@ TEST(DebrisTest, HitsLeaveMarksOnTheGroundAndOnWhatTheyMeet) {
   EXPECT_TRUE(debris.marks()[0].on_object);
   EXPECT_TRUE(debris.marks()[0].cracks);
   EXPECT_LT(glm::distance(debris.marks()[0].position, glm::vec3(0.75, 0.5, 0)), 1e-6f);
-  // On what is clear it would be painted on what lies behind.
+  // On a clear object the mark would appear on the objects behind it.
   Debris clear;
   clear.follow(world, seen, [](world::ObjectId) { return std::string("glass"); });
   ASSERT_EQ(clear.marks().size(), 1u);
   EXPECT_FALSE(clear.marks()[0].on_object);
-  // Too soft.
+  // The hit is too soft.
   seen.knocks[0].impulse = 0.1;
   Debris soft;
   soft.follow(world, seen, [](world::ObjectId) { return std::string("glass"); });

@@ -24,7 +24,7 @@ class DebrisViewTest : public RendererTest {
     view_.emplace(std::move(*made));
   }
 
-  /// A cube of side 1 around the origin, seen from the front, with debris over it. The camera looks along −z.
+  /// Draws a cube of side 1 around the origin from the front, with debris over it. The camera looks along −z.
   render::Picture shown(const Debris& debris, std::span<const PlacedMark> marks = {}) {
     return shown(debris, marks, camera_, false);
   }
@@ -46,7 +46,7 @@ class DebrisViewTest : public RendererTest {
     return target->read();
   }
 
-  /// What a crack at a place leaves a moment later.
+  /// The debris of a crack at this point, `seconds` later.
   static Debris dust_at(const glm::dvec3& point, const std::string& material, double seconds = 0.15) {
     world::WorldSettings settings;
     settings.gravity = glm::dvec3(0);
@@ -90,7 +90,7 @@ TEST_F(DebrisViewTest, DustIsSeenInFrontAndNotThroughThings) {
   const render::Picture clean = shown(Debris()), in_front = shown(dust_at({0, 0.6, 1.2}, "concrete"));
   EXPECT_EQ(calls_, 2u);
   EXPECT_GT(difference(clean, in_front), 0.003);
-  // Behind the cube, whose shadow on the picture covers all of it.
+  // The dust is behind the cube, which hides all of it.
   const render::Picture behind = shown(dust_at({0, 0, -0.9}, "ceramic", 0.01));
   EXPECT_LT(difference(clean, behind), 1e-4);
 }
@@ -115,7 +115,8 @@ TEST_F(DebrisViewTest, AMarkIsOnTheSurfaceItWasMadeOnAndNowhereElse) {
 }
 
 TEST_F(DebrisViewTest, CrumbsInTheShadowAreDarker) {
-  // From the first, the way to the sun (0.43, 0.77, 0.48) goes through the cube; from the second it is free.
+  // From the first point, the way to the sun (0.43, 0.77, 0.48) goes through the cube; from the second it is
+  // free.
   const glm::dvec3 shaded(-0.72, -0.3, 0), sunny(0.9, 0.6, 0.4);
   const auto brightest = [&](const glm::dvec3& place) {
     render::Camera close = camera_;  // a pixel is two millimetres there

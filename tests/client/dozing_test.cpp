@@ -1,4 +1,4 @@
-// Pieces of a heap sleep one by one, and wake where they have to.
+// Pieces of a heap fall asleep one by one, and wake when they must.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace fracture::world {
 namespace {
 
 constexpr double kCube = 0.2;
-constexpr double kMoment = 1;  ///< seconds: Bullet lets nothing sleep before 1.2 have passed
+constexpr double kMoment = 1;  ///< seconds; Bullet lets nothing sleep before 1.2 s have passed
 
 FragmentSet loose_cubes(int columns, int rows) {
   FragmentSet set = test::cubes(columns, rows, kCube);
@@ -17,7 +17,7 @@ FragmentSet loose_cubes(int columns, int rows) {
   return set;
 }
 
-/// A wall of loose cubes that stands on the ground.
+/// A wall of loose cubes on the ground.
 ObjectId wall_of(World& world, int columns, int rows) {
   const FragmentSet set = loose_cubes(columns, rows);
   const ObjectId id = world.add_object(test::whole_of(set));
@@ -34,7 +34,7 @@ std::vector<glm::dvec3> centers(const World& world, ObjectId id, const FragmentS
   return result;
 }
 
-/// So many loose cubes, 3 m apart from one another, from `first` on.
+/// Adds `count` loose cubes, 3 m apart, beginning with number `first`.
 void add_loose_cubes(World& world, int first, int count) {
   const FragmentSet one = loose_cubes(1, 1);
   for (int k = first; k < first + count; ++k) {
@@ -44,7 +44,8 @@ void add_loose_cubes(World& world, int first, int count) {
   }
 }
 
-/// How fast a ball of 8 kg is, a tenth of a second after it met the first of so many cubes that stand apart from one another.
+/// The speed of a ball of 8 kg a tenth of a second after it met the first of several cubes that are far
+/// apart.
 double ball_after_hit(int cubes) {
   World world;
   add_loose_cubes(world, 0, cubes);
@@ -157,7 +158,7 @@ TEST(Dozing, NothingHangsInTheAirWhereWhatWasHeldBreaks) {
   test::run(world, 2 * kMoment);
   ASSERT_EQ(world.census().moving, 0u);
   ASSERT_NEAR(centers(world, id, one)[0].y, 1 + 1.5 * kCube, 0.01);
-  world.fracture(held, prepare(one));  // of which nothing is anchored: it falls
+  world.fracture(held, prepare(one));  // nothing in it is anchored, so it falls
   test::run(world, 2);
   ASSERT_LT(centers(world, held, one)[0].y, 2 * kCube);
   EXPECT_LT(centers(world, id, one)[0].y, 2 * kCube) << "what lay on it has come down, too";

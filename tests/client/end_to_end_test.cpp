@@ -1,4 +1,4 @@
-// Scenes against a real server, without a window, reproducible; and the example in another language.
+// Scenes against a real server, without a window and reproducible; and the example in another language.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ render::Picture read_picture(const std::string& path) {
 struct SceneCase {
   const char* name;
   double seconds;
-  std::size_t fragments;  ///< at least
+  std::size_t fragments;  ///< minimum number
 };
 
 class Scenes : public testing::TestWithParam<SceneCase> {};
@@ -54,13 +54,14 @@ TEST_P(Scenes, BreakConserveRestAndRepeat) {
   EXPECT_GT(first["bodies"]["lowest"].get<double>(), -0.01);
   EXPECT_LT(first["ledger"]["worst_gain"].get<double>(), 0.01);
   EXPECT_LT(first["ledger"]["deepest_mm"].get<double>(), 5);
-  // Nothing is thrown apart: a light fragment leaves a heavy ball, or one that fell from the height of the scene,
-  // with at most 1 + restitution times its speed; glass has the most. Then it falls itself.
+  // No piece is thrown too fast. A light fragment leaves a heavy ball, or one that fell from the height of
+  // the scene, with at most 1 + restitution times its speed; glass has the highest restitution. Then the
+  // fragment itself falls.
   const double fall = 2 * 9.81 * 5, most_restitution = 0.25;
   const double thrown =
       (1 + most_restitution) * std::max(first["fastest_ball"].get<double>(), std::sqrt(fall));
   EXPECT_LT(first["fastest_fragment"].get<double>(), std::sqrt(thrown * thrown + fall));
-  // A second run: the server has everything in its cache now, and answers faster.
+  // In the second run the server has everything in its cache, and answers faster.
   const json second = run(options);
   EXPECT_EQ(first["fingerprint"], second["fingerprint"]);
   EXPECT_EQ(first["fragments"], second["fragments"]);
@@ -101,7 +102,7 @@ TEST(EndToEnd, ARecordedGameIsPlayedAgainToTheSameBits) {
   test::ServeProcess server;
   test::TemporaryFolder folder;
   Options options = options_for(server, "shop", 1.5);
-  options.fixed_step = false;  // in real time: the answers come when they come
+  options.fixed_step = false;  // in real time: answers take effect whenever they arrive
   options.log = folder / "game.jsonl";
   const json played = run(options);
   EXPECT_GE(played["game"]["swaps"].get<int>(), 1);
@@ -137,7 +138,7 @@ TEST(EndToEnd, AGameIsHeardWhenThingsBreakAndNotBefore) {
   const std::string first = heard("first.wav");
   constexpr std::size_t kHeader = 44, kFrames = 72000;  // 1.5 s
   ASSERT_EQ(first.size(), kHeader + 4 * kFrames);
-  const auto most = [&](double from, double to) {  // seconds
+  const auto most = [&](double from, double to) {  // from, to: seconds
     int largest = 0;
     for (auto k = static_cast<std::size_t>(from * 96000); k < static_cast<std::size_t>(to * 96000); ++k) {
       const auto low = static_cast<unsigned char>(first[kHeader + 2 * k]),
@@ -186,19 +187,19 @@ TEST(EndToEnd, AServerThatIsKilledAndStartedAgainIsUsedAgain) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   while (game.meshes_stored() == 0) frame();
-  // In mid-flight: the request has left, or its answer is on its way.
+  // In mid-request: the request has left, or its answer is on its way.
   game.throw_ball(first_pane + glm::dvec3(0, 0, 3), {0, 1, -14});
   while (game.figures().requests == 0) frame();
   server->signal(SIGKILL);
   server->wait();
   while (game.figures().swaps + game.figures().failures == 0) frame();
-  // Nobody is there.
+  // No server is running.
   const std::uint64_t failures = game.figures().failures;
   game.throw_ball(last_pane + glm::dvec3(0, 0, 3), {0, 1, -14});
   while (game.figures().failures == failures) frame();
   EXPECT_TRUE(game.world().is_whole(game.things()[4].id));
   EXPECT_FALSE(game.figures().last_trouble.empty());
-  // Another one, which knows no mesh.
+  // Another server, which knows no mesh.
   const std::uint16_t port = server->port;
   server.reset();
   test::Process again({"serve", "--port", std::to_string(port), "--admin-port", "0", "--drain-delay", "0"});
@@ -225,7 +226,7 @@ TEST(EndToEnd, FilesFromTheCommandLineFallAndBreak) {
   const json summary = run(options);
   EXPECT_EQ(summary["scene"], "files");
   EXPECT_EQ(summary["game"]["meshes_stored"], 2);
-  EXPECT_GE(summary["game"]["swaps"], 2);  // each of them, and some pieces once more
+  EXPECT_GE(summary["game"]["swaps"], 2);  // one for each object, and more for pieces that break again
   EXPECT_LE(summary["game"]["swaps"], 6);
   ASSERT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];  // the notes, and the OBJ's textures
 }
@@ -254,13 +255,13 @@ TEST(EndToEnd, PicturesShowTheSceneBeforeAndAfter) {
       difference += std::abs(int(pictures[0].pixels[k][c]) - int(pictures[1].pixels[k][c]));
     changed += difference > 40;
   }
-  // The monkey is gone from where it hung, and lies elsewhere: a few percent of the picture, not all of it.
+  // The monkey has left its place and lies elsewhere: a few percent of the picture changed, not all of it.
   EXPECT_GT(changed, pictures[0].pixels.size() / 50);
   EXPECT_LT(changed, pictures[0].pixels.size() / 2);
 }
 
-/// Mean difference of the colours, 0 to 255, of blocks of so many pixels squared, beyond what a palette
-/// rounds.
+/// Mean difference of the colours (0 to 255) over blocks of block_of_a² and block_of_b² pixels, beyond the
+/// rounding of a palette.
 double difference(const render::Picture& a, int block_of_a, const render::Picture& b, int block_of_b) {
   const render::Picture first = downsample(a, block_of_a), second = downsample(b, block_of_b);
   EXPECT_EQ(first.width, second.width);
@@ -275,9 +276,9 @@ double difference(const render::Picture& a, int block_of_a, const render::Pictur
 
 class ScenePictures : public testing::TestWithParam<std::string> {};
 
-// Before the hit, at it and after it, as scripts/client-pictures drew them (the names say when). Small pieces
-// may lie elsewhere after a change of the fragments; what a scene looks like may not change unseen. And the
-// README shows one of the later two.
+// Pictures before, during and after the hit, as scripts/client-pictures drew them (the file names contain the
+// times). Small pieces may lie elsewhere if the fragments change, but the appearance of a scene must not
+// change unnoticed. The README shows one of the later two moments.
 TEST_P(ScenePictures, LookAsTheyDidWhenSomebodyLooked) {
   if (auto context = egl::EglContext::create(); !context) GTEST_SKIP() << context.error().detail;
   const std::string scene = GetParam();
@@ -303,14 +304,14 @@ TEST_P(ScenePictures, LookAsTheyDidWhenSomebodyLooked) {
     known.push_back(read_picture(FRACTURE_SCENE_PICTURES "/" + file.filename().string()));
   }
   ASSERT_EQ(now.size(), 3u);
-  // Like its own moment, and clearly more so than like the others of the same scene.
+  // Each picture resembles the one from its own moment, and clearly more than the others of the scene.
   for (std::size_t k = 0; k < 3; ++k) {
     const double own = difference(now[k], 2, known[k], 2);
     EXPECT_LT(own, 3) << moments[k];
     for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3})
       EXPECT_LT(own, 0.6 * difference(now[k], 2, known[other], 2)) << moments[k] << " " << moments[other];
   }
-  // What the README shows is of the high tier.
+  // The README shows the high tier.
   options.picture = render::TierWish::kHigh;
   const json high = run(options);
   const auto away = [&](std::size_t shot) {
@@ -318,7 +319,7 @@ TEST_P(ScenePictures, LookAsTheyDidWhenSomebodyLooked) {
                       read_picture(FRACTURE_PICTURES "/" + scene + ".png"), 4);
   };
   EXPECT_LT(std::min(away(1), away(2)), 3);
-  EXPECT_LT(std::min(away(1), away(2)), 0.8 * away(0));  // panes are clear: little changes
+  EXPECT_LT(std::min(away(1), away(2)), 0.8 * away(0));  // panes are clear, so little changes
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ScenePictures, testing::ValuesIn(scenes::scene_names()),

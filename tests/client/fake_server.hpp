@@ -1,4 +1,4 @@
-// A server of raw sockets in the test's own process, which answers as the test says: also rudely.
+// A server with raw sockets in the test's own process. It answers as the test says, including badly.
 #pragma once
 
 #include <arpa/inet.h>
@@ -27,9 +27,9 @@ struct FakeRequest {
 };
 
 struct FakeReply {
-  std::string bytes;    ///< sent as they are
+  std::string bytes;    ///< sent unchanged
   bool close = false;   ///< then the connection is closed
-  bool silent = false;  ///< nothing is sent; the connection stays open until the client or the server goes
+  bool silent = false;  ///< sends nothing; the connection stays open until the client or the server closes
   static FakeReply answer(int status, const std::string& body, const std::string& headers = "") {
     return {"HTTP/1.1 " + std::to_string(status) + " Reason\r\n" + headers +
             "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body};
@@ -79,7 +79,7 @@ class FakeServer {
     return requests_;
   }
   int connections() const { return connections_; }
-  /// How many connections their clients have closed while they waited for a silent answer.
+  /// How many connections their clients closed while they waited for a silent answer.
   int closes() const { return closes_; }
 
  private:

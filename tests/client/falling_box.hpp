@@ -1,4 +1,4 @@
-// A game in which a box falls and breaks into two cubes, with a server that the test makes up.
+// A game in which a box falls and breaks into two cubes, with a fake server in the test.
 #pragma once
 
 #include <openssl/evp.h>
@@ -20,13 +20,13 @@ inline std::string digest_field(const std::string& bytes) {
 }
 inline FakeReply glb(const std::string& bytes) { return FakeReply::answer(200, bytes, digest_field(bytes)); }
 
-/// Falls and is hit by the ground at once: two cubes of a metre.
+/// A box of two cubes of one metre. It falls and soon hits the ground.
 inline scenes::Scene falling_box() {
   scenes::Scene scene;
   scene.name = "box";
   scenes::SceneObject object;
   scenes::SurfaceMesh mesh = scenes::box({2, 1, 1});
-  for (glm::vec3& p : mesh.positions) p.x += 0.5f;  // as the two cubes lie
+  for (glm::vec3& p : mesh.positions) p.x += 0.5f;  // in the position of the two cubes
   object.mesh = std::make_shared<const scenes::MeshAsset>(scenes::make_asset(mesh, "box", {1, 1, 1, 1}));
   object.density = 2000;
   object.strength = 100;

@@ -1,4 +1,4 @@
-// Films: folders of PNG, and what another program makes, fails to make, or never ends to make.
+// Films: folders of PNG files, and an encoder program that succeeds, fails or never ends.
 #include "client/film/film.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace fracture::film {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr int kWidth = 65, kHeight = 34;  // an odd side: mp4 has none
+constexpr int kWidth = 65, kHeight = 34;  // mp4 needs even sides, so one side is odd
 
 FilmSettings settings(const std::string& program = "ffmpeg", milliseconds patience = milliseconds(30000)) {
   return {.width = kWidth, .height = kHeight, .rate = 60, .program = program, .patience = patience};
@@ -34,7 +34,7 @@ class Films : public testing::Test {
     std::filesystem::permissions(path, std::filesystem::perms::owner_all);
     return path;
   }
-  /// The first error of a film of so many pictures.
+  /// Makes a film of this many pictures. Returns the first error.
   Expected<void> make(const std::string& file, const FilmSettings& how, int pictures = 30) {
     Expected<Film> film = Film::create(folder_ / file, how);
     if (!film) return tl::unexpected(film.error());
@@ -45,7 +45,7 @@ class Films : public testing::Test {
   static bool installed(const char* program) {
     return std::system((std::string("command -v ") + program + " >/dev/null 2>&1").c_str()) == 0;
   }
-  /// Pictures in a film, by another program.
+  /// Number of pictures in a film, counted by another program.
   int pictures_in(const std::string& file) {
     const std::string command =
         "ffprobe -v error -count_frames -select_streams v -show_entries stream=nb_read_frames -of csv=p=0 '" +
@@ -64,7 +64,8 @@ class Films : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-// What is left of the file when all pictures are taken, in `sh`: the last argument is the file's name behind "file:".
+// Shell commands that read all pictures and set `target` to the film's file, which is the last argument
+// without "file:".
 constexpr const char* kTarget = "cat >/dev/null; for last; do :; done; target=${last#file:}; ";
 
 TEST_F(Films, AFolderHasAPictureForEachFrame) {
@@ -83,7 +84,7 @@ TEST_F(Films, AFolderHasAPictureForEachFrame) {
 TEST_F(Films, AFilmHasThePicturesThatWereAdded) {
   if (!installed("ffmpeg") || !installed("ffprobe")) GTEST_SKIP() << "ffmpeg is not installed";
   for (const auto& [file, pictures] :
-       {std::pair("a.mp4", 30), std::pair("b.gif", 13)}) {  // of half a second; gif: 25 a second
+       {std::pair("a.mp4", 30), std::pair("b.gif", 13)}) {  // Half a second; a GIF has 25 pictures a second.
     const Expected<void> made = make(file, settings());
     ASSERT_TRUE(made) << made.error().detail;
     EXPECT_NEAR(pictures_in(file), pictures, 1) << file;

@@ -1,4 +1,4 @@
-// The game with a server that is away, busy, slow, or answers nonsense: it says so and goes on.
+// The game with a server that is away, busy or slow, or answers nonsense: it reports the problem and goes on.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -23,7 +23,7 @@ using test::settings_for;
 void frames(Game& game, int count) {
   for (int k = 0; k < count; ++k) game.advance(kFrame, true);
 }
-/// Frames until the game has seen an answer's end, good or bad.
+/// Runs frames until the game has seen the end of an answer, good or bad.
 void frames_until(Game& game, const std::function<bool()>& done) {
   test::require_eventually(test::kPatience, "the answer in a frame", [&] {
     if (done()) return true;
@@ -72,7 +72,7 @@ TEST(GameFaults, AReproducibleRunStandsStillInstead) {
   protocol::Client client(settings_for(server));
   GameSettings settings;
   settings.fixed_latency = 6;
-  settings.anticipate = false;  // an answer that is foreseen would wait for the hit
+  settings.anticipate = false;  // an anticipated answer would wait for the hit
   Game game(falling_box(), client, settings);
   test::require_eventually(test::kPatience, "the mesh to be stored", [&] { return game.ready(); });
   while (game.ready() && game.figures().requests == 0) game.step();
@@ -174,7 +174,7 @@ TEST(GameFaults, BusyAndDamagedAnswersAreOvercome) {
         return FakeReply::answer(503, "{}", "Retry-After: 0\r\n");
       case 1:
         reply.bytes[reply.bytes.size() / 2] ^= 1;
-        break;  // a bit
+        break;  // one bit differs
       case 2:
         reply = {reply.bytes.substr(0, reply.bytes.size() / 2), true};
         break;  // cut off
@@ -204,7 +204,7 @@ TEST(GameFaults, AStormOfBusyAnswersEndsInFragments) {
   Game game(falling_box(), client, {});
   std::uint64_t frames_before = game.world().steps();
   frames_until(game, [&] { return game.figures().swaps == 1; });
-  EXPECT_GT(game.world().steps(), frames_before);  // it went on meanwhile
+  EXPECT_GT(game.world().steps(), frames_before);  // the game went on meanwhile
   EXPECT_EQ(client.status().retried, static_cast<std::uint64_t>(kStorm));
   EXPECT_EQ(game.figures().failures, 0u);
 }
@@ -217,7 +217,7 @@ TEST(GameFaults, AServerThatForgotTheMeshGetsItAgain) {
       ++puts;
       return FakeReply::answer(201, "{}");
     }
-    // It may come before the mesh does, which is answered alike.
+    // This request may arrive before the mesh does, which gets the same answer.
     return asked++ == 0 ? FakeReply::answer(404, R"({"type": "/problems/not-found", "detail": "?"})")
                         : glb(bytes);
   });
@@ -253,7 +253,7 @@ TEST(GameFaults, TwoHundredGamesLeaveNothingBehind) {
   std::optional<std::uint64_t> fingerprint;
   const auto in_use = [] {
     return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks);
-  };  // bytes, of all threads
+  };  // bytes in all threads
   std::ptrdiff_t early = 0;
   for (int k = 0; k < 200; ++k) {
     if (k == 40) early = in_use();
@@ -267,11 +267,11 @@ TEST(GameFaults, TwoHundredGamesLeaveNothingBehind) {
   }
   test::require_eventually(test::kPatience, "the requests to end", [&] { return client.status().open == 0; });
   const std::ptrdiff_t late = in_use();
-  std::ptrdiff_t noted = 0;  // by the fake server, which keeps every request
+  std::ptrdiff_t noted = 0;  // kept by the fake server, which stores every request
   for (const FakeRequest& request : server.requests())
     noted += static_cast<std::ptrdiff_t>(request.method.capacity() + request.target.capacity() +
                                          request.head.capacity() + request.body.capacity());
-  // 160 more cycles: one answer (6 KB) that stayed from each would be a megabyte.
+  // 160 more cycles: if each left an answer (6 KB) behind, that would be a megabyte.
   EXPECT_LT(late - early, noted + 300'000);
 }
 

@@ -1,4 +1,4 @@
-// A reproducible game without a window, against a server of the test's own.
+// A reproducible game without a window, against a server that the test starts.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// The high tier, judged by what has to be brighter than what, and where.
+// The high tier, judged by which points must be brighter than others.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Camera looking(const glm::vec3& eye, const glm::vec3& target) {
 
 // -- ambient occlusion
 
-/// A floor and a wall that meet at z = 0, in the light of the sky alone.
+/// A floor and a wall that meet at z = 0, lit only by the sky.
 struct Crease {
   Model model;
   Camera camera = looking({0, 1.5f, 2.5f}, {0, 0, 0.3f});
@@ -54,7 +54,7 @@ TEST_F(RendererTest, HighACreaseIsDarkerAndAPlaneIsNot) {
   EXPECT_EQ(stats.tier, Tier::kHigh);
   const double open = floor_at(picture, 0, 1.2f);
   EXPECT_LT(floor_at(picture, 0, 0.03f), 0.8 * open);
-  // It is over where the wall is farther away than the radius, 0.12 of 3 m.
+  // The darkening ends where the wall is farther away than the radius, which is 0.12 of 3 m.
   EXPECT_NEAR(floor_at(picture, 0, 0.5f), open, 0.04 * open);
   for (float x = -0.6f; x <= 0.6f; x += 0.1f)
     for (float z = 0.6f; z <= 1.4f; z += 0.1f)
@@ -87,7 +87,7 @@ TEST_F(RendererTest, SoftShadowsHaveNoPattern) {
   settings.lit = Sphere{{0, 0, 0}, 6};
   settings.lighting.sun_softness = 6;
   const Camera camera = looking({-1.2f, 2, 0.01f}, {-1.2f, 0, 0});
-  // The shadow of the top's edge lies at x = -1.25. Along it neighbours have the same light.
+  // The shadow of the top's edge is at x = -1.25. Neighbours along it get the same light.
   const auto noise = [&](const Picture& picture) {
     double sum = 0;
     int count = 0;
@@ -99,7 +99,7 @@ TEST_F(RendererTest, SoftShadowsHaveNoPattern) {
       }
     return sum / count;
   };
-  // Taps that turned from pixel to pixel gave more than 0.003.
+  // Samples that are rotated from pixel to pixel gave more than 0.003.
   EXPECT_LT(noise(draw(model, camera, settings, 400, 400)), 0.001);
   EXPECT_LT(noise(draw(model, camera, high(settings), 400, 400)), 0.001);
 }
@@ -147,7 +147,7 @@ TEST_F(RendererTest, HighAMirrorShowsTheColourOfTheHorizon) {
               above = pixel_at(picture, camera, {1.2f, 2.2f, 0.1f});
   for (int k = 0; k < 3; ++k)
     EXPECT_NEAR(linear(mirrored[k]), linear(horizon[k]), 0.1 * linear(horizon[k])) << k;
-  // And not that of the sky above, which is bluer.
+  // It differs from the colour of the sky above, which is bluer.
   EXPECT_GT(linear(above[2]) / linear(above[0]), 1.3 * linear(horizon[2]) / linear(horizon[0]));
 }
 
@@ -156,7 +156,8 @@ TEST_F(RendererTest, HighARoughMirrorShowsLessOfIt) {
   metal.metallic = 1;
   RenderSettings settings = bare();
   settings.lighting.sun = glm::vec3(0);
-  // From above on a slope: the mirror direction crosses the horizon between its lower and its upper end.
+  // The camera looks down at a slope. From the lower to the upper end of the mirror, the reflected direction
+  // crosses the horizon.
   const Camera camera = looking({0, 0, 3}, {0, 0, 0});
   const auto contrast = [&](float roughness) {
     Model model;
@@ -181,7 +182,7 @@ TEST_F(RendererTest, HighFarGroundHasTheColourOfTheHorizon) {
   settings.lit = Sphere{{0, 0, 0}, 5};
   const Camera camera = looking({3, 2, 8}, {3, 2, 0});
   const Picture picture = draw(model, camera, high(settings), 300, 300);
-  // Level with the eye is the middle of the picture; six rows are a degree.
+  // The middle of the picture is at eye level; six rows are a degree.
   const Color above = picture.at(100, 148), below = picture.at(100, 153), near = picture.at(100, 290);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(below[k], above[k], 5) << k;
   EXPECT_LT(luminance(near), 0.8 * luminance(above));
@@ -265,9 +266,9 @@ TEST_F(RendererTest, CutsThatHoldAreNotDrawn) {
   }
 }
 
-// -- the picture as a whole
+// -- the whole picture
 
-/// What is to be seen beside a small square that sends out, or back, so much light.
+/// The light next to a small square that emits or reflects light.
 double beside_a_square(const Picture& picture) {
   double sum = 0;
   for (int x = 175; x < 190; ++x) sum += luminance(picture.at(x, 150));

@@ -1,4 +1,4 @@
-// A game's time: saved, gone on with, gone back in.
+// A game's history: it can be saved, continued, and rewound.
 #include "client/game/history.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using test::FakeServer;
 
 class Histories : public Recordings {
  protected:
-  /// Steps of a reproducible game, with a ball at one of them.
+  /// Plays steps of a reproducible game, with a ball at one of them.
   static void play_steps(Game& game, std::uint64_t until) {
     constexpr std::uint64_t kThrown = 40;
     while (game.world().steps() < until) {
@@ -25,7 +25,7 @@ class Histories : public Recordings {
       game.step();
     }
   }
-  /// Eight boxes, of which two at a time may be asked for: hits wait.
+  /// Eight boxes, of which only two may be requested at a time, so hits wait.
   static scenes::Scene many_boxes() {
     scenes::Scene boxes = scene();
     for (int k = 4; k < 8; ++k) {
@@ -77,11 +77,11 @@ TEST_F(Histories, AnyStepIsReachedAgainWithoutAServer) {
     ASSERT_FALSE(game.figures().diverged) << step << ": " << *game.figures().diverged;
     ASSERT_EQ(game.world().steps(), step);
     EXPECT_EQ(game.world().fingerprint(), all.hashes[step - 1]) << step;
-    // And goes on from there.
+    // The game continues from there.
     game.hand_over();
     game.throw_ball({0.5, 0.5, 4}, {0, 1, -20});
     for (int k = 0; k < 10; ++k) game.advance(test::kFrame, true);
-    EXPECT_GE(game.world().steps(), step + 10);  // a frame that swaps has one step
+    EXPECT_GE(game.world().steps(), step + 10);  // a frame that swaps has only one step
   }
 }
 
@@ -96,7 +96,7 @@ TEST_F(Histories, AGameThatIsGoneOnWithIsTheOneThatWasNeverInterrupted) {
     EXPECT_GT(whole.figures().swaps, 4u);
     fingerprint = whole.world().fingerprint();
   }
-  // Before anything was asked for, while hits wait, between the balls that the scene throws, at the end.
+  // Before the first request, while hits wait, between the balls that the scene throws, and at the end.
   for (const std::uint64_t stopped : {1u, 30u, 75u, 76u, 239u, 240u}) {
     const std::string first = folder_ / "first.jsonl", second = folder_ / "second.jsonl";
     {
@@ -162,7 +162,7 @@ TEST_F(Histories, AFullOneKeepsItsBeginning) {
   FakeServer server([this](const FakeRequest& request) { return answer(request); });
   protocol::Client client(test::settings_for(server));
   scenes::Scene high = scene();
-  for (scenes::SceneObject& object : high.objects) object.pose.position.y = 50;  // nothing happens
+  for (scenes::SceneObject& object : high.objects) object.pose.position.y = 50;  // too high to hit the ground
   Game game(std::move(high), client, settings);
   while (game.world().steps() < 2 * kSteps) game.step();
   EXPECT_TRUE(settings.history->full());
@@ -180,12 +180,12 @@ TEST_F(Histories, ThePastIsBoundedAndFoundByStep) {
     game.step();
     const auto moment = std::make_shared<const Moment>(moment_of(game));
     few.add(moment);
-    few.add(moment);  // the same step once
+    few.add(moment);  // the same step counts once
     small.add(moment);
   }
   EXPECT_EQ(few.size(), 21u);
   EXPECT_EQ(few.at(30)->step, 30u);
-  EXPECT_EQ(few.at(1)->step, 20u);  // the oldest that there is
+  EXPECT_EQ(few.at(1)->step, 20u);  // the oldest one
   EXPECT_EQ(small.size(), 3u);
   const world::Pose now = game.world().object_pose(0);
   EXPECT_EQ(few.at(40)->parts[0].whole.position, now.position);

@@ -1,4 +1,4 @@
-// The game asks for what a further hit changes, before it comes, and puts it in the place of what was there.
+// The game requests the change of a further hit in advance, and replaces the old fragments with it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ FakeReply at(const std::string& bytes, const char* location) {
                            test::digest_field(bytes) + "Content-Location: " + std::string(location) + "\r\n");
 }
 
-/// A box that its left half holds where it stands, and that bears every ball: two cubes, of which hits on the right one
-/// make slabs.
+/// A box that is held by its left half and withstands every ball. It breaks into two cubes; hits on the right
+/// one make slabs.
 class Hits : public testing::Test {
  protected:
   static scenes::Scene scene() {
@@ -63,13 +63,13 @@ class Hits : public testing::Test {
       game.step();
     }
   }
-  /// At the left cube, which breaks the whole.
+  /// Throws a ball at the left cube, which breaks the whole box.
   static void break_whole(Game& game) {
     game.throw_ball({0, 0.7, 4}, {0, 0.5, -20});
     steps(game, 60);
     ASSERT_FALSE(game.world().is_whole(0));
   }
-  /// At the right cube.
+  /// Throws a ball at the right cube.
   static void hit(Game& game) {
     game.throw_ball({1, 0.7, 6}, {0, 0.5, -20});
     steps(game, 60);
@@ -113,7 +113,7 @@ TEST_F(Hits, AskForWhatTheyChangeOfTheAnswerAndHaveItInTime) {
   EXPECT_NEAR(point[2].get<double>(), 0.5, 0.05);
   EXPECT_EQ(game.figures().too_late, 0u);
   EXPECT_LT(game.figures().worst_momentum_error, 1e-9);
-  // The next one names the answer of this one.
+  // The next request refers to the answer of this one.
   hit(game);
   ASSERT_EQ(bodies(server).size(), 2u) << "the ball has been asked for";
   hit(game);
@@ -146,7 +146,7 @@ TEST_F(Hits, ArePlayedAgainWithTheAnswersThatWereKept) {
     EXPECT_EQ(game.figures().hits, 1u);
     EXPECT_EQ(bodies(server).size(), asked);
   }
-  // A change is kept for what it is a change of: other fragments with the same bytes are not that.
+  // A change is kept for the fragments that it changes. Other fragments with the same bytes do not match.
   const auto other = std::make_shared<const Decoded>();
   json wanted = json::parse(R"({"sites": 2})");
   first.answers->keep("mesh", wanted, {std::make_shared<const Decoded>(decode(1, two_)), other});
@@ -235,7 +235,7 @@ TEST_F(Hits, AreReadTogetherWithTheAnswerBefore) {
   EXPECT_EQ(after.layers[0].fragment_of_object, (std::vector<std::uint32_t>{0, Decoded::kNoFragment}));
   EXPECT_EQ(after.layers[1].fragment_of_object, (std::vector<std::uint32_t>{2, 3}));
   EXPECT_EQ(after.layers[0].model, whole.layers[0].model) << "it is on the graphics card already";
-  // A whole answer is no change, and a change no whole answer.
+  // A whole answer is not accepted as a change, nor a change as a whole answer.
   EXPECT_NE(decode(3, two_, std::make_shared<const Decoded>(whole)).error.find("delta"), std::string::npos);
   EXPECT_NE(decode(4, halved_).error.find("7"), std::string::npos);
 }
@@ -254,7 +254,7 @@ TEST_F(Hits, ArePlayedAgainToTheSameBits) {
     test::require_eventually(test::kPatience, "both answers", [&] {
       if (frame == 0) game.throw_ball({0, 0.7, 4}, {0, 0.5, -20});
       if (frame == 60) game.throw_ball({1, 0.7, 6}, {0, 0.5, -20});
-      // Time stands still until the whole is broken, and the hit has its answer, so that it comes in time.
+      // Time stops until the box is broken and the hit has its answer, so that the answer is in time.
       const bool wait = game.open_requests() > 0;
       game.advance(wait ? 0 : kFrame, true);
       frame += !wait;
@@ -266,7 +266,7 @@ TEST_F(Hits, ArePlayedAgainToTheSameBits) {
   const Expected<Recording> recording = read_recording(path);
   ASSERT_TRUE(recording) << recording.error().detail;
   FakeServer slow([this](const FakeRequest& request) {
-    // pause: the answers come in other steps than they did
+    // pause: the answers arrive in other steps than before
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return answer(request);
   });

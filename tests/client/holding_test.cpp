@@ -1,4 +1,4 @@
-// While many bodies move, what breaks comes apart into fewer and larger pieces.
+// While many bodies move, a break makes fewer and larger pieces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace fracture::world {
 namespace {
 
-/// How many cubes each group has of a wall of 12 times 12 that a ball has hit, ascending.
+/// Sizes of the groups, ascending, after a ball has hit a wall of 12 times 12 cubes.
 std::vector<std::size_t> groups_after_hit(std::size_t live) {
   WorldSettings settings;
   settings.live_bodies = live;
@@ -19,7 +19,7 @@ std::vector<std::size_t> groups_after_hit(std::size_t live) {
   ObjectSpec spec = test::whole_of(set);
   spec.reach = 4;
   spec.crack_front = 0.002;
-  // Ten that move while it breaks.
+  // Ten balls that move while the wall breaks.
   for (int k = 0; k < 10; ++k) world.throw_ball({20.0 + k, 5, 0}, {0, 0, 0}, 0.1, 1000);
   const ObjectId id = world.add_object(spec);
   world.fracture(id, prepare(set));

@@ -1,4 +1,4 @@
-// The pairs that are spared GJK are those that Bullet itself finds no contact for, and no others.
+// Our algorithm skips GJK only for pairs in which Bullet finds no contact.
 #include "client/world/hull_pairs.hpp"
 
 #include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
@@ -12,7 +12,7 @@
 namespace fracture::world {
 namespace {
 
-/// Two hulls in a world of their own, with Bullet's algorithm or ours.
+/// Two hulls in a separate world, with Bullet's algorithm or ours.
 class Pair {
  public:
   Pair(const btConvexHullShape& a, const btConvexHullShape& b, bool ours)
@@ -35,7 +35,7 @@ class Pair {
     world_.removeCollisionObject(&first_);
     world_.removeCollisionObject(&second_);
   }
-  /// Points of contact with the second hull there: positions and distances.
+  /// Contact points (position and distance) with the second hull at `there`.
   std::vector<std::array<double, 4>> contacts(const btTransform& there) {
     second_.setWorldTransform(there);
     world_.performDiscreteCollisionDetection();
@@ -54,7 +54,7 @@ class Pair {
  private:
   static btDefaultCollisionConstructionInfo room() {
     btDefaultCollisionConstructionInfo info;
-    // Bullet lays out 4096 of each, which takes longer than the test.
+    // Bullet reserves 4096 of each, which takes longer than the test.
     info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = 64;
     info.m_customCollisionAlgorithmMaxElementSize = sizeof(HullPair);
     return info;
@@ -83,7 +83,7 @@ class HullPairTest : public ::testing::Test {
     bullet_.emplace(a_, b_, false);
     ours_.emplace(a_, b_, true);
   }
-  /// GJK that begins elsewhere ends at the same points, but for rounding.
+  /// GJK with another starting point ends at the same points, up to rounding.
   void expect_equal_contacts(const btTransform& there) {
     const auto expected = bullet_->contacts(there), found = ours_->contacts(there);
     ASSERT_EQ(found.size(), expected.size());
@@ -104,7 +104,7 @@ class HullPairTest : public ::testing::Test {
 TEST_F(HullPairTest, HasTheContactsThatBulletHas) {
   for (int k = 0; k < 200; ++k) {
     make_pairs();
-    // Past one another, turning: apart, touching, apart.
+    // They pass each other while turning: apart, touching, apart.
     const btVector3 from = 0.25 * vector().normalized(), aside = 0.12 * vector(),
                     axis = vector().normalized();
     touched_ = false;

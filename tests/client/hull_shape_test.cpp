@@ -15,7 +15,7 @@ class HullShapeTest : public ::testing::Test {
   double coordinate() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
   btVector3 vector() { return {coordinate(), coordinate(), coordinate()}; }
 
-  /// The same points in both.
+  /// Adds the same point to both hulls.
   void add(const btVector3& point) {
     bullet_.addPoint(point, false);
     ours_.addPoint(point, false);
@@ -61,7 +61,7 @@ TEST_F(HullShapeTest, FarthestCornersAreThoseThatBulletFinds) {
 }
 
 TEST_F(HullShapeTest, OfCornersThatAreAsFarTheFirstIsTaken) {
-  // A ring of thousandths of a micrometre, and flat faces.
+  // A cluster of points within about a nanometre of a corner, and flat faces.
   for (int k = 0; k < 8; ++k) add({k & 1 ? 0.1 : -0.1, k & 2 ? 0.1 : -0.1, k & 4 ? 0.1 : -0.1});
   for (int k = 0; k < 20; ++k) add(btVector3(0.1, 0.1, 0.1) + 1e-9 * vector());
   finish();

@@ -1,4 +1,4 @@
-// Many pictures by one process, without a display.
+// Many pictures by a single process, without a display.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Two games that are one: the same bits from what both players do, and an end in words whatever the other one does.
+// Two games that stay identical: the same bits from the actions of both players, and a stated reason whenever
+// the link ends.
 #include "client/game/lockstep.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ constexpr unsigned kAnswerSteps = 6;
 
 class Lockstepped : public Recordings {
  protected:
-  /// A player with a server's client, a game and a seat.
+  /// A player with a client, a game and a seat.
   struct Player {
     Player(const FakeServer& server, scenes::Scene scene, PeerLink& link, Lockstep::Seat seat,
            const nlohmann::json& header, std::chrono::milliseconds patience = test::kPatience)
@@ -48,7 +49,7 @@ class Lockstepped : public Recordings {
     if (!link) throw std::runtime_error(link.error().detail);
     return std::move(*link);
   }
-  /// A step, where it may be played.
+  /// Plays a step if it may be played.
   static bool step(Player& player) {
     if (!player.play.ready()) return false;
     player.play.step();
@@ -101,7 +102,7 @@ TEST_F(Lockstepped, BothHaveTheSameBitsFromWhatBothDo) {
   EXPECT_EQ(host.hashes().size(), kSteps);
   EXPECT_LE(farthest, kLockstepDelay);
   EXPECT_GE(host.game.figures().swaps, 3u);
-  // What both did, a tenth of a second later, the host first.
+  // The actions of both players take effect a tenth of a second later, the host's first.
   std::vector<std::uint64_t> done;
   for (const RecordedEvent& event : host.recording.events)
     if (event.kind == RecordedEvent::Kind::kThrow || event.kind == RecordedEvent::Kind::kExplode)
@@ -118,7 +119,7 @@ TEST_F(Lockstepped, BothHaveTheSameBitsFromWhatBothDo) {
 TEST_F(Lockstepped, TheFirstStepThatIsNotTheSameIsNamedOnBothSides) {
   const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
   scenes::Scene other = scene();
-  other.ball_radius *= 1.5;  // and no digest in these headers says so
+  other.ball_radius *= 1.5;  // no digest in these headers reveals this
   Player host(server_, scene(), *host_link, Lockstep::Seat::kHost, header()),
       guest(server_, other, *guest_link, Lockstep::Seat::kGuest, header());
   bool thrown = false;
@@ -131,7 +132,7 @@ TEST_F(Lockstepped, TheFirstStepThatIsNotTheSameIsNamedOnBothSides) {
     }
     return host.play.trouble() && guest.play.trouble();
   });
-  // Balls of two sizes fly alike until one of them meets something.
+  // Balls of two sizes fly alike until one of them hits something.
   const std::optional<std::uint64_t> step =
       host.play.diverged() ? host.play.diverged() : guest.play.diverged();
   ASSERT_TRUE(step);
@@ -171,7 +172,7 @@ TEST_F(Lockstepped, OtherVersionsAndWhatIsNoHeaderAreRefusedInWords) {
   EXPECT_NE(detail(delay.dump()).find("delay"), std::string::npos);
   EXPECT_NE(detail("hello").find("not the header"), std::string::npos);
   EXPECT_NE(detail(R"({"refused": "No."})").find("refused: No."), std::string::npos);
-  // As a first line: the other one is told why.
+  // As a first line: the other player is told why.
   const auto host_link = invite(), guest_link = PeerLink::join("127.0.0.1", host_link->port());
   Player host(server_, scene(), *host_link, Lockstep::Seat::kHost, header());
   guest_link->send(rules.dump());
@@ -241,7 +242,7 @@ TEST_F(Lockstepped, WhoIsNoPlayerDoesNotEndAnInvitation) {
     if (!said.empty()) stranger->send(said);
     is_greeted_and_lost(*stranger);
   }
-  PeerLink::join("127.0.0.1", host_link->port());  // and is gone
+  PeerLink::join("127.0.0.1", host_link->port());  // it leaves at once
   const auto guest_link = PeerLink::join("127.0.0.1", host_link->port());
   guest_link->send(first);
   std::string answered, greeted;
@@ -264,7 +265,7 @@ TEST_F(Lockstepped, WhoIsThereButDoesNotGoOnIsLeftAndToldSo) {
     return step(host);
   });
   EXPECT_NE(words_of(host).find("has not played a step"), std::string::npos);
-  EXPECT_EQ(host.steps(), kLockstepDelay);  // as far as it may without the other
+  EXPECT_EQ(host.steps(), kLockstepDelay);  // as far as it may go without the other player
   EXPECT_EQ(words_of(guest), "The other player refused: " + *host.play.trouble());
 }
 
@@ -335,7 +336,7 @@ TEST_F(Lockstepped, WhoWaitsForNobodyStopsWaiting) {
   const std::string words = words_of(*guest_link);
   EXPECT_NE(words.find("No player answered at 127.0.0.1:" + std::to_string(port)), std::string::npos)
       << words;
-  const auto taken = PeerLink::invite("203.0.113.1", 1);  // an address of documentation, not of this machine
+  const auto taken = PeerLink::invite("203.0.113.1", 1);  // a documentation address, not this machine
   ASSERT_FALSE(taken);
   EXPECT_NE(taken.error().detail.find("203.0.113.1:1"), std::string::npos);
 }

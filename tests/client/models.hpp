@@ -11,23 +11,23 @@
 
 namespace fracture::test {
 
-/// Adds an object with the six faces of a box around its origin, moved to `center`. The surface of the face
-/// that points to +x, -x, +y, -y, +z, -z wears materials[0 … 5].
+/// Adds an object with the six faces of a box around its origin, moved to `center`. The faces towards +x, -x,
+/// +y, -y, +z, -z have the materials materials[0 … 5].
 void add_box(render::Model& model, glm::vec3 center, glm::vec3 size,
              const std::array<std::uint32_t, 6>& materials);
 inline void add_box(render::Model& model, glm::vec3 center, glm::vec3 size, std::uint32_t material = 0) {
   add_box(model, center, size, {material, material, material, material, material, material});
 }
 
-/// A dull material of a colour (linear).
+/// A dull material with this colour (linear).
 render::Material paint(glm::vec3 color);
-/// Surfaces in the order that read_model leaves them in: by material.
+/// Sorts surfaces by material, which is the order in which read_model leaves them.
 void sort_by_material(render::Model& model);
 
 /// The unit cube as `per_side`³ fragments with ids 0, 1, …; material 0.
 render::Model cube_of_fragments(int per_side, glm::vec3 color = glm::vec3(0.8f, 0.1f, 0.1f));
 
-/// One primitive of a glTF text. Empty members are left out.
+/// A primitive of a glTF text. Empty members are left out.
 struct GltfPrimitive {
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec2> uvs;

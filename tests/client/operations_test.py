@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""client/OPERATIONS.md: every operation of the interface is in a row, and operations.txt names a test for each call of a row.
+"""Checks client/OPERATIONS.md: every operation of the interface has a row, and operations.txt names a test for each
+call in a row.
 
 operations_test.py BUILD: a build folder, whose CTest knows the programs."""
 import json
@@ -21,7 +22,7 @@ SKIPPED = 77
 METHODS = ("get", "put", "post", "delete", "patch", "head", "options", "trace")
 NONE = "–"
 HIT = "of"  # the row of postMeshFracture for a hit on an answer
-OTHERS = {"bake": "bake", "inspect": "bake", "health": "bake", "Blender": "blender"}  # names of the last column, as clients
+OTHERS = {"bake": "bake", "inspect": "bake", "health": "bake", "Blender": "blender"}  # names in the last column, and their clients
 
 
 def calls(page):
@@ -44,7 +45,7 @@ def claims(lines):
 
 
 def sources(program):
-    """The texts in which the tests of a program stand."""
+    """The source files that contain the tests of a program."""
     found = re.fullmatch(r"client_(python|blender)_(\w+)", program)
     if found:
         return [ROOT / "tests" / "client" / found[1] / f"{found[2]}_test.py"]
@@ -72,7 +73,8 @@ def has_test(text, name):
 
 
 def offences(page, lines, operations, programs):
-    """The faults of the page and of operations.txt, for these operations of the interface and these programs of CTest."""
+    """The errors in the page and in operations.txt, for these operations of the interface and these programs of CTest.
+    """
     found = []
     rows = dict(calls(page))
     found += [f"{name} has no row" for name in sorted(operations - set(rows))]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What fracture-client writes where its command line, the film's program or the server is not as it should be.
+"""Tests what fracture-client writes if its command line, the film's program or the server is not as it should be.
 
 Usage: outputs_test.py FRACTURE_CLIENT [unittest arguments].
 """
@@ -19,7 +19,7 @@ NO_REQUESTS = ("--headless", "--fixed-step", "--no-requests", "--seconds", "0.1"
 
 
 class Refusing(http.server.BaseHTTPRequestHandler):
-    """A server that answers at once, so that nothing is waited for."""
+    """A server that answers at once, so that tests need not wait."""
     protocol_version = "HTTP/1.1"
 
     def do_PUT(self):
@@ -106,7 +106,7 @@ class Outputs(unittest.TestCase):
         self.assertEqual(len([line for line in lines if "hash" in line]), 12, "steps of a tenth of a second")
 
     def test_an_absent_server_is_said_once(self):
-        with socket.socket() as held:  # bound, and listening to nobody
+        with socket.socket() as held:  # bound but not listening
             held.bind(("127.0.0.1", 0))
             port = held.getsockname()[1]
             ended = self.client("--headless", "--host", "127.0.0.1", "--port", str(port), "--seconds", "3")

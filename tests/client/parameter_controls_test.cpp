@@ -20,7 +20,7 @@ const char* const kTable = R"({
 TEST(ParameterControls, AreBuiltFromTheServersTable) {
   ParameterControls controls;
   ASSERT_TRUE(controls.read(kTable));
-  ASSERT_EQ(controls.shown().size(), 2u);  // `fragment` is the game's own affair
+  ASSERT_EQ(controls.shown().size(), 2u);  // the game itself uses `fragment`
   const ParameterControl& sites = *controls.find("sites");
   EXPECT_EQ(sites.type, ParameterControl::Type::kInteger);
   EXPECT_EQ(sites.low, 1);
@@ -41,7 +41,7 @@ TEST(ParameterControls, ThoseOfThePatternComeWithIt) {
   controls.find("cell")->set = true;
   controls.find("cell")->text = "0.1,0.2,0.3";
   controls.find("jitter")->set = true;
-  controls.find("jitter")->number = 7;  // over its limit
+  controls.find("jitter")->number = 7;  // above its limit
   EXPECT_EQ(controls.values(), (json{{"pattern", "grid"}, {"cell", "0.1,0.2,0.3"}, {"jitter", 1.0}}));
 }
 

@@ -1,4 +1,5 @@
-// What the world may not do: make energy or speed, let things sink into the ground, or see a fall too late.
+// Errors that the world must not make: create energy or speed, let objects sink into the ground, or notice a
+// fall too late.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +14,7 @@ using test::cubes;
 using test::run;
 using test::whole_of;
 
-/// The fastest that any group has been at the end of a step.
+/// The highest speed of any group at the end of a step.
 double fastest_while(World& world, double seconds) {
   double fastest = 0;
   for (int k = 0; k < static_cast<int>(std::lround(seconds / world.settings().step)); ++k) {
@@ -23,7 +24,7 @@ double fastest_while(World& world, double seconds) {
   return fastest;
 }
 
-/// A thin plate as a fragment of its own: 20 × 20 cm, so many metres thick.
+/// A thin plate as a separate fragment: 20 × 20 cm, with this thickness in metres.
 FragmentSet shard(double thickness) {
   FragmentSet set;
   Fragment fragment;
@@ -53,7 +54,7 @@ TEST(Physics, WhatFallsFastStopsAtTheGround) {
         world.step();
         lowest = std::min(lowest, world.census().lowest);
       }
-      // Of any corner, in any step: at 20 m/s a step is 16 cm long.
+      // The lowest corner in any step; at 20 m/s a step is 16 cm long.
       EXPECT_GT(lowest, -0.003) << height << " " << tilt;
       EXPECT_LT(world.ledger().deepest, 0.001) << height << " " << tilt;
       EXPECT_EQ(world.census().moving, 0u) << height << " " << tilt;
@@ -72,7 +73,7 @@ TEST(Physics, ABallThatWakesWhatSleepsIsInTheLedger) {
   ASSERT_TRUE(step_until([&] { return world.ledger().asleep_since.has_value(); }));
   const std::uint64_t slept = *world.ledger().asleep_since;
   EXPECT_EQ(world.ledger().last_woken, 0u);
-  // One that rolls beside it wakes nothing.
+  // A ball that rolls past wakes nothing.
   world.throw_ball({0.8, 0.1, 2}, {0, 0, -3}, 0.1, 7800);
   for (int k = 0; k < 240; ++k) world.step();
   EXPECT_EQ(world.ledger().last_woken, 0u);
@@ -109,12 +110,12 @@ TEST(Physics, AHeapGainsNoEnergy) {
 }
 
 TEST(Physics, ARowOfLighterAndLighterPiecesIsNoWhip) {
-  // What is fast elsewhere allows nothing here.
+  // A fast object elsewhere must not raise the limit here.
   for (const bool fast_ball_elsewhere : {false, true}) {
     WorldSettings settings;
     settings.gravity = glm::dvec3(0);
     World world(settings);
-    // Cubes in a row, each half as large as the one before; Newton's cradle would end five times as fast.
+    // Cubes in a row, each half as large as the one before. Newton's cradle would end five times as fast.
     FragmentSet set;
     double x = 0, side = 0.6;
     for (std::uint32_t k = 0; k < 5; ++k, side /= 2) {
@@ -135,7 +136,7 @@ TEST(Physics, ARowOfLighterAndLighterPiecesIsNoWhip) {
     if (fast_ball_elsewhere) world.throw_ball({0, 500, 0}, {1000, 0, 0}, 0.2, 7800);
     const glm::dvec3 before = world.total_momentum().linear;
     EXPECT_LT(fastest_while(world, 1), 12.001);
-    EXPECT_GT(world.census().fastest, 6);  // they were hit
+    EXPECT_GT(world.census().fastest, 6);  // the pieces were hit
     EXPECT_LT(glm::distance(world.total_momentum().linear, before), 1e-9 * glm::length(before));
   }
 }
@@ -162,7 +163,7 @@ TEST(Physics, AFallIsSeenAhead) {
   EXPECT_NEAR(events[0].impact.direction.y, 1, 1e-6);
   EXPECT_NEAR(events[0].where.y, 0, 0.02);
   EXPECT_EQ(events[1].kind, Event::Kind::kBreak);
-  // 3 m take 0.78 s; half a second is looked ahead.
+  // A fall of 3 m takes 0.78 s; the world looks half a second ahead.
   EXPECT_NEAR(static_cast<double>(contact - ahead), 0.5 / world.settings().step, 6);
 }
 
@@ -191,17 +192,17 @@ TEST(Physics, NeighboursOfWhatIsHitAndWhatABallMeetsBehindItAreAskedForAhead) {
   World world;
   ObjectSpec spec = whole_of(cubes(1, 1, 0.5));
   spec.strength = 30;
-  // Two that touch, one behind them in the path of the ball, one beside it.
+  // Two objects that touch, one behind them in the path of the ball, and one to the side.
   std::vector<ObjectId> things;
   for (const glm::dvec3& place : {glm::dvec3(0, 0, 0), {0.499, 0, 0}, {0, 0, -1.5}, {3, 0, -1.5}}) {
     spec.pose.position = place;
     things.push_back(world.add_object(spec));
   }
-  run(world, 0.5);  // they stand
+  run(world, 0.5);  // they come to a halt
   EXPECT_TRUE(world.take_events().empty());
   world.throw_ball({0.25, 0.25, 4}, {0, 1, -20}, 0.1, 7800);
   std::vector<ObjectId> asked;
-  for (int k = 0; k < 12; ++k) {  // of the 23 steps to the first
+  for (int k = 0; k < 12; ++k) {  // of the 23 steps until the first is hit
     world.step();
     for (const Event& event : world.take_events()) {
       EXPECT_EQ(event.kind, Event::Kind::kAhead);
@@ -217,7 +218,7 @@ TEST(Physics, WhatTiltsOnItsSupportIsAskedForAhead) {
   ObjectSpec spec = whole_of(cubes(1, 6, 0.25));  // a column
   spec.strength = 0.6 * spec.mass.mass;
   spec.pose.position = {0, 0, 0};
-  spec.pose.rotation = glm::angleAxis(0.7, glm::dvec3(0, 0, 1));  // beyond its edge
+  spec.pose.rotation = glm::angleAxis(0.7, glm::dvec3(0, 0, 1));  // tilted beyond its edge
   const ObjectId object = world.add_object(spec);
   std::uint64_t ahead = 0, hit = 0;
   for (int k = 0; k < 480 && hit == 0; ++k) {
@@ -232,12 +233,12 @@ TEST(Physics, WhatTiltsOnItsSupportIsAskedForAhead) {
 }
 
 TEST(Physics, AWrongGuessChangesNothing) {
-  // It might break as it falls, does not, and has bonds that would not bear that.
+  // The object might break as it falls, but does not. Its bonds could not bear the landing.
   World world;
   const FragmentSet set = cubes(4, 2, 0.25, 1000, 500);
   ObjectSpec spec = whole_of(set);
   spec.strength =
-      2.4 * spec.mass.mass;  // what it would take if it came to rest at once, which its corners do not
+      2.4 * spec.mass.mass;  // the impulse if it stopped at once, but its corners land one after the other
   spec.pose = {{0, 0.35, 0}, glm::angleAxis(0.1, glm::dvec3(0, 0, 1))};
   const ObjectId object = world.add_object(spec);
   bool foreseen = false;
@@ -252,13 +253,13 @@ TEST(Physics, AWrongGuessChangesNothing) {
   ASSERT_TRUE(foreseen);
   EXPECT_EQ(test::groups_of(world, object), 1u);
   EXPECT_TRUE(world.take_breaks().empty());
-  // The same without a guess: its bonds decide.
+  // The same without anticipation: its bonds decide.
   World other;
   const ObjectId unguarded = other.add_object(spec);
   other.fracture(unguarded, prepare(set));
   run(other, 2);
   EXPECT_GT(test::groups_of(other, unguarded), 1u);
-  // A hit beyond its strength breaks what is guarded.
+  // A hit beyond the object's strength breaks it, even though it was anticipated.
   world.throw_ball({0.5, 0.25, 4}, {0, 0.5, -30}, 0.15, 7800);
   run(world, 0.5);
   EXPECT_GT(test::groups_of(world, object), 1u);
@@ -267,7 +268,7 @@ TEST(Physics, AWrongGuessChangesNothing) {
 
 TEST(Physics, WhatIsWedgedUnderAHeavyBlockDoesNotLiftIt) {
   World world;
-  // A block of two tonnes, two centimetres inside of light shards on the ground.
+  // A block of two tonnes that overlaps light shards on the ground by two centimetres.
   const FragmentSet shards = cubes(4, 1, 0.1, 500, 0);
   ObjectSpec spec = whole_of(shards);
   const ObjectId below = world.add_object(spec);
@@ -302,7 +303,8 @@ TEST(Physics, AColumnThatLeansFallsAsAPendulumOverItsEdge) {
     ASSERT_LT(taken, 10) << "it leans by " << tilt();
     world.step();
   }
-  // The same from rest: (I + m arm²) φ'' = m g arm sin φ, φ from where it is balanced.
+  // The same from rest by integration: (I + m arm²) φ'' = m g arm sin φ, with φ measured from the balanced
+  // position.
   double expected = 0, angle = start - balanced, spin = 0;
   constexpr double kStep = 1e-5;  // seconds
   for (; angle < end - balanced; expected += kStep) {
@@ -315,7 +317,7 @@ TEST(Physics, AColumnThatLeansFallsAsAPendulumOverItsEdge) {
 TEST(Physics, WhatLiesOrFallsSoftlyIsNotAskedForAhead) {
   World world;
   ObjectSpec spec = whole_of(cubes(2, 2));
-  spec.strength = 2.5 * spec.mass.mass;  // what a fall of 0.3 m would take
+  spec.strength = 2.5 * spec.mass.mass;  // the impulse of a fall of 0.3 m
   spec.pose.position = {0, 0.1, 0};
   world.add_object(spec);
   run(world, 3);

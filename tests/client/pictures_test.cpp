@@ -1,4 +1,4 @@
-// Pictures in memory and on the disk.
+// Pictures in memory and on disk.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -86,7 +86,7 @@ TEST(Font, DrawsWithinItsWidthAndReportsAMissingFile) {
         EXPECT_TRUE(x >= 9 && x <= 11 + width) << x;
       }
   EXPECT_GT(ink, 200);
-  font->draw(page, 290, 5, 40, {0, 0, 0, 255}, "off the page");  // must not write beyond it
+  font->draw(page, 290, 5, 40, {0, 0, 0, 255}, "off the page");  // must not write outside the picture
   EXPECT_GT(font->width("WW", 20), font->width("ii", 20));
 }
 

@@ -1,4 +1,4 @@
-// What frames see between the snapshots of a game: motion that is even, and nothing that is not there.
+// Frames between the snapshots of a game: motion is smooth, and no object is shown that does not exist.
 #include "client/app/playback.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ constexpr double kStep = 1.0 / 120;
 
 using Moments = std::vector<std::shared_ptr<const Snapshot>>;
 
-/// One thing that is so far along x.
+/// A snapshot with one object at this x.
 Snapshot whole_at(double due, std::uint64_t step, double x) {
   game::Moment moment;
   moment.step = step;
@@ -34,7 +34,7 @@ Moments list(const std::vector<Snapshot>& snapshots) {
   for (const Snapshot& snapshot : snapshots) all.push_back(std::make_shared<const Snapshot>(snapshot));
   return all;
 }
-/// The playhead is `seconds` later.
+/// Advances the playhead by `seconds`.
 void pass(Playback& playback, double seconds) { playback.pass(seconds / Playback::kSpeed, kStep); }
 double x_of(const Playback& playback) { return playback.moment().parts.at(0).whole.position.x; }
 
@@ -116,7 +116,7 @@ TEST(Playback, ASwapIsSeenAtItsTimeAndUploadedBefore) {
       moment.parts[0].fragments[0].asset_to_world.position.x = x;
     };
   };
-  // As a simulation publishes it: before the swap, after it at the same time, and after the step.
+  // As a simulation publishes it: before the swap, after the swap at the same time, and after the step.
   Snapshot last = with(whole_at(2 * kStep, 2, 0), broken_at(2));
   last.coming.push_back({0, 0, next});
   Playback playback(
@@ -170,10 +170,10 @@ TEST(Playback, DebrisGoesOnBetweenSteps) {
               1e-6f);
 }
 
-/// Frames of so many seconds, of a game whose steps come as `newest_due` says: what is known in each frame.
+/// The motion that frames of this length show if the game's steps arrive at certain times.
 struct Seen {
-  double least = 1e9, most = 0;  ///< way of a frame over the way of its time
-  double latest = 0;             ///< seconds behind the frames' clock
+  double least = 1e9, most = 0;  ///< distance per frame relative to its time
+  double latest = 0;             ///< seconds behind the clock of the frames
 };
 Seen watch(double frame, double step_takes, double due_of_step) {
   Playback playback(list({whole_at(0, 0, 0)}));
@@ -182,7 +182,7 @@ Seen watch(double frame, double step_takes, double due_of_step) {
   double last = 0;
   const int frames = static_cast<int>(6 / frame);
   for (int k = 1; k < frames; ++k) {
-    // In this frame is there what was asked for by the frame before.
+    // A frame has the steps that the frame before requested.
     const double clock = k * frame, asked = (k - 1) * frame;
     while (static_cast<double>(step + 1) * step_takes <= asked + 1e-9) {
       ++step;
@@ -192,7 +192,7 @@ Seen watch(double frame, double step_takes, double due_of_step) {
     playback.pass(frame, kStep);
     const double way = (x_of(playback) - last) / frame;
     last = x_of(playback);
-    if (clock < 1) continue;  // it has found its delay
+    if (clock < 1) continue;  // the playback has found its delay
     seen.least = std::min(seen.least, way);
     seen.most = std::max(seen.most, way);
     seen.latest = std::max(seen.latest, clock - last);

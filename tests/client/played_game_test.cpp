@@ -1,4 +1,4 @@
-// What a player does in the window's game, without a window.
+// The actions of a player in the window's game, without a window.
 #include "client/app/played_game.hpp"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST_F(PlayedGames, GoBackAndOnFromThere) {
   const std::uint64_t back = game_->past()->step;
   EXPECT_LT(back, last);
   EXPECT_FALSE(game_->goes_on());
-  game_->use(Tool::kBall, {0, 1, 8}, {0, 0, -1});  // the past takes none
+  game_->use(Tool::kBall, {0, 1, 8}, {0, 0, -1});  // a ball in the past is ignored
   bool another = false;
   test::require_eventually(test::kPatience, "the game to be played again", [&] {
     another = frame() || another;
@@ -102,7 +102,7 @@ TEST_F(PlayedGames, AreSavedAsTheyAreWhenItIsAskedForAndAnotherOneBegins) {
   const std::string saves = folder_ / "saves";
   std::filesystem::create_directories(saves);
   game_->save(saves);
-  begin();  // at once: what was asked for before is done all the same
+  begin();  // at once; earlier requests are still completed
   play_to(20);
   EXPECT_TRUE(game_->goes_on());
   game_ = nullptr;

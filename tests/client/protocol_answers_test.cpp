@@ -1,4 +1,4 @@
-// Answers are read as they came or not at all: fields, digests, limits.
+// Answers are either read unchanged or refused: fields, digests, limits.
 #include "common/exchange/headers.hpp"
 #include "tests/client/protocol_fixture.hpp"
 
@@ -24,7 +24,7 @@ TEST(ProtocolHeaders, RetryAfterIsSecondsWithinADay) {
 }
 
 TEST(ProtocolHeaders, DigestIsThatOfTheBytes) {
-  // The digest of nothing is known from FIPS 180-4's examples; its base64 from coreutils.
+  // The digest of empty data is known from FIPS 180-4's examples; its base64 comes from coreutils.
   const std::string of_nothing = "sha-256=:47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=:";
   EXPECT_TRUE(digest_matches(of_nothing, ""));
   EXPECT_TRUE(digest_matches("md5=:x:, " + of_nothing, ""));
@@ -90,7 +90,7 @@ TEST(ProtocolClient, EveryFlippedByteOfAnAnswerIsSurvived) {
     FakeReply reply{whole};
     if (flip.exchange(false)) {
       reply.bytes[at] = static_cast<char>(reply.bytes[at] ^ 0x12);
-      reply.close = true;  // a length that grew would be waited for
+      reply.close = true;  // so that the client does not wait for a longer body
     }
     return reply;
   });
@@ -99,8 +99,8 @@ TEST(ProtocolClient, EveryFlippedByteOfAnAnswerIsSurvived) {
     flip = true;
     client.fracture("sha256:0", {});
     const Answer answer = wait_for_one(client);
-    // A status that became another one is the server's own no; nothing else may come through but the
-    // fragments.
+    // If the flipped bit changed the status, the client reports a refusal by the server. Otherwise only the
+    // intact fragments may arrive.
     if (answer.ok())
       EXPECT_EQ(answer.body, kFragments) << at.load();
     else

@@ -1,4 +1,4 @@
-// Servers that are silent, absent, or die, and requests that are taken back.
+// Servers that are silent or absent or die, and requests that are cancelled.
 #include <optional>
 #include <set>
 
@@ -22,7 +22,7 @@ TEST(ProtocolClient, ASilentServerTimesOut) {
 TEST(ProtocolClient, CancelledRequestsSaySo) {
   FakeServer server([](const FakeRequest&) { return FakeReply{"", false, true}; });
   Settings s = settings(server.port());
-  s.connections = 1;  // the second waits for the connection of the first
+  s.connections = 1;  // the second request waits for the connection of the first
   Client client(s);
   const Ticket first = client.fracture("sha256:0", {}), second = client.fracture("sha256:0", {});
   client.cancel(second);
@@ -56,7 +56,7 @@ TEST(ProtocolClient, TheClientEndsWhileRequestsAreOpen) {
   test::require_eventually(test::kPatience, "two requests", [&] { return server.requests().size() >= 2; });
 }
 
-/// A port on which nobody listens: it was given to a server that is gone.
+/// A port on which nobody listens: it belonged to a server that no longer exists.
 std::uint16_t deserted_port() {
   FakeServer server([](const FakeRequest&) { return fragments(); });
   return server.port();
@@ -106,7 +106,7 @@ TEST(ProtocolClient, AServerThatDiesInMidFlightAndComesBackAnswers) {
 TEST(ProtocolClient, AKeptConnectionThatTheServerClosedIsReplacedUnseen) {
   FakeServer server([](const FakeRequest& request) {
     FakeReply reply = fragments();
-    reply.close = request.number == 0;  // without saying Connection: close
+    reply.close = request.number == 0;  // without announcing Connection: close
     return reply;
   });
   Client client(settings(server.port()));

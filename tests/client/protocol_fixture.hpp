@@ -1,4 +1,4 @@
-// What tests of the client of the protocol share: a server that says what a test wants, and patience.
+// Code for tests of the protocol client: a server that answers as a test wants, and patience.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ inline FakeReply problem(int status, const std::string& slug, const std::string&
 }
 inline FakeReply stored() { return FakeReply::answer(201, "{}"); }
 
-/// Without a heartbeat, so that the fake server sees what the test asks for and nothing else.
+/// Settings without a heartbeat, so that the fake server gets only the test's own requests.
 inline Settings settings(std::uint16_t port) {
   Settings s;
   s.port = port;
@@ -41,7 +41,7 @@ inline Settings settings(std::uint16_t port) {
   return s;
 }
 
-/// The next `count` answers.
+/// Waits for the next `count` answers.
 inline std::vector<Answer> wait_for(Client& client, std::size_t count) {
   std::vector<Answer> all;
   test::require_eventually(test::kPatience, std::to_string(count) + " answers", [&] {

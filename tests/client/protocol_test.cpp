@@ -1,4 +1,4 @@
-// Meshes are stored once, fractures asked for, refusals understood.
+// Meshes are stored once, fractures requested, refusals understood.
 #include <set>
 
 #include "tests/client/protocol_fixture.hpp"
@@ -95,7 +95,7 @@ TEST(ProtocolClient, ManyRequestsForAForgottenMeshPutItOnce) {
   std::atomic<int> refused = 0;
   FakeServer server([&](const FakeRequest& request) {
     if (request.method == "PUT") {
-      // The first is the start's; the second comes when all four have been refused.
+      // The first PUT comes at the start; the second comes when all four requests have been refused.
       test::require_eventually(test::kPatience, "four refusals", [&] { return known || refused == 4; });
       known = true;
       return stored();

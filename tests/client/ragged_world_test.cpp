@@ -1,4 +1,4 @@
-// Ragged chunks in Bullet: put where they are without bonds and without gravity, none of them moves by itself.
+// Ragged chunks in Bullet: placed without bonds and without gravity, none of them moves by itself.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@
 namespace fracture::world {
 namespace {
 
-/// How fast the fastest gets in two seconds, m/s.
+/// The highest speed of any piece within two seconds, m/s.
 double fastest_at_rest(const Mesh& mesh, const MaterialPreset& preset) {
   FractureParameters p;
   p.pattern = preset.pattern;

@@ -44,12 +44,12 @@ TEST(ReadModel, FragmentsOfTheServiceKeepIdsPlacesAndTheInteriorMaterial) {
     EXPECT_EQ(model->objects[k].fragment->id, made.set.fragments[k].id);
     EXPECT_DOUBLE_EQ(model->objects[k].fragment->volume, made.set.fragments[k].mass.volume);
   }
-  ASSERT_EQ(model->materials.size(), 4u);  // wood, paint, interior, glTF's default
+  ASSERT_EQ(model->materials.size(), 4u);  // wood, paint, interior, and glTF's default
   EXPECT_FALSE(model->materials[0].interior);
   EXPECT_FALSE(model->materials[1].interior);
   EXPECT_TRUE(model->materials[2].interior);
   EXPECT_FALSE(model->materials[3].interior);
-  // The box [0,2] x [0,1] x [0,1], cut at x = 1: that is where the interior surfaces are.
+  // The box [0,2] x [0,1] x [0,1], cut at x = 1, where the interior surfaces are.
   const render::Sphere sphere = bounding_sphere(*model, {});
   EXPECT_NEAR(glm::distance(sphere.center, glm::vec3(1, 0.5, 0.5)), 0, 1e-6);
   EXPECT_NEAR(sphere.radius, std::sqrt(6.0) / 2, 1e-6);

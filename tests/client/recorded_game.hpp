@@ -1,4 +1,4 @@
-// A game of four falling boxes that is recorded and played again, with a server that the test makes up.
+// A game of four falling boxes that is recorded and replayed, with a fake server in the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace fracture::game {
 
 class Recordings : public testing::Test {
  protected:
-  /// Four boxes, of which the server leaves the second whole.
+  /// Four boxes. The server leaves the second one whole.
   static scenes::Scene scene() {
     scenes::Scene scene = test::falling_box();
     for (int k = 1; k < 4; ++k) {
@@ -22,7 +22,8 @@ class Recordings : public testing::Test {
   }
   test::FakeReply answer(const test::FakeRequest& request) const {
     if (request.method == "PUT") return test::FakeReply::answer(201, "{}");
-    // By what is asked, for two connections have no order: the second request of the game.
+    // Chosen by the request's content, because two connections have no order: the second request of the game
+    // is refused.
     if (nlohmann::json::parse(request.body).value("seed", 0) == 3)
       return test::FakeReply::answer(400, R"({"type": "/problems/bad-parameter", "detail": "No."})");
     return test::glb(bytes_);
@@ -34,7 +35,7 @@ class Recordings : public testing::Test {
     return play(std::move(settings));
   }
 
-  /// Plays in real time, as fast as it goes, and records. Returns the last fingerprint.
+  /// Plays in real time as fast as possible, and records. Returns the last fingerprint.
   std::uint64_t play(GameSettings settings) {
     test::FakeServer server([this](const test::FakeRequest& request) { return answer(request); });
     protocol::Client client(test::settings_for(server));
@@ -53,7 +54,7 @@ class Recordings : public testing::Test {
     return game.world().fingerprint();
   }
 
-  /// Plays it again until it ends or differs.
+  /// Replays the game until it ends or differs.
   static void play_again(Game& game) {
     while (!game.replayed() && !game.figures().diverged) {
       test::require_eventually(test::kPatience, "the answers of the step", [&] { return game.ready(); });

@@ -21,9 +21,9 @@ TEST_F(Recordings, PlayedAgainGiveTheSameBits) {
   EXPECT_EQ(recording->header["scene"], "boxes");
   EXPECT_GT(recording->hashes.size(), 200u);
   EXPECT_EQ(recording->hashes.back(), fingerprint);
-  // A server that takes other times.
+  // A server with different response times.
   FakeServer slow([this](const FakeRequest& request) {
-    // pause: the answers come in other steps than they did
+    // pause: the answers arrive in other steps than before
     std::this_thread::sleep_for(std::chrono::milliseconds(request.number % 2 == 0 ? 30 : 1));
     return answer(request);
   });

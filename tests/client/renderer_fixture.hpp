@@ -1,5 +1,5 @@
-// A context and a renderer for all tests of a suite, or the reason why there is none; and what is read off
-// pictures.
+// A context and a renderer for all tests of a suite, or the reason why there is none. Also functions that
+// measure pictures.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -55,12 +55,12 @@ class RendererTest : public testing::Test {
     return target->read();
   }
 
-  /// Objects alone on transparent black.
+  /// Settings that draw only the objects, on transparent black.
   static render::RenderSettings bare() {
     render::RenderSettings settings;
     settings.ground = render::Ground::kNone;
     settings.background = false;
-    settings.lighting.sky_shadows = 0;  // asked for where they are judged
+    settings.lighting.sky_shadows = 0;  // tests that judge these set them
     return settings;
   }
 
@@ -70,7 +70,7 @@ class RendererTest : public testing::Test {
   static inline std::string reason;
 };
 
-/// Share of the picture that something covers, by its alpha.
+/// The share of the picture that something covers, by its alpha.
 inline double coverage(const render::Picture& picture) {
   double sum = 0;
   for (const render::Color& c : picture.pixels) sum += c[3] / 255.0;
@@ -87,7 +87,7 @@ inline double luminance(const render::Color& c) {
   return 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
 }
 
-/// The pixel that shows a point of the world.
+/// The pixel that shows a point in the world.
 inline render::Color pixel_at(const render::Picture& picture, const render::Camera& camera,
                               const glm::vec3& point) {
   const glm::vec4 clip = camera.view_projection() * glm::vec4(point, 1);
@@ -107,7 +107,7 @@ inline render::Model red_cube() {
   return model;
 }
 
-/// Looks at the sphere from a direction, in degrees, and shows just it.
+/// A camera that looks at the sphere from a direction in degrees, and shows exactly the sphere.
 inline render::Camera straight(float yaw, float pitch, bool orthographic = true,
                                render::Sphere sphere = {{0, 0, 0}, std::sqrt(3.f) / 2}) {
   render::CameraPlacement placement;

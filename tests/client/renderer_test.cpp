@@ -1,4 +1,4 @@
-// Where things land in a picture: judged by geometry computed by hand, never by stored pixels.
+// The positions of objects in a picture, judged by geometry computed by hand, not by stored pixels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace fracture::render;
 
-// The picture shows the sphere's diameter, √3.
+// The picture is as wide as the sphere's diameter, √3.
 TEST_F(RendererTest, AUnitCubeCoversItsProjectedArea) {
   const double picture_area = 3;
   EXPECT_NEAR(coverage(draw(red_cube(), straight(0, 0), bare())), 1 / picture_area, 0.01 / picture_area);
@@ -61,7 +61,7 @@ TEST_F(RendererTest, ExplodedFragmentsCoverMoreThanAssembledOnes) {
   const double together = coverage(draw(model, camera, bare()));
   const double apart = coverage(draw(model, camera, bare(), 300, 300, exploded));
   EXPECT_GT(apart, 1.2 * together);
-  // Assembled, the eight are the cube.
+  // Together, the eight fragments are the cube.
   EXPECT_NEAR(together, coverage(draw(red_cube(), camera, bare())), 0.002);
 }
 
@@ -71,7 +71,7 @@ TEST_F(RendererTest, StraightOnExplodedFragmentsShowTheirOwnFaces) {
   options.view = View::kExploded;
   options.explode = 1;
   const auto states = view_states(model, options, {});
-  // Four faces of side 1/2 in front, the other four exactly behind them; in a picture of side 2 · 2.
+  // Four faces of side 1/2 in front, and the other four exactly behind them, in a picture of side 2 · 2.
   const double seen = coverage(draw(model, straight(0, 0, true, {{0, 0, 0}, 2}), bare(), 400, 400, states));
   EXPECT_NEAR(seen, 1.0 / 16, 0.01 / 16);
 }
@@ -162,15 +162,14 @@ TEST_F(RendererTest, OneSidedSurfacesAreSeenFromTheirFrontDoubleSidedOnesFromBot
   EXPECT_EQ(coverage(draw(one, straight(180, 0), bare())), 0);
   EXPECT_NEAR(coverage(draw(both, straight(180, 0), bare())), 1.0 / 3, 0.01);
   EXPECT_EQ(corners(draw(both, straight(180, 0), bare()), straight(180, 0)),
-            "rgbw");  // the same points of the world
+            "rgbw");  // the same points in the world
 }
 
 TEST_F(RendererTest, AMaskCutsWhereAlphaIsBelowItsCutoff) {
   Picture picture(2, 2, {200, 200, 200, 255});
   picture.at(0, 0)[3] = 100;  // below the cutoff of 0.5
   picture.at(1, 1)[3] = 140;  // above
-  // write_png drops alpha, so the mask comes from the factor and vertex colours would; a texture's alpha is
-  // opaque.
+  // write_png drops alpha, so this texture is opaque; the masked copy below gets its alpha by hand.
   const Model opaque = read(square_with_picture(picture, {{"alphaMode", "MASK"}}));
   EXPECT_NEAR(coverage(draw(opaque, straight(0, 0), bare())), 1.0 / 3, 0.01);
   Model masked = opaque;
@@ -184,7 +183,8 @@ TEST_F(RendererTest, AMaskCutsWhereAlphaIsBelowItsCutoff) {
 }
 
 TEST_F(RendererTest, ANormalMapBendsTheLightTheRightWay) {
-  // Texture (1, 0.5, 0.5)-ish leans to +x (tangent, u to the right); green leans up: glTF 2.0, 3.9.3.
+  // The colour (1, 0.5, 0.5) approximately tilts the normal to +x (tangent, u to the right); green tilts it
+  // upwards: glTF 2.0, 3.9.3.
   const auto brightness = [&](Color normal, glm::vec3 towards_sun) {
     Model model = read(square_with_picture(Picture(2, 2, {200, 200, 200, 255}), nlohmann::json::object()));
     model.pictures.push_back(Picture(2, 2, normal));

@@ -1,4 +1,4 @@
-// Which hit is asked for when more happen at once than may be open.
+// Which hit is requested if more happen at once than may be open.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using test::FakeRequest;
 using test::FakeServer;
 using test::kFrame;
 
-/// So many of the falling box side by side, 3 m apart.
+/// A row of `count` falling boxes, 3 m apart.
 scenes::Scene boxes(int count) {
   scenes::Scene scene = test::falling_box();
   const scenes::SceneObject one = scene.objects[0];
@@ -42,7 +42,7 @@ TEST(Requests, TwentyBoxesThatFallTogetherAllBreak) {
     game.advance(kFrame, true);
     most_open = std::max(most_open, game.open_requests());
     most_waiting = std::max(most_waiting, game.waiting_requests());
-    // What was foreseen counts for a moment, in steps: here every answer comes within its frame.
+    // An anticipated hit is valid only for some steps, so here every answer arrives within its frame.
     test::require_eventually(test::kPatience, "the answers of this frame",
                              [&] { return game.ready() && game.open_requests() == 0; });
     for (world::ObjectId k = 0; k < 20; ++k)
@@ -70,7 +70,8 @@ TEST(Requests, WhatIsForeseenIsKeptUntilItIsHit) {
     if (kept_since == 0 && game.kept_answers() == 1) kept_since = game.world().steps();
     ASSERT_LT(game.world().steps(), 1000u);
   }
-  // Half a second is looked ahead, the answer is there after a tenth of it, and takes effect some steps before the hit.
+  // The game looks half a second ahead. The answer arrives after a tenth of that, and takes effect some steps
+  // before the hit.
   ASSERT_GT(kept_since, 0u);
   EXPECT_GT(game.world().steps(), kept_since + 24);
   EXPECT_EQ(game.kept_answers(), 0u);
@@ -85,7 +86,7 @@ TEST(Requests, TheHardestAndNearestHitIsFirst) {
   GameSettings settings;
   settings.max_requests = 1;
   settings.fixed_latency = 30;
-  // Equal boxes: those near the eye, which stands before the first, come first.
+  // Equal boxes: those near the eye, which is in front of the first one, come first.
   Game game(boxes(5), client, settings);
   std::vector<world::ObjectId> order;
   while (order.size() < 5) {

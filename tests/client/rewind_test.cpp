@@ -1,4 +1,4 @@
-// Going back in the window's game, without a window.
+// Rewinding the window's game, without a window.
 #include "client/app/rewind.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST_F(Rewinds, ShowThePastAndEndInIt) {
   const std::uint64_t last = now()->step;
   EXPECT_EQ(rewind.shown(), nullptr);
   EXPECT_FALSE(rewind.held());
-  // Half a second at twice the speed of the game; then farther than there is anything.
+  // Half a second at twice the game's speed, then farther back than there are moments.
   const Rewind::Moment held = now();
   rewind.hold(held, step_length, 0.25);
   rewind.hold(held, step_length, 0.25);
@@ -92,7 +92,7 @@ TEST_F(Rewinds, ShowThePastAndEndInIt) {
                 shown.parts[k].fragments[f].asset_to_world.position)
           << k << " " << f;
   }
-  // It goes on, and has a history of its own.
+  // The game goes on with its own history.
   test::require_eventually(test::kPatience, "a step", [&] {
     played->game->frame(running(), test::kFrame);
     return playback.latest().moment->step > step;

@@ -1,4 +1,4 @@
-// The game as the renderer takes it: what is uploaded when, and that nothing stays.
+// The game as the renderer receives it: what is uploaded and when, and that nothing is left behind.
 #include "client/view/scene_view.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using test::FakeRequest;
 using test::FakeServer;
 using test::falling_box;
 
-constexpr int kSize = 32;  // pixels: what is drawn does not matter here
+constexpr int kSize = 32;  // pixels: the picture itself does not matter here
 
 class SceneViewTest : public testing::Test {
  protected:
@@ -47,7 +47,8 @@ class SceneViewTest : public testing::Test {
     return *figures;
   }
 
-  /// Bytes of all threads, without the requests that the fake server keeps; nothing is on its way or drawn.
+  /// Bytes in all threads, without the requests that the fake server keeps. It waits until no request is open
+  /// and nothing is being drawn.
   std::ptrdiff_t in_use() {
     glFinish();
     test::require_eventually(test::kPatience, "the requests to end",
@@ -99,7 +100,7 @@ TEST(HeldCuts, OnlyOfGroupsWhoseBondsAllHold) {
     made.gone = gone;
     set.bonds.push_back(made);
   };
-  // A row of four, and one by itself.
+  // A row of four fragments, and one by itself.
   bond(0, 1);
   bond(1, 2);
   bond(2, 3);
@@ -111,7 +112,7 @@ TEST(HeldCuts, OnlyOfGroupsWhoseBondsAllHold) {
   states[3].group = 7;
   EXPECT_EQ(in_whole_groups(set, states, {0, 0, 0}), (Held{false, false, false, false, false}))
       << "both have lost one";
-  states[2].group = 7;  // two that hang together have come off the others, which know it
+  states[2].group = 7;  // two connected fragments have separated from the others, so bonds of both are broken
   EXPECT_EQ(in_whole_groups(set, states, {0, 0, 0}), (Held{false, false, false, false, false}));
   set.bonds[1].gone = true;  // and were replaced by others
   EXPECT_EQ(in_whole_groups(set, states, {0, 0, 0}), (Held{true, true, true, true, false}));
@@ -120,14 +121,14 @@ TEST(HeldCuts, OnlyOfGroupsWhoseBondsAllHold) {
   states[3].group = states[2].group = states[1].group;
   states[0].present = false;
   EXPECT_FALSE(in_whole_groups(set, states, {0, 0, 0})[1]);
-  // What a later hit took away is no gap: others are in its place.
+  // A fragment that a later hit replaced leaves no gap.
   set.bonds[0].gone = true;
   EXPECT_EQ(in_whole_groups(set, states, {-1, 0, 0}), (Held{false, true, true, true, false}));
 }
 
 TEST_F(SceneViewTest, FragmentsAreUploadedInAFrameBeforeTheyAreSeen) {
   game::GameSettings settings;
-  settings.anticipate = false;  // else they wait for the hit
+  settings.anticipate = false;  // otherwise they wait for the hit
   game::Game game(falling_box(), client_, settings);
   draw(game);
   ASSERT_TRUE(test::eventually(test::kPatience, "fragments to upload", [&] {
@@ -221,14 +222,15 @@ TEST_F(SceneViewTest, OfAFurtherHitOnlyWhatItChangedIsUploaded) {
   play([&] { return game.figures().hits > 0; });
   EXPECT_EQ(game.figures().hits, 1u);
   EXPECT_EQ(uploads, 2u);
-  // Of the past what was seen then, with fragments that are no more.
+  // The past is drawn as it was, with fragments that no longer exist.
   const auto seen_now = pixels(nullptr);
   EXPECT_NE(seen_now, seen_before);
   EXPECT_EQ(pixels(&before), seen_before);
   EXPECT_EQ(pixels(nullptr), seen_now);
 }
 
-/// Buffers, textures and vertex arrays that there are. Names are not given twice: the next is above them all.
+/// Number of existing buffers, textures and vertex arrays. Names are not reused, so a new name is above all
+/// of them.
 std::size_t gl_objects() {
   GLuint buffer = 0, texture = 0, array = 0;
   glGenBuffers(1, &buffer);
@@ -247,7 +249,7 @@ std::size_t gl_objects() {
 TEST_F(SceneViewTest, BreaksAndResetsLeaveNothingBehind) {
   constexpr int kWarm = 20;  // cycles until caches are full
   constexpr int kSteps = 2'000;
-  constexpr std::ptrdiff_t kScene = 2'000'000;  // bytes that a cycle has in this process at least
+  constexpr std::ptrdiff_t kScene = 2'000'000;  // bytes that a cycle uses at least in this process
   const int cycles = std::getenv("FRACTURE_TEST_FULL") != nullptr ? 200 : 60;
   game::GameSettings settings;
   settings.fixed_latency = 2;
@@ -270,7 +272,7 @@ TEST_F(SceneViewTest, BreaksAndResetsLeaveNothingBehind) {
   }
   EXPECT_EQ(gl_objects(), early_objects);
   EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-  // Where every cycle left its scene, it would be four times as much. The driver's own caches come and go.
+  // A leak of one scene per cycle would be four times this limit. The driver's own caches vary.
   EXPECT_LT(in_use() - early, (cycles - kWarm) * kScene / 4);
 }
 

@@ -11,7 +11,8 @@
 namespace fracture::scenes {
 namespace {
 
-/// Every edge has a partner in the other direction: closed, and consistently oriented.
+/// Number of edges without a partner in the opposite direction; 0 if the mesh is closed and consistently
+/// oriented.
 std::size_t open_edges(const SurfaceMesh& mesh) {
   using Point = std::array<float, 3>;
   std::map<std::pair<Point, Point>, int> edges;
@@ -41,7 +42,7 @@ TEST(SolidShapes, ABoxIsClosedAndHasItsVolume) {
 TEST(SolidShapes, ACrateIsClosedAndHollow) {
   const SurfaceMesh mesh = crate(1, 0.1f, 0.05f, 0.1f);
   EXPECT_EQ(open_edges(mesh), 0u);
-  // The cube without the six panels and without the cavity.
+  // The cube minus the six panels and the cavity.
   EXPECT_NEAR(volume(mesh), 1 - 6 * 0.8 * 0.8 * 0.05 - 0.8 * 0.8 * 0.8, 1e-5);
 }
 
@@ -97,7 +98,7 @@ TEST(View, ComesCloserAndStaysThere) {
   EXPECT_EQ(view_at(scene, 30).target, glm::vec3(1, 0, 0));
 }
 
-// As the picture has it: 50 degrees high, 16 to 9.
+// The picture's field of view: 50 degrees high, 16 to 9.
 TEST(View, HasAllOfTheMonkeyUntilItLands) {
   const Scene scene = make_scene("monkey").value();
   const SceneObject& monkey = scene.objects.at(0);
@@ -105,7 +106,7 @@ TEST(View, HasAllOfTheMonkeyUntilItLands) {
   for (double t = 0; t <= 0.72; t += 0.04) {
     const View view = view_at(scene, t);
     const glm::mat4 matrix = projection * glm::lookAt(view.eye, view.target, glm::vec3(0, 1, 0));
-    for (const world::Hull& hull : monkey.mesh->hulls)  // all of them hold all of the mesh
+    for (const world::Hull& hull : monkey.mesh->hulls)  // together they contain the whole mesh
       for (const glm::dvec3& point : hull) {
         const glm::dvec3 fallen = monkey.pose.point(point) - glm::dvec3(0, 0.5 * 9.81 * t * t, 0);
         const glm::vec4 seen = matrix * glm::vec4(glm::vec3(fallen), 1);
@@ -143,7 +144,7 @@ TEST(FractureParameters, GrowWithTheEnergy) {
   EXPECT_NEAR(at(1000)["radius"].get<double>(), 0.5, 1e-9);
   EXPECT_EQ(at(8000)["sites"], 160);  // the cube root of 8 is 2
   EXPECT_NEAR(at(8000)["radius"].get<double>(), 1, 1e-9);
-  EXPECT_EQ(at(1e9)["sites"], 160);  // bounded
+  EXPECT_EQ(at(1e9)["sites"], 160);  // limited
   EXPECT_EQ(at(0)["sites"], 48);
   EXPECT_EQ(at(1000)["impacts"].dump(), "[[0.1,0.2,0.3]]");
 }
@@ -155,7 +156,7 @@ TEST(FractureParameters, ThePanelHasTheLastWord) {
       fracture_parameters(object, {}, 1, {{"pattern", "slice"}, {"sites", 5}, {"spacing", 0.1}});
   EXPECT_EQ(asked["pattern"], "slice");
   EXPECT_EQ(asked["sites"], 5);
-  EXPECT_FALSE(asked.contains("impacts"));  // slice takes none
+  EXPECT_FALSE(asked.contains("impacts"));  // the pattern slice takes no impacts
   EXPECT_FALSE(asked.contains("radius"));
 }
 

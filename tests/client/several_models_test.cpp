@@ -1,4 +1,4 @@
-// Several models in one picture, batches, edges alone, and the way to a window.
+// Several models in one picture, batches, wireframes, and copying to a window.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,7 +19,7 @@ TEST_F(RendererTest, SeveralScenesStandInOnePictureAndHideOneAnother) {
        second = GpuModel::upload(std::make_shared<const Model>(blue));
   ASSERT_TRUE(first && second);
   auto of_red = initial_states(red), of_blue = initial_states(blue);
-  // The blue one stands behind the red one and looks out above it by a quarter.
+  // The blue cube is behind the red one and rises a quarter above it.
   of_blue[0].transform[3] = {0, 0.25f, -2, 1};
   auto target = FrameTarget::create(300, 300);
   ASSERT_TRUE(target);
@@ -74,7 +74,7 @@ TEST_F(RendererTest, ABatchShowsWhatItsScenesShowInOneCall) {
 
   EXPECT_EQ(*batch->append(left, std::nullopt), 0u);
   EXPECT_EQ(*batch->append(right, std::nullopt), 1u);
-  EXPECT_EQ(batch->model().materials.size(), 1u);  // equal ones are one
+  EXPECT_EQ(batch->model().materials.size(), 1u);  // equal materials are stored once
   const std::array<ObjectState, 2> states = {of_left[0], of_right[0]};
   const DrawItem together{.model = &*batch, .states = states};
   stats = renderer->draw(std::span(&together, 1), camera, bare(), target->framebuffer(), 200, 200);
@@ -92,7 +92,7 @@ TEST_F(RendererTest, ABatchThatGrowsKeepsWhatIsInIt) {
   for (std::uint32_t k = 0; k < 40; ++k) {
     ASSERT_EQ(*batch->append(cube, std::nullopt), k);
     states.push_back(initial_states(cube)[0]);
-    states.back().visible = k == 0;  // the first outlived every growth
+    states.back().visible = k == 0;  // the first one survived every growth of the batch
   }
   auto target = FrameTarget::create(300, 300);
   ASSERT_TRUE(target);
@@ -117,8 +117,8 @@ TEST_F(RendererTest, AWallOfBricksHasJointsWhereItsCoursesSay) {
     const Color c = pixel_at(picture, camera, {x, y, 0.1f});
     return linear(c[0]) / (linear(c[2]) + 1e-3);
   };
-  // The lowest course has a joint in the middle, the next one a quarter from the ends; between them one along
-  // all.
+  // The lowest course has a joint in the middle, the next one a quarter from the ends. Between the courses
+  // one joint runs along all of them.
   EXPECT_LT(red(0, -0.375f), 2);
   EXPECT_GT(red(0.25f, -0.375f), 3);
   EXPECT_LT(red(0.25f, -0.125f), 2);
@@ -141,7 +141,7 @@ TEST_F(RendererTest, AFrameIsCopiedToAWindowByteForByte) {
   auto target = FrameTarget::create(40, 30);
   ASSERT_TRUE(gpu && target);
   renderer->draw(*gpu, initial_states(cube), straight(30, 20), {}, target->framebuffer(), 40, 30);
-  // What a window has: one sample, bytes that are sRGB without the driver's knowing.
+  // A window's framebuffer: one sample, and sRGB bytes that the driver does not know to be sRGB.
   GLuint window = 0, color = 0;
   glGenFramebuffers(1, &window);
   glGenRenderbuffers(1, &color);

@@ -1,4 +1,4 @@
-// Light, shadow, transparency and highlights, judged by what has to be brighter than what.
+// Light, shadow, transparency and highlights, judged by which points must be brighter than others.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,13 +34,13 @@ struct Pillar {
 TEST_F(RendererTest, AShadowFallsOnTheSideAwayFromTheLight) {
   Pillar p;
   const Picture picture = draw(p.model, p.camera, p.settings);
-  // The sun stands at 45° over +x: the shadow of the top reaches from x = -0.25 to x = -1.25.
+  // The sun is at 45° over +x, so the shadow of the top reaches from x = -0.25 to x = -1.25.
   const double lit = luminance(pixel_at(picture, p.camera, {0.8f, 0, 0}));
   const double dark = luminance(pixel_at(picture, p.camera, {-0.8f, 0, 0}));
   const double beyond = luminance(pixel_at(picture, p.camera, {-1.5f, 0, 0}));
   EXPECT_LT(dark, 0.7 * lit);
   EXPECT_NEAR(beyond, lit, 0.05 * lit);
-  EXPECT_NEAR(luminance(pixel_at(picture, p.camera, {-0.8f, 0, 0.6f})), lit, 0.05 * lit);  // beside it
+  EXPECT_NEAR(luminance(pixel_at(picture, p.camera, {-0.8f, 0, 0.6f})), lit, 0.05 * lit);  // next to it
 
   p.settings.lighting.towards_sun = {-1, 1, 0};
   const Picture other = draw(p.model, p.camera, p.settings);
@@ -117,7 +117,7 @@ TEST_F(RendererTest, TheSkyReachesCornersLessThanOpenGround) {
               luminance(pixel_at(without, p.camera, {0, 0, 1.4f})), 0.02);
 }
 
-/// Two squares facing +z: one at z = 0 that glows, one before it.
+/// Two squares facing +z: one at z = 0 that glows, one in front of it.
 Model glow_behind(const Material& front) {
   Model model;
   Material glow = paint({0, 0, 0});
@@ -142,7 +142,7 @@ TEST_F(RendererTest, AlphaBlendsInLinearLight) {
   const double open = luminance(pixel_at(picture, camera, {0.8f, 0.8f, 0.5f})),
                behind = luminance(pixel_at(picture, camera, {0, 0, 0.5f}));
   EXPECT_GT(open, 0.3);
-  EXPECT_NEAR(behind, 0.25 * open, 0.02 * open);  // the box has a back face and a front face: half of a half
+  EXPECT_NEAR(behind, 0.25 * open, 0.02 * open);  // the light passes two faces: half of a half
 }
 
 TEST_F(RendererTest, ClearGlassLetsLightThroughAndTintsIt) {
@@ -187,7 +187,7 @@ TEST_F(RendererTest, CutFacesAreOrangeWhenHighlighted) {
     if (c[3] < 255) continue;
     (linear(c[0]) > 2 * linear(c[2]) ? orange : grey) += 1.0 / static_cast<double>(picture.pixels.size());
   }
-  const double half = std::sqrt(2.0) / 2 / 3;  // each of two faces under 45°
+  const double half = std::sqrt(2.0) / 2 / 3;  // each of two faces at 45°
   EXPECT_NEAR(orange, half, 0.02);
   EXPECT_NEAR(grey, half, 0.02);
 }
@@ -208,7 +208,7 @@ TEST_F(RendererTest, FragmentColorsReplaceTheMaterial) {
                     expected = distinct_color(static_cast<std::uint32_t>(k));
     const Color seen = pixel_at(picture, camera, {c.x, c.y, 0.5f});
     const glm::vec3 light(linear(seen[0]), linear(seen[1]), linear(seen[2]));
-    // The hue survives: channels keep their order wherever they clearly differ.
+    // The hue is kept: channels that clearly differ keep their order.
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         if (expected[i] > expected[j] + 0.1f) {

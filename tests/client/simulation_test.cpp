@@ -1,4 +1,5 @@
-// A game on its thread: what frames may rely on. Steps are given by the test, so that nothing here depends on time.
+// A game on its own thread: what frames may rely on. The test decides when steps are made, so nothing here
+// depends on time.
 #include "client/app/simulation.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 namespace fracture::app {
 namespace {
 
-constexpr double kFrame = 1.0 / 128;  // seconds: sums of it are exact
+constexpr double kFrame = 1.0 / 128;  // seconds, whose sums are exact
 
 class Simulations : public game::Recordings {
  protected:
@@ -36,7 +37,7 @@ class Simulations : public game::Recordings {
     tick.running = true;
     return tick;
   }
-  /// Takes what is there.
+  /// Takes the snapshots that exist.
   void look() {
     for (auto& snapshot : simulation_->take()) {
       notes_.insert(notes_.end(), snapshot->notes.begin(), snapshot->notes.end());
@@ -56,7 +57,7 @@ class Simulations : public game::Recordings {
       return std::find(notes_.begin(), notes_.end(), note) != notes_.end();
     });
   }
-  /// All that is owed is made, and no more.
+  /// Expects that all owed steps are made, and no more.
   void expect_steps(std::uint64_t step) {
     wait_for_step(step);
     const std::string mark = "mark " + std::to_string(++marks_);
@@ -64,7 +65,7 @@ class Simulations : public game::Recordings {
     wait_for_note(mark);
     EXPECT_EQ(last().moment->step, step);
   }
-  /// A step that begins, and ends when the test says so; by itself only after all patience.
+  /// Posts a step that begins, and ends when the test says so, or at the latest after all patience.
   void post_long_step(Simulation& simulation) {
     simulation.post([this](game::Game& game) {
       began_.set_value();
@@ -118,7 +119,7 @@ TEST_F(Simulations, MakesTheStepsThatFramesGiveTimeFor) {
   expect_steps(7);
   EXPECT_EQ(last().due, 7 * kFrame);
   simulation_->pass(running(kFrame / 2));
-  simulation_->pass({});  // what was owed is none of what comes after a pause
+  simulation_->pass({});  // time owed before a pause does not count after it
   simulation_->pass(running(kFrame / 2));
   expect_steps(7);
 }
@@ -137,7 +138,7 @@ TEST_F(Simulations, DropTimeThatTheyCannotMakeAndAreSeenLater) {
 
 TEST_F(Simulations, CommandsTakeEffectInTheirOrder) {
   begin();
-  std::vector<int> order;  // of their thread, until a note says that they are done
+  std::vector<int> order;  // written by the simulation's thread until a note says that it is done
   for (int k = 0; k < 20; ++k)
     simulation_->post([k, &order](game::Game&) {
       order.push_back(k);

@@ -1,4 +1,4 @@
-// What one hears: modes by material and size, loudness by distance, silence, files.
+// Audible results: modes by material and size, loudness by distance, silence, files.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -28,7 +28,8 @@ std::vector<Mode> tile_of(const char* material, double scale = 1) {
   return modes_of(of, of.density * sides.x * sides.y * sides.z, sides, false, 1);
 }
 
-/// The frequency at which a sound has most energy, by a discrete Fourier transform of half a second in steps of 5 Hz.
+/// The frequency at which a sound has the most energy, by a discrete Fourier transform of half a second in
+/// steps of 5 Hz.
 double spectral_peak(const std::vector<float>& samples) {
   double best = 0, most = 0;
   const std::size_t count = std::min<std::size_t>(samples.size(), kRate / 2);
@@ -52,7 +53,7 @@ double loudness(const std::vector<float>& samples) {  // root mean square
   return std::sqrt(sum / static_cast<double>(samples.size()));
 }
 
-/// A tenth of a second of a tile that is struck at a place, heard from the origin.
+/// A tenth of a second of a tile that is struck at `where`, heard from the origin.
 std::vector<float> heard(const glm::dvec3& where, double gain = 0.5) {
   Expected<Speakers> speakers = Speakers::loopback();
   if (!speakers) throw std::runtime_error(speakers.error().detail);
@@ -70,12 +71,13 @@ std::vector<float> channel(const std::vector<float>& samples, std::size_t which)
 }
 
 TEST(Modes, AreThoseOfThePlateInTheLiterature) {
-  // Thin enough for Kirchhoff: f11 = π/2 √(E h² / 12 ρ (1 − ν²)) (1/a² + 1/b²), computed by hand for steel,
-  // a = b = 1 m, h = 1 mm: 1.5708 · 1.5414 m²/s · 2 = 4.843 Hz; modes (m, n) stand in the ratio (m² + n²) / 2.
+  // Thin enough for Kirchhoff: f11 = π/2 √(E h² / 12 ρ (1 − ν²)) (1/a² + 1/b²), computed by hand for steel, a
+  // = b = 1 m, h = 1 mm: 1.5708 · 1.5414 m²/s · 2 = 4.843 Hz. The frequency of mode (m, n) is that times (m²
+  // + n²) / 2.
   const SoundMaterial& steel = sound_material("metal");
   const auto modes = modes_of(steel, steel.density * 1e-3, {1, 1, 1e-3}, false, 3);
   ASSERT_GT(modes.size(), 3u);
-  // The lowest that is heard (30 Hz and more) has m² + n² = 13.
+  // The lowest audible mode (30 Hz and more) has m² + n² = 13.
   EXPECT_NEAR(modes.front().frequency, 4.843 * 13 / 2, 0.4);
   EXPECT_TRUE(std::is_sorted(modes.begin(), modes.end(),
                              [](const Mode& a, const Mode& b) { return a.frequency < b.frequency; }));
@@ -101,7 +103,7 @@ TEST(Modes, SidesOfABoxComeBackFromItsInertia) {
       mass / 12 *
       glm::dvec3(box.y * box.y + box.z * box.z, box.x * box.x + box.z * box.z, box.x * box.x + box.y * box.y);
   EXPECT_LT(glm::distance(sides_of(mass, moments, density), box), 1e-9);
-  // A shell of a tenth of the mass with the same moments for each kilogram has a tenth of the wall.
+  // A shell with a tenth of the mass and the same moments per kilogram has a tenth of the wall's thickness.
   EXPECT_NEAR(sides_of(0.1 * mass, 0.1 * moments, density).z, 0.1 * box.z, 1e-9);
 }
 
@@ -111,7 +113,7 @@ TEST(Modes, HardAndFastContactsAreShort) {
   EXPECT_LT(slow, contact_time(1, wood, 0, wood, 0.01, 1));
   EXPECT_NEAR(contact_time(1, glass, 0, glass, 0.01, 32) / slow, 0.5, 1e-9);  // v^(-1/5)
   EXPECT_NEAR(contact_time(2, glass, 2, glass, 0.01, 1) / slow, 1,
-              1e-9);  // two of 2 kg are one of 1 kg at a wall
+              1e-9);  // two of 2 kg are like one of 1 kg against a wall
 }
 
 TEST(Strikes, GlassRingsHigherAndLongerThanWood) {
@@ -209,9 +211,9 @@ TEST(Wav, HoldsWhatWasAddedAndClipsNothing) {
   for (std::size_t k = 0; k < samples.size(); ++k)
     read.push_back(static_cast<std::int16_t>(number(44 + 2 * k, 2)));
   EXPECT_EQ(read[0], 0);
-  EXPECT_EQ(read[1], 3277);  // as it was
+  EXPECT_EQ(read[1], 3277);  // unchanged
   EXPECT_EQ(read[1], -read[2]);
-  EXPECT_GT(read[5], read[3]);  // what is louder is louder still
+  EXPECT_GT(read[5], read[3]);  // louder samples stay louder
   EXPECT_LE(read[5], 32767);
 }
 
@@ -243,7 +245,7 @@ TEST(PlayerTest, EndsWhateverTheMachineHas) {
       player.set_volume(0.01 * frame);
     }
   }
-  SUCCEED();  // that it gets here is the test: CTest has a limit
+  SUCCEED();  // reaching this line is the test, because CTest has a time limit
 }
 
 world::Witnessed knocked(double impulse, std::uint64_t step, std::uint32_t fragment = 0) {
@@ -267,7 +269,7 @@ TEST(SoundscapeTest, OneVoiceForAKnockOnTheGroundAndNoneSoonAfterUnlessLouder) {
   EXPECT_EQ(soundscape.voices(knocked(20, 12), glass).size(), 1u);
   EXPECT_EQ(soundscape.voices(knocked(1, 12, 1), glass).size(), 1u);  // another body
   EXPECT_EQ(soundscape.voices(knocked(1, 40), glass).size(), 1u);
-  EXPECT_EQ(soundscape.voices(knocked(1e-9, 80), glass).size(), 0u);  // nobody hears that
+  EXPECT_EQ(soundscape.voices(knocked(1e-9, 80), glass).size(), 0u);  // too quiet to hear
 }
 
 TEST(SoundscapeTest, AStepHasItsLoudestVoicesOnly) {

@@ -29,7 +29,7 @@ class SteadinessOf {
     return steadiness_.holds(a, b);
   }
   void part(btScalar gap) { steadiness_.part(gap); }
-  /// Of a corner from the middle, metres, where the size is 1.
+  /// The distance from a corner to the middle in metres, if the size is 1.
   static constexpr btScalar kReach = 3;
 
  private:
@@ -59,7 +59,7 @@ TEST(Steadiness, WhatTurnsTogetherIsLookedAtAgain) {
 }
 
 TEST(Steadiness, SmallBodiesHaveLessRoom) {
-  constexpr btScalar kSize = 0.005;  // 3 cm from corner to corner, contacts reach 0.3 mm
+  constexpr btScalar kSize = 0.005;  // 3 cm from corner to corner; contacts reach 0.3 mm
   SteadinessOf pair(kSize);
   EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({0.02, 0, 0})));
   EXPECT_TRUE(pair.holds(at({0, 0, 0}), at({0.0201, 0, 0})));
@@ -102,7 +102,7 @@ TEST(Steadiness, WhatIsKnownOfNoGapIsLookedAtAsBefore) {
   EXPECT_FALSE(pair.holds(at({0, 0, 0}), at({5 + 1.1 * kStill, 0, 0})));
 }
 
-/// A pair of blocks of two hulls each, or a block and a hull, in a world of their own.
+/// A pair of blocks with two hulls each, or a block and a hull, in a separate world.
 class Blocks {
  public:
   Blocks(bool ours, bool second_is_compound)
@@ -130,7 +130,7 @@ class Blocks {
   ~Blocks() {
     for (btCollisionObject* object : {&first_, &second_}) world_.removeCollisionObject(object);
   }
-  /// The least distance of all contacts; 1 if there is none.
+  /// The smallest distance of all contacts; 1 if there is none.
   btScalar distance(const btTransform& first, const btTransform& second) {
     first_.setWorldTransform(first);
     second_.setWorldTransform(second);
@@ -143,7 +143,7 @@ class Blocks {
     }
     return least;
   }
-  /// Of the deepest contact, from the first body to the second.
+  /// The normal of the deepest contact, from the first body to the second.
   btVector3 normal() {
     btVector3 normal(0, 0, 0);
     btScalar least = 1;
@@ -162,7 +162,7 @@ class Blocks {
  private:
   static btDefaultCollisionConstructionInfo room() {
     btDefaultCollisionConstructionInfo info;
-    // Bullet lays out 4096 of each, which takes longer than the test.
+    // Bullet reserves 4096 of each, which takes longer than the test.
     info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = 64;
     info.m_customCollisionAlgorithmMaxElementSize =
         static_cast<int>(std::max(sizeof(HullPair), sizeof(CompoundPair)));
@@ -191,7 +191,8 @@ TEST(SteadyPair, DepthsAreThoseThatBulletHas) {
       SCOPED_TRACE(::testing::Message() << compound << swapped);
       Blocks ours(true, compound), bullet(false, compound);
       std::size_t touching = 0, late = 0;
-      // One is lowered upon the other, a fifth of what counts as still in each step, rests in it, and is lifted again.
+      // One block is lowered onto the other, by a fifth of the still distance in each step. It rests there
+      // and is lifted again.
       for (int step = 0; step < 400; ++step) {
         const btScalar down = step < 150 ? step : step < 250 ? 150 : 400 - step;
         const btTransform low = at({0, 0, 0}), high = at({0.1, 2.02 - 0.2 * kStill * down, 0.2});
@@ -209,7 +210,7 @@ TEST(SteadyPair, DepthsAreThoseThatBulletHas) {
     }
 }
 
-/// A block that lies on another one: both turn over together, and what carries it turns with them.
+/// A block lies on another. Both turn over together, and the contact normal turns with them.
 TEST(SteadyPair, NormalsTurnWithTheBodies) {
   Blocks pair(true, true);
   for (int step = 0; step <= 200; ++step) {
@@ -229,7 +230,8 @@ TEST(SteadyPair, WhatIsPulledAwayHasNoContacts) {
   EXPECT_LT(pair.distance(low, at({0, 2.0, 0})), 0.05) << "and back";
 }
 
-/// Bullet also has contacts of what is near and not inside: ours compares tighter boxes, and finds those later.
+/// Bullet also reports contacts between bodies that are near but do not overlap. Ours compares tighter boxes
+/// and finds those later.
 TEST(CompoundPair, WhatFliesPastHasContactsWhereBulletHasThem) {
   std::mt19937_64 random(3);
   const auto number = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
@@ -242,7 +244,8 @@ TEST(CompoundPair, WhatFliesPastHasContactsWhereBulletHasThem) {
     for (int step = 0; step <= 200; ++step) {
       const double t = 0.01 * step - 1;
       const btTransform there = at(btVector3(8 * t, 0, 0) + aside, axis, 2 * t);
-      // One that has seen nothing before: kept contacts of earlier steps may be deeper than any that there is now.
+      // The reference has seen nothing before, because contacts kept from earlier steps may be deeper than
+      // the present ones.
       const btScalar expected = Blocks(false, compound).distance(at({0, 0, 0}), there),
                      found = ours.distance(at({0, 0, 0}), there);
       if (expected <= 0) {

@@ -1,4 +1,4 @@
-// Contacts found by several threads are those that one finds, in the same order.
+// Several threads find the same contacts as one, in the same order.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ TEST(Crew, EverythingIsDoneOnceWhenItReturns) {
   }
 }
 
-/// Of a heap of loose cubes that fall upon one another, after each tenth of a second.
+/// The fingerprints of a heap of loose cubes that fall onto each other, after each tenth of a second.
 std::vector<std::uint64_t> heap_with(std::size_t threads) {
   WorldSettings settings;
   settings.threads = threads;

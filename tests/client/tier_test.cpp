@@ -1,4 +1,4 @@
-// Which tier the window draws, as a function of what its pictures took.
+// The tier that the window draws, as a function of the time that its pictures took.
 #include "client/render/tier.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ namespace {
 using render::Tier;
 using render::TierChoice;
 
-/// So many pictures whose times depend on the tier; how often it changed.
+/// Plays this many pictures, whose times depend on the tier. Returns how often the tier changed.
 int play(TierChoice& choice, int pictures, double low_ms, double high_ms) {
   int changes = 0;
   for (int k = 0; k < pictures; ++k) {
@@ -52,16 +52,16 @@ TEST(TierChoice, ASlowPictureNowAndThenChangesNothing) {
     choice.add(k % 3 == 0 ? 120 : 8);
     ASSERT_EQ(choice.tier(), Tier::kHigh) << k;
   }
-  // Nor does what lies between too slow and room in either tier.
+  // Times between too slow and fast enough change nothing in either tier.
   EXPECT_EQ(play(choice, 3000, 10, 20), 0);
 }
 
 TEST(TierChoice, NeverFlipsBackAndForth) {
-  // A card that is quick with low pictures and far too slow for high ones, for three hours.
+  // A card that is fast with low pictures and far too slow for high ones, for three hours.
   TierChoice choice;
   EXPECT_LE(play(choice, 600'000, 1, 50), 4) << "up, down, and once more";
   EXPECT_EQ(choice.tier(), Tier::kLow);
-  // The second time it waited longer than the first.
+  // The second wait is longer than the first.
   TierChoice other;
   int first = 0, second = 0;
   while (other.tier() == Tier::kLow && first < 10'000) other.add(1), ++first;
@@ -74,7 +74,7 @@ TEST(TierChoice, NeverFlipsBackAndForth) {
 TEST(TierChoice, WhatANewTierTakesAtFirstIsNoMeasure) {
   TierChoice choice;
   while (choice.tier() == Tier::kLow) choice.add(0.5);
-  for (int k = 0; k < 10; ++k) choice.add(400);  // shaders are compiled
+  for (int k = 0; k < 10; ++k) choice.add(400);  // while shaders are compiled
   EXPECT_EQ(play(choice, 300, 0.5, 5), 0);
   EXPECT_EQ(choice.tier(), Tier::kHigh);
 }

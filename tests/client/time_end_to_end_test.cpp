@@ -1,4 +1,4 @@
-// A game that is gone on with, and what a player may do in it, against a real server.
+// A continued game and the player's options in it, against a real server.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -23,11 +23,11 @@ TEST(TimeEndToEnd, AGameThatIsGoneOnWithIsTheOneThatWasNeverInterrupted) {
   whole.log = folder / "whole.jsonl";
   const json never_interrupted = run(whole);
   EXPECT_GE(never_interrupted["game"]["swaps"].get<int>(), 2);
-  for (const double stopped : {0.5, 2.3}) {  // after the first ball was thrown, after the second
+  for (const double stopped : {0.5, 2.3}) {  // after the first ball was thrown, and after the second
     Options first = options_for(server, "panes", stopped);
     first.log = folder / "first.jsonl";
     run(first);
-    Options second = options_for(server, "monkey", 2.8);  // the scene stands in the file
+    Options second = options_for(server, "monkey", 2.8);  // the scene is in the file
     second.continue_from = first.log;
     second.log = folder / "second.jsonl";
     const json gone_on = run(second);
@@ -35,7 +35,7 @@ TEST(TimeEndToEnd, AGameThatIsGoneOnWithIsTheOneThatWasNeverInterrupted) {
     EXPECT_EQ(gone_on["swaps"], never_interrupted["swaps"]) << stopped;
     EXPECT_EQ(test::read_file(second.log), test::read_file(whole.log)) << stopped;
   }
-  // In real time, too: its own recording is then whole.
+  // Continued in real time, its own recording is also complete.
   Options live = options_for(server, "panes", 2.6);
   live.fixed_step = false;
   live.continue_from = folder / "first.jsonl";
@@ -113,7 +113,7 @@ struct PlayerProcess {
                                          std::to_string(server.port)});
     return arguments;
   }
-  /// What it said on standard output and error, which is the summary alone where nothing went wrong.
+  /// Standard output and standard error: only the summary if nothing went wrong.
   std::string said() const { return test::read_file(output); }
   json summary() const {
     const std::string text = said();

@@ -73,7 +73,7 @@ TEST(ExplodedView, MovesEveryFragmentAwayFromTheCentreByTheFactor) {
   const auto states = view_states(model, options, {});
   for (std::size_t k = 0; k < states.size(); ++k)
     EXPECT_LT(glm::distance(place(model, states[k], k), 1.5f * model.objects[k].fragment->centroid), 1e-6f);
-  // The corner of a corner fragment: its centre moved from (1/3, 1/3, 1/3), its own half side stays 1/6.
+  // The corner of a corner fragment: its centre moved from (1/3, 1/3, 1/3), and half its side stays 1/6.
   EXPECT_NEAR(bounding_sphere(model, states).radius, std::sqrt(3.0) * (1.5 / 3 + 1.0 / 6), 1e-6);
 }
 

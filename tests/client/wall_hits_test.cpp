@@ -1,5 +1,5 @@
-// A wall that is hit twice, with a real server: finer fragments at both places, and an answer to the second hit that has
-// them alone.
+// A wall that is hit twice, with a real server. Both places get finer fragments, and the answer to the second
+// hit contains only its changes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,9 +18,9 @@ class WallHits : public testing::Test {
     test::require_eventually(test::kPatience, "the answers of the step", [&] { return game.ready(); });
     game.step();
   }
-  /// Not so fast that the first one breaks a wall from end to end.
+  /// Slow enough that the first ball does not break the whole wall.
   static void throw_at(Game& game, double x) { game.throw_ball({x, 1.3, 6}, {0, 1.8, -12}); }
-  /// Fragments whose centres lie within half a metre of a place on the wall.
+  /// Number of fragments whose centres are within half a metre of a place on the wall.
   static std::size_t fragments_near(const Game& game, double x) {
     const Thing& thing = game.things()[0];
     std::vector<world::FragmentState> states;
@@ -73,7 +73,7 @@ class WallHits : public testing::Test {
 };
 
 TEST_F(WallHits, ASecondOneMakesMorePiecesAtItsPlace) {
-  test::ServeProcess server({"--realtime-deadline", "60"});  // how fast this machine is does not matter
+  test::ServeProcess server({"--realtime-deadline", "60"});  // independent of how fast this machine is
   for (const char* material : {"concrete", "stone"}) {
     SCOPED_TRACE(material);
     const Played played = play(server, material);

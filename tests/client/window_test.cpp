@@ -34,7 +34,7 @@ class OnADisplay : public testing::Test {
     ::setenv("DISPLAY", display.c_str(), 1);
   }
 
-  /// The line of digits alone; the X server may say other things before and after it.
+  /// The line that consists only of digits; the X server may print other lines before and after it.
   static std::string display_number(const std::string& said) {
     std::istringstream lines(said.substr(0, said.rfind('\n') + 1));
     for (std::string line; std::getline(lines, line);)
@@ -65,7 +65,7 @@ TEST_F(OnADisplay, TheGameOpensPlaysAndCloses) {
   EXPECT_EQ(picture->width, 480);
   EXPECT_EQ(picture->height, 320);
   std::set<render::Color> colors(picture->pixels.begin(), picture->pixels.end());
-  EXPECT_GT(colors.size(), 100u);  // something is to be seen
+  EXPECT_GT(colors.size(), 100u);  // the picture is not empty
 }
 
 TEST_F(OnADisplay, WithoutAServerTheWindowOpensAllTheSame) {

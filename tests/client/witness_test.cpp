@@ -1,4 +1,4 @@
-// What the world reports for eyes and ears.
+// The world's reports for pictures and sounds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST(Witness, EveryBrokenBondIsOneCrackWhereItWas) {
       EXPECT_EQ(crack.object, object);
       EXPECT_DOUBLE_EQ(crack.area, 0.25);
       EXPECT_NEAR(crack.mass, 125, 1e-9);
-      if (k > 24) continue;  // the ball is there after 21 steps: pieces have not gone far
+      if (k > 24) continue;  // the ball arrives after 21 steps, so the pieces have not gone far
       EXPECT_LT(glm::distance(crack.point, bond.center), 0.2);
     }
   }

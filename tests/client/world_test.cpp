@@ -16,7 +16,7 @@ using test::struck_from_aside;
 using test::whole_of;
 using test::without_gravity;
 
-constexpr double kMomentum = 1e-4;  ///< what the swap has to conserve, relative
+constexpr double kMomentum = 1e-4;  ///< relative error that a swap may have
 
 void expect_conserved(const Swap& swap) {
   EXPECT_FALSE(swap.held);
@@ -32,7 +32,7 @@ TEST(World, AWholeObjectFallsAndRestsOnTheGround) {
   ObjectSpec spec = whole_of(set);
   spec.pose.position = {0, 1, 0};
   const ObjectId object = world.add_object(spec);
-  run(world, 5);  // Bullet lets sleep what has been still for two seconds
+  run(world, 5);  // Bullet puts objects to sleep after two seconds of rest
   EXPECT_TRUE(world.is_whole(object));
   const Census census = world.census();
   EXPECT_EQ(census.moving, 0u);
@@ -84,7 +84,7 @@ TEST(World, AHeavierOrLighterAnswerStillHasTheMomentum) {
   World world(without_gravity());
   FragmentSet set = cubes(3, 1);
   ObjectSpec spec = whole_of(set);
-  spec.mass.mass *= 1.3;  // what an open mesh was taken for
+  spec.mass.mass *= 1.3;  // the mass that was assumed for an open mesh
   spec.mass.inertia *= 1.5;
   spec.mass.center += glm::dvec3(0.05, 0, 0.02);
   spec.pose.position = {0, 10, 0};
@@ -100,7 +100,7 @@ TEST(World, AHeavierOrLighterAnswerStillHasTheMomentum) {
 
 TEST(World, AnImpactBeforeTheAnswerBreaksTheBondsItOverloads) {
   WorldSettings settings;
-  settings.foresight = 0;  // the contact asks
+  settings.foresight = 0;  // the contact requests, not the anticipation
   World world(settings);
   const FragmentSet set = cubes(4, 4, 0.5, 1000, 2e5);
   ObjectSpec spec = whole_of(set);
@@ -140,7 +140,7 @@ TEST(World, ALightTouchAsksForNothing) {
 TEST(World, AnchorsHoldAndWhatHangsOnThemToo) {
   World world;
   FragmentSet set = cubes(1, 4, 0.5, 1000, 1e7);
-  set.fragments[3].anchored = true;  // the top one: the others hang
+  set.fragments[3].anchored = true;  // the top one; the others hang from it
   ObjectSpec spec = whole_of(set);
   spec.held = true;
   spec.pose.position = {0, 2, 0};
@@ -174,7 +174,7 @@ TEST(World, WhatIsNotSupportedFalls) {
 
 TEST(World, BondsTooWeakForTheWeightGiveWay) {
   World world;
-  FragmentSet set = cubes(1, 4, 0.5, 1000, 1e3);  // 250 N each: less than a cube's 1.2 kN
+  FragmentSet set = cubes(1, 4, 0.5, 1000, 1e3);  // 250 N each, less than a cube's 1.2 kN
   set.fragments[3].anchored = true;
   ObjectSpec spec = whole_of(set);
   spec.held = true;
@@ -183,7 +183,7 @@ TEST(World, BondsTooWeakForTheWeightGiveWay) {
   world.fracture(object, prepare(set));
   std::vector<FragmentState> states;
   world.fragment_states(object, states);
-  EXPECT_NE(states[3].group, states[2].group);  // the bond that bears all three
+  EXPECT_NE(states[3].group, states[2].group);  // the bond that carries all three
   run(world, 2);
   world.fragment_states(object, states);
   for (const std::size_t k : {0u, 1u, 2u}) EXPECT_LT(states[k].asset_to_world.position.y, 1) << k;
@@ -202,7 +202,7 @@ TEST(World, ABallGoesThroughAWallAndLeavesTheRestStanding) {
   run(world, 1);
   EXPECT_GT(groups_of(world, object), 1u);
   ASSERT_EQ(world.balls().size(), 1u);
-  EXPECT_LT(world.balls()[0].pose.position.z, -0.5);  // came out behind
+  EXPECT_LT(world.balls()[0].pose.position.z, -0.5);  // it came out behind the wall
   std::vector<FragmentState> states;
   world.fragment_states(object, states);
   for (const std::size_t corner : {0u, 8u, 54u, 62u}) EXPECT_EQ(states[corner].asset_to_world.position.z, 0);
@@ -242,7 +242,7 @@ TEST(World, SplitsInFlightConserveMomentum) {
   ASSERT_FALSE(swaps.empty());
   for (const Swap& swap : swaps) expect_conserved(swap);
   const Momentum after = world.total_momentum();
-  // The whole game: ball and pieces, over all contacts and splits.
+  // Ball and pieces together, over all contacts and splits.
   EXPECT_LT(glm::distance(before.linear, after.linear), 1e-6 * glm::length(before.linear));
 }
 
@@ -264,7 +264,7 @@ TEST(World, ALargeFragmentThatIsHitHardAsksToBeBrokenAgain) {
   }
   ASSERT_FALSE(events.empty());
   const std::uint32_t fragment = events[0].fragment;
-  // Its parts: the same cube as 2 × 2 × 1 of half the side.
+  // The pieces of the fragment: the same cube as 2 × 2 × 1 cubes of half the side.
   FragmentSet pieces = cubes(2, 2, 0.5);
   for (Fragment& piece : pieces.fragments) {
     const glm::dvec3 shift(fragment, 0, 0);
@@ -277,7 +277,7 @@ TEST(World, ALargeFragmentThatIsHitHardAsksToBeBrokenAgain) {
   ASSERT_EQ(swaps.size(), 1u);
   expect_conserved(swaps[0]);
   EXPECT_EQ(groups_of(world, *made), 4u);
-  EXPECT_FALSE(world.fracture_fragment(object, fragment, prepare(pieces)));  // it is gone
+  EXPECT_FALSE(world.fracture_fragment(object, fragment, prepare(pieces)));  // it no longer exists
   run(world, 3);
   EXPECT_GT(world.census().lowest, -0.01);
 }

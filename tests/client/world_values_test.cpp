@@ -1,4 +1,4 @@
-// The world's parts without a world: masses, loads on bonds, fragments from a file.
+// Parts of the world without a world: masses, loads on bonds, fragments from a file.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -120,7 +120,8 @@ TEST(BondLoads, NothingIsLoadedInFreeFall) {
 }
 
 TEST(BondLoads, AFreeChainThatIsPulledAtItsEndBearsTheMassBehind) {
-  // F = 4 kN at the first of four: the bond behind it draws three quarters, then a half, a quarter.
+  // F = 4 kN at the first of four: the bond behind it carries three quarters, the next ones a half and a
+  // quarter.
   const FragmentSet chain = cubes(4, 1, 1, 1000, 1e6);
   std::vector<glm::dvec3> forces(4, glm::dvec3(0));
   forces[0] = {-4000, 0, 0};
@@ -148,8 +149,8 @@ TEST(BondLoads, ABondAtTheHitBearsMost) {
 
 TEST(BondLoads, AHitDiesAwayWithDistanceWhereALastingForceGoesToTheAnchors) {
   // A long chain of half-metre cubes that is held at its far end and pushed at the other. The screened
-  // equation u'' = u / reach² has the solution exp(-x / reach), on a lattice of step d a ratio r with
-  // r + 1/r = 2 + (d / reach)².
+  // equation u'' = u / reach² has the solution exp(-x / reach). On a lattice with step d that is a ratio r
+  // with r + 1/r = 2 + (d / reach)².
   FragmentSet chain = cubes(12, 1, 0.5);
   chain.fragments[11].anchored = true;
   std::vector<glm::dvec3> forces(12, glm::dvec3(0));

@@ -19,7 +19,8 @@ struct Counts {
   int asked = 0, held = 0, wrong = 0;
 };
 
-/// Points of the box, one in eight of them on a bisector or a few roundings beside it, against the exact search.
+/// Compares the filter with the exact search at points of the box. One point in eight lies on a bisector or
+/// within a few roundings of it.
 Counts ask(const Box& box, const std::vector<Vec3d>& sites) {
   const Tetrahedralization dual = *tetrahedralize(sites, box, {});
   const VoronoiDiagram diagram(dual, box);
@@ -60,7 +61,7 @@ TEST(CellFilter, NeverTakesAPointForThatOfAnotherCell) {
         const Counts counts = ask(box, random_sites(box, sites, kSeed));
         EXPECT_EQ(counts.wrong, 0);
         EXPECT_GT(counts.held,
-                  0.85 * counts.asked);  // seven of eight are no nearer to a bisector than others
+                  0.85 * counts.asked);  // seven of eight points are at ordinary distances from bisectors
       }
     }
 }

@@ -1,5 +1,5 @@
-// Exactly half-way between two steps of the lattice, and within a hair of it: the quick ways to place a
-// vertex against rational arithmetic.
+// Vertices exactly half-way between two steps of the lattice, and extremely close to half-way. Compares the
+// fast ways to place a vertex with rational arithmetic.
 #include "common/clip/construction.hpp"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST(PlacePrecisely, GivesWhatIntegersGiveOrNothing) {
     const Fraction<Approx> f = approximate(meet);
     if (!(std::fabs(f.denominator.value) > 1e-12)) continue;  // far away
     const Placed exact = place_exactly(meet, lattice);
-    if (length(exact.point) > 100) continue;  // steps are 32 bits
+    if (length(exact.point) > 100) continue;  // steps have 32 bits
     Placed placed;
     if (!place_precisely(meet, f, lattice.step(), placed)) continue;
     ++answered;
@@ -66,8 +66,8 @@ TEST(PlacePrecisely, GivesWhatIntegersGiveOrNothing) {
 }
 
 TEST(PlacePrecisely, LeavesToIntegersWhatLiesHalfWayByChance) {
-  // The plane x = 1/2 between the sites meets the triangle's plane where y = x, so y lies half-way between
-  // two steps of 1; no two corners agree on y.
+  // The plane x = 1/2 between the sites meets the triangle's plane at y = x. So y lies half-way between two
+  // steps of 1. No two corners have the same y.
   const TriangleCutFormula meet{{Vec3d{0.25, 0, 0.5}, Vec3d{0.75, 0, 0.5}, Vec3d{0.25, 0, 1.5},
                                  Vec3d{0, 0, 0}, Vec3d{1, 1, 0}, Vec3d{3, 3, 3}}};
   const SeamLattice lattice = lattice_of_step(0);

@@ -1,4 +1,5 @@
-// Segments by facet: against the definition of their order, where a cell has few neighbours, many, or parts share it.
+// Compares segments by facet with the definition of their order: for cells with few neighbours, cells with
+// many, and cells that several parts share.
 #include "common/clip/facet_segments.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,8 @@ using Segment = std::tuple<CutVertexId, CutVertexId, std::int32_t>;
 Facet facet_of(const CapSegment& s) { return {s.lo, s.hi, s.part}; }
 Segment segment_of(const CapSegment& s) { return {s.from, s.to, s.multiplicity}; }
 
-/// One site in the middle and `around` on a sphere about it: the middle cell has a facet for each.
+/// One site in the middle and `around` sites on a sphere around it. The middle cell has a facet for each of
+/// them.
 std::vector<Vec3d> hub(int around) {
   std::vector<Vec3d> sites{{0.01, 0.02, 0.03}};
   const Mesh sphere = sphere_with(3 * around, 0.5);
@@ -34,8 +36,8 @@ std::size_t most_neighbors(const VoronoiDiagram& diagram) {
   return most;
 }
 
-/// The sides of polygons that lie on a bisector, of the lower cell's polygons, in their order. The cap of that cell runs the
-/// other way.
+/// The sides of polygons that lie on a bisector, taken from the polygons of the cell with the lower number,
+/// in their order. The cap of that cell runs the other way.
 std::map<Facet, std::vector<Segment>> segments_of_surface(const Solid& solid, const SurfaceCuts& cuts) {
   std::map<Facet, std::vector<Segment>> segments;
   for (const CutPolygon& p : cuts.polygons)
@@ -52,7 +54,7 @@ struct Case {
   const char* name;
   Mesh mesh;
   std::vector<Vec3d> sites;
-  std::size_t least_neighbors;  // of the cell that has the most
+  std::size_t least_neighbors;  // neighbours of the cell that has the most
 };
 
 std::vector<Case> cases() {

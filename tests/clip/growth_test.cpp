@@ -1,5 +1,6 @@
-// How the work of each stage grows, counted in polls: a loop polls once in so many steps (base/pacer.hpp), so
-// their number measures the work on any machine. And how long a thread computes between two of them.
+// How the work of each stage grows, counted in polls. A loop polls once per fixed number of steps
+// (base/pacer.hpp), so the number of polls measures the work on any machine. Also tests how long a thread
+// computes between two polls.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,11 +22,11 @@
 namespace fracture::test {
 namespace {
 
-/// Counts polls by stage, and the longest time between two. For one thread.
+/// Counts polls by stage, and the longest time between two polls. It serves one thread.
 class Watch {
  public:
   const Execution& execution() const { return gaps_here_.execution(); }
-  /// Ends the stage before it.
+  /// Begins a stage and ends the one before it.
   void begin(const std::string& stage) {
     if (!stage_.empty()) {
       gaps_[stage_] = gaps_here_.longest_ms();
@@ -41,7 +42,7 @@ class Watch {
   std::string stage_;
 };
 
-/// From sites to fragments.
+/// Runs all stages from sites to fragments.
 void run(const GrowthInput& input, Watch& watch) {
   const Execution& execution = watch.execution();
   const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
@@ -76,7 +77,7 @@ class Growth : public testing::TestWithParam<const char*> {};
 TEST_P(Growth, WorkIsNearLinearAndPolledInEveryStage) {
   const GrowthFamily* family = find_growth_family(GetParam());
   ASSERT_NE(family, nullptr);
-  // Four times the size: four times the work, and room for logarithms and for what is there once.
+  // Four times the size may need four times the work, plus an allowance for logarithms and for fixed costs.
   const std::uint32_t small = family->sizes[0], large = 4 * small;
   Watch of_small, of_large;
   run(family->make(small, 1), of_small);
@@ -87,7 +88,7 @@ TEST_P(Growth, WorkIsNearLinearAndPolledInEveryStage) {
     return std::all_of(watch.gaps_.begin(), watch.gaps_.end(),
                        [](const auto& stage) { return stage.second <= kMostPollGapMs; });
   };
-  // A pause of the machine is elsewhere each time.
+  // A pause of the machine falls on a different place in each try.
   for (int tries = 1; tries < 4 && !is_polled(of_large); ++tries) {
     Watch again;
     run(family->make(large, 1), again);
@@ -101,8 +102,8 @@ INSTANTIATE_TEST_SUITE_P(Families, Growth,
                                          "cavities", "needles", "overlaps", "bricks"),
                          [](const auto& family) { return std::string(family.param); });
 
-/// n teeth that a plane cuts off a bar, each with a cavity that the plane does not meet: as many islands as
-/// cavities in one cell.
+/// A plane cuts n teeth off a bar. Each tooth has a cavity that the plane does not meet. So one cell has as
+/// many islands as cavities.
 TEST(GrowthOfIslands, ThousandsOfCavitiesFindTheirIslands) {
   const auto make = [](std::uint32_t n) {
     GrowthInput input = find_growth_family("comb")->make(n, 1);
@@ -120,7 +121,7 @@ TEST(GrowthOfIslands, ThousandsOfCavitiesFindTheirIslands) {
   run(make(2000), of_large);
   EXPECT_LE(of_large.polls_["pieces"], 6 * of_small.polls_["pieces"] + 50);
 
-  // And each has its own: no tooth is whole, no cavity is left over.
+  // Each tooth gets its own cavity: no tooth is without one, and no cavity is left over.
   const GrowthInput input = make(50);
   const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
   const Tetrahedralization t = *tetrahedralize(input.sites, solid.box, {});
@@ -151,7 +152,7 @@ TEST(GrowthOfCrossings, LoopsThatCrossEverywhereAreTriangulatedInNearLinearWork)
       if (family == 1) x = r(1 << 24), y = r(1 << 24);
       if (family == 2) x += r(2001) - 1000, y += r(2001) - 1000;
       if (family == 3) x = r(16), y = r(16);
-      if (family == 4) {  // winds twice
+      if (family == 4) {  // the loop winds twice
         const CirclePoint c = circle_point(2 * k, n), radius = circle_point(9 * k, n);
         x = std::llround(8e6 * c.cos * (1 + 0.2 * radius.cos));
         y = std::llround(8e6 * c.sin * (1 + 0.2 * radius.cos));
@@ -167,7 +168,7 @@ TEST(GrowthOfCrossings, LoopsThatCrossEverywhereAreTriangulatedInNearLinearWork)
   };
   for (int family = 0; family < 5; ++family) {
     SCOPED_TRACE("family " + std::to_string(family));
-    // No more than a thousand steps for each point, at any size: the search for ears has an end.
+    // At most a thousand steps for each point at any size: the search for ears is limited.
     for (const std::uint32_t n : {4000u, 32'000u, 128'000u}) {
       if (short_tests() && n > 100'000) continue;
       EXPECT_LE(polls(n, family), 200 + n * 1000.0 / 8192) << n;
@@ -179,7 +180,8 @@ TEST(Products, AreCountedWhileTheyAreMade) {
   const GrowthInput input = find_growth_family("pane")->make(2000, 1);
   const Solid solid = *make_solid(std::make_shared<Mesh>(input.mesh), {}, {});
   const Tetrahedralization t = *tetrahedralize(random_sites(solid.box, 2000, 1), solid.box, {});
-  // With room for a quarter of what the polygons alone need: refused by name before more is made.
+  // The limit is a quarter of the bytes of the polygons alone. The stage must refuse by name before it makes
+  // more.
   const VoronoiDiagram diagram(t, solid.box);
   const std::size_t polygons = cut_surface(solid, diagram, {}).polygons.size();
   const std::uint64_t limit = polygons * bytes_of(Product::kPolygons) / 4;
@@ -198,7 +200,7 @@ TEST(Products, AreCountedWhileTheyAreMade) {
     EXPECT_LE(interrupted.error->extra->at("count").get<std::uint64_t>(), polygons / 4 + 2048);
   }
 
-  // The whole, as often as it is there.
+  // The full amount is granted each time.
   std::atomic<std::uint64_t> granted{0};
   Allowance all(0, 1ull << 40, [&](std::uint64_t bytes) {
     granted = bytes;

@@ -1,4 +1,4 @@
-// Rounding of constructed vertices to the seam lattice, against rational arithmetic.
+// Compares the rounding of constructed vertices to the seam lattice with rational arithmetic.
 #include "common/clip/positions.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ QVec cross(const QVec& a, const QVec& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Nearest lattice coordinate, ties to even.
+/// The nearest lattice coordinate. Ties go to even.
 Q round_to_lattice(const Q& x, int exponent) {
   const Q step = exponent >= 0 ? Q(boost::multiprecision::cpp_int(1) << exponent)
                                : Q(1, boost::multiprecision::cpp_int(1) << -exponent);
@@ -73,7 +73,7 @@ TEST(SeamLattice, StepIsTheFloatSpacingOfTheLargestCoordinate) {
 }
 
 TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
-  // Aligned lattices make exact half-way cases and points on the lattice; random sites the generic ones.
+  // Aligned lattices make exact half-way cases and points on the lattice. Random sites make general cases.
   std::size_t input = 0;
   for (const NamedMesh& shape : {NamedMesh{"cube", cube(2)}, NamedMesh{"torus", torus(12, 8)}}) {
     ++input;
@@ -117,7 +117,7 @@ TEST(SeamLattice, EveryConstructedVertexIsTheExactPositionRoundedOnce) {
 }
 
 TEST(SeamLattice, CutsDecidedInAnImageAreCarriedBackExactly) {
-  // A diagonal map gives half-way cases on aligned lattices, a skew one the generic ones.
+  // A diagonal map makes half-way cases on aligned lattices. A skew map makes general cases.
   const Matrix3 halved{{Vec3d{0.5, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 2}}},
       skew{{Vec3d{0.3, 0.1, 0}, Vec3d{-0.2, 1.1, 0.4}, Vec3d{0, 0.5, 0.7}}};
   std::size_t input = 0;
@@ -155,7 +155,7 @@ TEST(SeamLattice, CutsDecidedInAnImageAreCarriedBackExactly) {
           const QVec x =
               meet({normal, dot(normal, b)}, plane(c.sites[0], c.sites[1]), plane(c.sites[0], c.sites[2])) -
               b;
-          // x = s e + t f, by areas against the normal.
+          // x = s e + t f. The coefficients are quotients of areas measured along the normal.
           const Q s = dot(cross(x, f), normal) / dot(normal, normal),
                   u = dot(cross(e, x), normal) / dot(normal, normal);
           const QVec a = at(v[0]), g = at(v[1]) - a, h = at(v[2]) - a;

@@ -1,5 +1,5 @@
-// The ways to cut that depend on how many neighbours a cell has, or how many polygons a triangle: the same
-// answer by all of them.
+// The cutter has several methods. The number of a cell's neighbours or of a triangle's polygons decides which
+// one it uses. All methods must give the same answer.
 #include "common/clip/surface_cuts.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ void expect_equal(const SurfaceCuts& a, const SurfaceCuts& b) {
   EXPECT_EQ(a.sides, b.sides);
 }
 
-/// Sites on a sphere of lattice points about one in the middle: ties everywhere.
+/// Lattice points on a sphere around one site in the middle: ties everywhere.
 std::vector<Vec3d> lattice_hub(const Box& box) {
   const Vec3d center = box.center();
   const double step = std::ldexp(box.longest_side(), -6);
@@ -86,7 +86,7 @@ TEST(SurfaceCuts, ATriangleOfManyPolygonsNamesEachCornerOnce) {
   const SurfaceCuts cuts = cut_surface(solid, diagram, {});
   std::set<std::pair<std::uint32_t, std::array<SiteId, 3>>> names;
   for (const TriangleCut& c : cuts.triangle_cuts) EXPECT_TRUE(names.insert({c.triangle, c.sites}).second);
-  // Within a triangle each side between two cells is there from both, between the same corners.
+  // Within a triangle, each side between two cells occurs once from each cell, between the same corners.
   std::map<std::tuple<std::uint32_t, SiteId, SiteId>, std::pair<CutVertexId, CutVertexId>> sides;
   std::size_t between_cells = 0;
   for (const CutPolygon& p : cuts.polygons)

@@ -1,5 +1,5 @@
-// Outlines of cells of a lattice that are fused at random: holes touch each other and the ring around them in corners,
-// rings come back to places, and all of it is rounded.
+// Outlines of lattice cells that are fused at random. Holes touch each other and the ring around them at
+// corners, rings return to places they passed before, and all points are rounded.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ struct FusedLoops {
   }
 };
 
-/// As the stretched bricks of a sphere and a lattice of grouped cells have it: closed, and nothing turned over by
-/// more than the rounding of its corners explains.
+/// Expects a sound triangulation, as for the stretched bricks of a sphere and for a lattice of grouped cells.
+/// It must be closed. No triangle may be turned over by more than the rounding of its corners explains.
 void expect_sound(const FusedLoops& loops) {
   Triangulation t;
   triangulate(loops.points, loops.begin, t);
@@ -65,8 +65,8 @@ void expect_sound(const FusedLoops& loops) {
     }
 }
 
-/// The outline of cells of a lattice, as the cutter makes it: where four cells meet there are two corners at one place,
-/// between two cells that face each other across a side without length.
+/// The outline of lattice cells as the cutter makes it. At each place where four cells meet, two corners
+/// coincide. They belong to the side of zero length between two opposite cells.
 class CellOutline {
  public:
   CellOutline(Random& random, int columns, int rows) : columns_(columns), rows_(rows) {
@@ -107,7 +107,7 @@ class CellOutline {
   bool inner(int x, int y) const { return x > 0 && y > 0 && x < columns_ && y < rows_; }
   int node(int x, int y) const { return y * (columns_ + 1) + x; }
 
-  /// corner -> the next one, of the sides between a cell that is taken and one that is not.
+  /// Maps each corner to the next one, along the sides between a taken cell and one that is not taken.
   std::map<int, int> sides() const {
     std::map<int, int> next;
     constexpr std::array<std::array<int, 2>, 4> kCorner{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
@@ -115,12 +115,13 @@ class CellOutline {
     for (int y = 0; y < rows_; ++y)
       for (int x = 0; x < columns_; ++x) {
         if (!taken(x, y)) continue;
-        // Corner by corner: as which one the cell arrives there, and as which one it leaves.
+        // For each corner of a cell: the corner number with which its outline arrives at the node, and the
+        // one with which it leaves.
         std::array<int, 4> arrives{}, leaves{};
         for (std::size_t c = 0; c < 4; ++c) {
           const int i = x + kCorner[c][0], j = y + kCorner[c][1], n = node(i, j);
-          // A rising diagonal of cells (corners 2 and 0) or a falling one (3 and 1) shares both corners at the node; of
-          // the two others one has corner 2n, the other 2n + 1.
+          // A rising diagonal of cells (corners 2 and 0) or a falling one (3 and 1) shares both corners at
+          // the node. One of the two other cells has corner 2n and the other has 2n + 1.
           constexpr std::array<std::array<int, 4>, 2> kArrives{{{1, 0, 0, 1}, {1, 1, 0, 0}}},
               kLeaves{{{1, 1, 0, 0}, {0, 1, 1, 0}}};
           const std::size_t rising = rising_[static_cast<std::size_t>(n)];
@@ -140,8 +141,8 @@ class CellOutline {
   std::vector<bool> taken_;   ///< per cell
 };
 
-// The third ring of the surface of a sphere of eight rings, in bricks stretched 0.633 times: the tip of the hole is a
-// corner of the ring around it, between two of its sides.
+// The third ring of the surface of a sphere with eight rings, in bricks stretched 0.633 times. The tip of the
+// hole is a corner of the ring around it, between two of its sides.
 TEST(TouchingLoops, AHoleWhoseTipIsACornerOfTheRingIsNotTurnedOver) {
   FusedLoops loops;
   loops.add({{0, -2965821},
@@ -155,8 +156,8 @@ TEST(TouchingLoops, AHoleWhoseTipIsACornerOfTheRingIsNotTurnedOver) {
   expect_sound(loops);
 }
 
-// Cells of a cubic lattice in groups, on a sphere of four rings: one hole touches, one stands twice at a corner, one is
-// free.
+// Groups of cells of a cubic lattice, on a sphere of four rings. One hole touches the ring, one has two
+// corners at the same place, and one is free.
 TEST(TouchingLoops, AHoleThatTouchesBesideOthersIsNotTurnedOver) {
   FusedLoops loops;
   loops.add({{-2965821, 2568476},
@@ -184,7 +185,8 @@ TEST(TouchingLoops, CellsFusedAtRandomAreNotTurnedOver) {
     const int most = k % 20 == 0 ? 30 : 7;
     const CellOutline outline(random, 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most))),
                               1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most))));
-    // Along the axes, or oblique, where rounding moves what lies on a line.
+    // The lattice is either parallel to the axes or oblique. If it is oblique, rounding moves points that lie
+    // on a line.
     std::array<double, 6> affine{1000, 0, 0, 0, 1000, 0};
     if (k % 4 > 0) {
       for (double& a : affine) a = 200'000 * (random.uniform() - 0.5);

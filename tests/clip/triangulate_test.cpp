@@ -1,5 +1,6 @@
-// Triangulation of loops with holes: topology always (every loop edge once, every other edge twice), geometry
-// where the loops are embedded (no triangle turned over, areas add up).
+// Triangulation of loops with holes. The topology is always checked: every loop edge occurs once, every other
+// edge twice. The geometry is checked if the loops are embedded: no triangle is turned over, and the areas
+// add up.
 #include "common/clip/triangulate.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +44,8 @@ std::vector<LatticePoint> rectangle(std::int64_t x0, std::int64_t y0, std::int64
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
-/// Every loop edge is used once, in its direction; every other edge as often one way as the other.
+/// Expects that every loop edge is used once in its direction, and every other edge equally often in both
+/// directions.
 void expect_topology(const Loops& loops, const Triangulation& t) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (const auto& tri : t.triangles)
@@ -74,7 +76,7 @@ void expect_embedded(const Loops& loops, const Triangulation& t) {
   EXPECT_EQ(t.unnested_loops, 0u);
 }
 
-/// Rounding moves corners by a step or two: a triangle may be turned over that far, not farther.
+/// Rounding moves corners by a step or two. A triangle may be turned over by that much, but not more.
 void expect_embedded_but_for_rounding(const Loops& loops, const Triangulation& t) {
   for (const auto& tri : t.triangles) {
     const LatticePoint &a = loops.points[tri[0]], &b = loops.points[tri[1]], &c = loops.points[tri[2]];
@@ -92,9 +94,9 @@ Triangulation run(const Loops& loops) {
   return t;
 }
 
-/// A star-shaped loop around a centre: radii vary, so it is far from convex.
+/// A star-shaped loop around a centre. Its radii vary, so it is far from convex.
 std::vector<LatticePoint> star(Random& random, int n, std::int64_t cx, std::int64_t cy, std::int64_t radius) {
-  // Points of a square outline in order of angle, pulled in by a random factor.
+  // Takes the points of a square outline in order of angle and pulls each inwards by a random factor.
   std::vector<LatticePoint> loop;
   for (int k = 0; k < n; ++k) {
     const double s = 8.0 * k / n;
@@ -124,8 +126,8 @@ TEST(Triangulate, ASquareIsTwoTriangles) {
   expect_embedded(loops, t);
 }
 
-// Lattices of sites put two corners of a cut at one place. Neither turns by itself; together they may turn
-// right.
+// Lattices of sites put two corners of a cut at one place. Neither corner turns right by itself, but both
+// together may.
 TEST(Triangulate, AReflexCornerThatStandsTwiceIsNotTakenForAConvexOne) {
   Loops loops;
   loops.add({{0, 30}, {40, 0}, {60, 0}, {60, 20}, {30, 20}, {30, 20}, {30, 40}});
@@ -145,8 +147,9 @@ TEST(Triangulate, LoopsWhoseCornersStandTwiceAreNotTurnedOver) {
   }
 }
 
-// A spike without width, on whose way back lies a corner that sees another on a line through the spike's end:
-// an ear may be good by itself and leave a ring that is turned over. A brick pattern made this one.
+// A spike of zero width. On its way back lies a corner that sees another corner on a line through the end of
+// the spike. An ear may then be good by itself and still leave a ring that is turned over. This loop is from
+// a brick pattern.
 TEST(Triangulate, ASpikeBesideACornerOnALineIsNotTurnedOver) {
   Loops loops;
   loops.add({{5836518, 4377388},
@@ -162,8 +165,7 @@ TEST(Triangulate, ASpikeBesideACornerOnALineIsNotTurnedOver) {
 TEST(Triangulate, SpikesOfManyShapesAreNotTurnedOver) {
   Random random(20261123);
   for (int k = 0; k < test::repetitions(2000); ++k) {
-    // Of a triangle F, A, B what lies before a line through D on A-B and E on F-B, with the way to B and
-    // back.
+    // The part of a triangle F, A, B before a line through D on A-B and E on F-B, with the way to B and back.
     const auto parts = static_cast<std::int64_t>(2 + random.below(40));
     const auto part = static_cast<std::int64_t>(1 + random.below(static_cast<std::uint64_t>(parts - 1)));
     const auto coordinate = [&] { return static_cast<std::int64_t>(random.below(20000)) - 10000; };
@@ -250,7 +252,7 @@ TEST(Triangulate, AGridOfStarHolesInASquare) {
 }
 
 TEST(Triangulate, MengerFloorManyAlignedHoles) {
-  // All edges axis-parallel, hundreds of equal coordinates: every tie of the sweep occurs.
+  // All edges are parallel to the axes, with hundreds of equal coordinates: every tie of the sweep occurs.
   Loops loops;
   const int n = 27;
   loops.add(rectangle(0, 0, 3 * n, 3 * n));
@@ -275,7 +277,8 @@ TEST(Triangulate, CollinearPointsOnEveryEdge) {
 }
 
 TEST(Triangulate, NoFlatTrianglesWherePointsOnALineSeeTheInside) {
-  // Sixty points along each side of a square: every triangulation without flat triangles turns them inwards.
+  // Sixty points along each side of a square. Every triangulation without flat triangles connects them
+  // towards the inside.
   Loops loops;
   std::vector<LatticePoint> ring;
   for (int k = 0; k < 60; ++k) ring.push_back({1000 * k, 0});

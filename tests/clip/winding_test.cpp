@@ -1,4 +1,4 @@
-// Winding numbers of many layers at once, against each part by itself.
+// Compares winding numbers of many layers, computed together, with those of each part computed alone.
 #include "common/clip/winding.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ Wound wind(const Mesh& mesh, const std::vector<Vec3d>& sites, const Box& box) {
   return w;
 }
 
-/// Segments as (lo, hi, multiplicity) with what their ends are: tetrahedra, or triangle and sites.
+/// Segments as (lo, hi, multiplicity) with a description of their ends: tetrahedra, or a triangle and sites.
 using End = std::tuple<std::uint32_t, std::array<SiteId, 3>, TetId>;
 std::map<std::tuple<SiteId, SiteId, int, End, End>, int> segments_of(const Wound& w, std::uint32_t part,
                                                                      std::uint32_t first_triangle) {
@@ -56,7 +56,7 @@ std::size_t mesh_of(const Box& box, const std::vector<Mesh>& meshes) {
 }
 
 TEST(Winding, EachOfManyOverlappingPartsIsWoundAsIfItWereAlone) {
-  // Cubes of which each overlaps the next ones, a ring through them, and one far from the others.
+  // A row of cubes in which each overlaps the next ones, a ring through them, and a part far from the others.
   std::vector<Mesh> parts;
   for (int k = 0; k < 12; ++k) parts.push_back(translated(cube(2), {0.21 * k, 0.13 * (k % 3), 0.07 * k}));
   parts.push_back(translated(torus(12, 8), {1, 0, 0}));

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Configures and builds common/cmake/example as a stranger would: what is made, what is made again, what fails.
+"""Configures and builds common/cmake/example as another project would: what is made, what is made again, what fails.
 
     example_build_test.py --generator Ninja --program BUILD/server/fracture-server [--installed]
 
-With --installed the package is found below a prefix, else its place and the program are named.
+With --installed the package is found below a prefix. Otherwise its place and the program are named.
 
-Exits with 77 where the generator's tool is missing.
+Exits with 77 if the generator's tool is missing.
 """
 import argparse, os, pathlib, shutil, subprocess, sys, tempfile, unittest
 
@@ -18,7 +18,7 @@ class ExampleBuild(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="fracture-test-")
         self.addCleanup(folder.cleanup)
-        self.source = pathlib.Path(folder.name) / "my game"  # a space, as studios have them
+        self.source = pathlib.Path(folder.name) / "my game"  # a space, as in many studios' paths
         self.build = self.source / "build tree"
         shutil.copytree(ROOT / "common/cmake/example", self.source)
         self.crate = self.build / "crate.gltf.glb"
@@ -50,7 +50,7 @@ class ExampleBuild(unittest.TestCase):
 
     def touch(self, name, newer_than):
         path = self.source / "assets" / name
-        while True:  # the clock of a file system may tick slowly
+        while True:  # a file system's clock may tick slowly
             os.utime(path)
             if path.stat().st_mtime_ns > newer_than.stat().st_mtime_ns:
                 return

@@ -1,4 +1,5 @@
-// Contacts of boxes, by hand. Coordinates are multiples of powers of two, so that nothing is rounded.
+// Contacts of boxes, computed by hand. Coordinates are multiples of powers of two, so that nothing is
+// rounded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +17,7 @@ void expect_near(const Vec3d& p, const Vec3d& q, double tolerance = 1e-12) {
   EXPECT_NEAR(p.z, q.z, tolerance);
 }
 
-/// The one contact that there must be.
+/// Returns the only contact of the graph, and expects that it has exactly one.
 Contact only_contact(const ContactGraph& graph) {
   EXPECT_EQ(graph.contacts.size(), 1u);
   if (graph.contacts.size() != 1) return {};
@@ -38,7 +39,7 @@ TEST(Contacts, OfALegThatGoesIntoATopAreTheFootprintAndTheCommonVolume) {
   EXPECT_NEAR(c.area, side * side, 1e-15);
   EXPECT_NEAR(c.volume, side * side * depth, 1e-16);
   expect_near(c.normal, {0, 0, -1});
-  // End and footprint are as large as each other, and the strips are in the middle between them.
+  // The end and the footprint are equally large, and the strips are in the middle between them.
   expect_near(c.place, {0.15625, 0.28125, 1 + depth / 2});
 }
 
@@ -78,7 +79,7 @@ TEST(Contacts, AlongAnEdgeOrAtACornerHaveNoArea) {
   EXPECT_EQ(edge.kind, ContactKind::kTouching);
   EXPECT_EQ(edge.area, 0);
   expect_near(edge.place, {0.5, 0.25, 0.5});
-  expect_near(edge.normal, (2.0 / 3) * Vec3d{1, 0.5, 1});  // from middle to middle
+  expect_near(edge.normal, (2.0 / 3) * Vec3d{1, 0.5, 1});  // from centre to centre
   const Contact corner = only_contact(contacts_of({cube(), translated(cube(), {1, -1, 1})}, kGap));
   EXPECT_EQ(corner.area, 0);
   expect_near(corner.place, {0.5, -0.5, 0.5});
@@ -86,7 +87,7 @@ TEST(Contacts, AlongAnEdgeOrAtACornerHaveNoArea) {
 }
 
 TEST(Contacts, AcrossAnEdgeReachAsFarAsTheGapMeasuredStraight) {
-  // To the side and up: 0.6 and 0.8 of the distance between the edges.
+  // Moves a cube sideways and up: by 0.6 and 0.8 of the distance between the edges.
   const auto apart = [](double d) {
     return contacts_of({cube(), translated(cube(), {1 + 0.6 * d, 0, 1 + 0.8 * d})}, 0.125);
   };
@@ -115,7 +116,7 @@ TEST(Contacts, OfAPartInACavityAreWhatTouchesItsWalls) {
   EXPECT_EQ(c.kind, ContactKind::kTouching);
   EXPECT_DOUBLE_EQ(c.area, 0.5 * 0.75 + 0.5 * 0.75);  // floor and wall
   expect_near(c.normal, std::sqrt(0.5) * Vec3d{0, -1, 1});
-  // Through the wall of the cavity: a quarter is in the wall.
+  // The bar goes through the wall of the cavity: a quarter of it is in the wall.
   const Contact stuck =
       only_contact(contacts_of({hollow, box({-0.25, -0.25, -0.75}, {0.25, 0.25, 0.25})}, kGap));
   EXPECT_EQ(stuck.kind, ContactKind::kOverlapping);
@@ -162,19 +163,19 @@ TEST(Contacts, OfTurnedBoxesAreThoseOfTheBoxes) {
   EXPECT_NEAR(touching.area, 0.5 * 0.75, 1e-6);
   expect_near(touching.normal, turn[2], 1e-6);
   expect_near(touching.place, turned({0.25, 0.125, 0.5}, turn), 1e-6);
-  const Contact many = of(cube(9), box({0, -0.25, 0.5}, {1, 2, 1.5}, 8));  // beyond what is asked for a plane
+  const Contact many = of(cube(9), box({0, -0.25, 0.5}, {1, 2, 1.5}, 8));  // too large for the plane test
   EXPECT_EQ(many.kind, ContactKind::kTouching);
   EXPECT_NEAR(many.area, 0.5 * 0.75, 1e-6);
   const Contact overlapping = of(cube(), box({0, -0.25, 0.25}, {1, 2, 1.5}));
   EXPECT_EQ(overlapping.kind, ContactKind::kOverlapping);
   EXPECT_NEAR(overlapping.volume, 0.5 * 0.75 * 0.25, 1e-6);
-  // Each has three faces inside the other: the lid, and two strips.
+  // Each has three faces inside the other: the lid and two strips.
   EXPECT_NEAR(overlapping.area, 0.5 * 0.75 + 0.25 * (0.5 + 0.75), 1e-6);
   expect_near(overlapping.place, turned({0.25, 0.125, 0.375}, turn), 1e-6);
 }
 
 TEST(Contacts, FarFromTheOriginAreThoseAtIt) {
-  const Vec3d far{65536, -131072, 65536};  // steps of floats there: 2^-7 and 2^-6
+  const Vec3d far{65536, -131072, 65536};  // floats have steps of 2^-7 and 2^-6 there
   const auto of = [&](const Mesh& b) {
     return only_contact(contacts_of({translated(cube(), far), translated(b, far)}, 0.0625));
   };
@@ -188,7 +189,8 @@ TEST(Contacts, FarFromTheOriginAreThoseAtIt) {
 }
 
 TEST(Contacts, OfAnEdgeThatStandsOnAFaceAreTwoStripsAsWideAsTheGap) {
-  // A square bar that stands on its edge, from x = -1/2 to 1/2: at the gap its faces are as far apart as it is high.
+  // A square bar that rests on its edge, from x = -1/2 to 1/2. Its sides rise at 45 degrees, so the strip of
+  // each side within the gap is as wide as the gap.
   Mesh bar = box({-0.5, 0, 0}, {0.5, 0.25, 0.25});
   for (Vec3f& p : bar.positions) p = {p.x, p.y - p.z, p.y + p.z + 0.5f};
   const Contact c = only_contact(contacts_of({cube(), bar}, 0.0625));

@@ -1,4 +1,4 @@
-// Contact graphs as a whole: walls, order, threads, interruption.
+// Whole contact graphs: walls, order, threads, interruption.
 #include "common/contacts/contacts.hpp"
 
 #include <gtest/gtest.h>
@@ -13,9 +13,10 @@
 namespace fracture::test {
 namespace {
 
-constexpr double kLong = 0.25, kHigh = 0.0625, kDeep = 0.125;  // m, of a brick
+constexpr double kLong = 0.25, kHigh = 0.0625, kDeep = 0.125;  // metres, the size of a brick
 
-/// Bricks in running bond along x and y; odd courses are half a brick farther along x. Part row * columns + column.
+/// Bricks in running bond along x and y. Odd courses are shifted by half a brick along x. The part number is
+/// row * columns + column.
 Mesh wall(int rows, int columns) {
   std::vector<Mesh> bricks;
   for (int row = 0; row < rows; ++row)
@@ -36,7 +37,7 @@ TEST(ContactGraph, OfAWallOfAThousandBricksHasEachJointOnce) {
       const int brick = row * kColumns + column;
       if (column + 1 < kColumns) expected[{brick, brick + 1}] = kHigh * kDeep;
       if (row + 1 == kRows) continue;
-      // Above lie the brick of the same column and the one before it, or behind it.
+      // Above each brick lie the brick of the same column and the one before or after it.
       const int beside = row % 2 == 1 ? column + 1 : column - 1;
       expected[{brick, brick + kColumns}] = kLong / 2 * kDeep;
       if (beside >= 0 && beside < kColumns)
@@ -70,7 +71,7 @@ TEST(ContactGraph, OfATurnedWallIsThatOfTheWall) {
 }
 
 TEST(ContactGraph, OfAskewBoardsHasTheBoardsSideBySide) {
-  // Their boxes along the axes all meet.
+  // Their axis-parallel boxes all overlap.
   std::vector<Mesh> boards;
   for (int k = 0; k < 40; ++k)
     boards.push_back(turned(box({0, 0.125 * k, 0}, {16, 0.125 * (k + 1), 0.125}), rational_turn()));
@@ -94,11 +95,12 @@ TEST(ContactGraph, OfAGridOfCubesHasFacesEdgesAndCorners) {
     faces += c.area == 1;
   }
   EXPECT_EQ(faces, 3u * 3 * 4 * 4);
-  // Pairs of cubes whose steps apart are -1, 0 or 1 on each axis: ordered pairs are (4 + 2 · 3)³, less each with itself.
+  // Counts pairs of cubes whose distance is -1, 0 or 1 steps on each axis. There are (4 + 2 · 3)³ ordered
+  // pairs, minus each cube with itself.
   EXPECT_EQ(graph.contacts.size(), (10u * 10 * 10 - 64) / 2);
 }
 
-/// Bricks, boards, overlapping spheres and a nested one.
+/// Bricks, boards, overlapping spheres and a nested sphere.
 Solid mixed_solid() {
   std::vector<Mesh> meshes{wall(10, 10)};
   for (int k = 0; k < 6; ++k) meshes.push_back(translated(sphere_with(900, 0.25), {0.3 * k, 0.7, 0.1}));

@@ -1,4 +1,4 @@
-// The longest time between polls while contacts are searched for.
+// The longest time between polls during the search for contacts.
 #include <gtest/gtest.h>
 
 #include "tests/contacts/part_meshes.hpp"

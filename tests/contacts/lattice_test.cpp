@@ -1,4 +1,5 @@
-// Boxes on a coarse lattice: most share planes, edges and corners, and what they have in common is known.
+// Boxes on a coarse lattice. Most share planes, edges and corners, and their common area and volume are
+// known.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +47,7 @@ TEST(ContactLattice, BoxesHaveTheAreasAndVolumesOfTheirIntervals) {
       interval(p.low_b[k], p.high_b[k]);
     }
     if (p.low_a == p.low_b && p.high_a == p.high_b) continue;
-    // Triangles of many sizes, so that edges meet faces, edges and corners.
+    // Uses triangles of many sizes, so that edges meet faces, edges and corners.
     const Solid a = solid_of(mesh_of(p.low_a, p.high_a, 1 + round % 3)),
                 b = solid_of(mesh_of(p.low_b, p.high_b, 1 + round % 4));
     const ContactGraph graph = contacts_of(both(a, b), 1.0 / 1024);

@@ -1,4 +1,4 @@
-// Solids of several meshes, a part each, and their contacts.
+// Solids made of several meshes, one part for each, and their contacts.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@ namespace fracture::test {
 
 /// Three unit vectors at right angles.
 using Turn = std::array<Vec3d, 3>;
-/// By three rational angles (3-4-5, 5-12-13 and 8-15-17 triangles) about z, y and x: no coordinate stays what it is.
+/// Turns by three rational angles (3-4-5, 5-12-13 and 8-15-17 triangles) about z, y and x, so that every
+/// coordinate changes.
 inline Turn rational_turn() {
   const auto about = [](const Vec3d& p, int axis, double cosine, double sine) {
     Vec3d turned = p;
@@ -39,7 +40,8 @@ inline Mesh turned(Mesh mesh, const Turn& turn) {
   return mesh;
 }
 
-/// The parts of both: what find_contacts() reads of a solid. Copies stay, of which make_solid() would keep one.
+/// A solid with the parts of both: only what find_contacts() reads of a solid. Equal parts stay, although
+/// make_solid() would keep only one.
 inline Solid both(const Solid& a, const Solid& b) {
   Solid solid;
   solid.box = a.box;

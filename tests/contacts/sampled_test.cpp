@@ -1,6 +1,7 @@
-// Contacts compared with random points: on the surfaces, to measure how near the other part is, and in the boxes, to see
-// which parts contain them. No code is shared with the room: distances from the sides of a triangle, insides
-// by solid angles (van Oosterom & Strackee 1983).
+// Compares contacts with random points. Points on the surfaces measure the distance to the other part. Points
+// in the boxes show which parts contain them. The test shares no code with common/contacts: it measures
+// distances from the sides of a triangle, and finds inside points by solid angles (van Oosterom & Strackee
+// 1983).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,9 +18,9 @@ using Triangle = std::array<Vec3d, 3>;
 
 struct Part {
   std::vector<Triangle> triangles;
-  std::vector<double> areas;  ///< running sums
+  std::vector<double> areas;  ///< running totals
   Box box;
-  double longest = 0;  ///< of all edges
+  double longest = 0;  ///< the longest edge of all
   double area() const { return areas.back(); }
 };
 
@@ -53,7 +54,7 @@ double distance(const Vec3d& p, const Triangle& t) {
   return std::min({to_segment(t[0], t[1]), to_segment(t[1], t[2]), to_segment(t[2], t[0])});
 }
 
-/// Whether test(triangle) is true for any that may be within the gap.
+/// Whether test(triangle) is true for any triangle that may be within the gap.
 template <class Test>
 bool any_near(const Vec3d& p, const Part& part, double gap, const Test& test) {
   const double far = 1.01 * (gap + part.longest), square = far * far;
@@ -65,7 +66,7 @@ bool is_within(const Vec3d& p, const Part& part, double gap) {
   return any_near(p, part, gap, [&](const Triangle& t) { return distance(p, t) <= gap; });
 }
 
-/// Whether a surface that faces the normal is met along it within the gap.
+/// Whether the line from p along the normal meets, within the gap, a surface that faces the normal.
 bool faces(const Vec3d& p, const Vec3d& normal, const Part& part, double gap) {
   return any_near(p, part, gap, [&](const Triangle& t) {
     const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
@@ -181,7 +182,8 @@ TEST(ContactSamples, OverlapsOfBoxesAndSpheres) {
   EXPECT_GT(overlapping, 15u);
 }
 
-/// Facing areas as defined, and how they compare with all surface within the gap. Returns the latter.
+/// Checks the facing area against its definition, and compares it with the whole surface within the gap.
+/// Returns the latter.
 Sampled expect_facing(const Solid& solid, double gap, const Contact& c, Random& random) {
   const std::array<Part, 2> parts = parts_of(solid);
   EXPECT_EQ(c.kind, ContactKind::kTouching);
@@ -204,18 +206,19 @@ TEST(ContactSamples, FacesOfBoxesWithinAGapAreAllSurfaceWithinItButForTheRim) {
     SCOPED_TRACE(round);
     const double gap = 0.01, apart = 0.002 * round, angle = random.uniform(), x = random.uniform(),
                  y = random.uniform();
-    // About z, then to the place, then all turned.
+    // Turns about z, moves to the place, and then turns everything.
     const Turn spin{
         Vec3d{std::cos(angle), std::sin(angle), 0}, Vec3d{-std::sin(angle), std::cos(angle), 0}, {0, 0, 1}};
     const Mesh b = translated(turned(cube(1 + round % 2), spin), {0.6 * x, 0.6 * y, 1 + apart});
     const Turn turn = random_turn(random);
     const Solid solid = solid_of(joined({turned(cube(), turn), turned(b, turn)}));
     const ContactGraph graph = contacts_of(solid, gap);
-    if (round == 5 && graph.contacts.empty()) continue;  // as far as the gap: rounding decides
+    if (round == 5 && graph.contacts.empty()) continue;  // the distance equals the gap: rounding decides
     ASSERT_EQ(graph.contacts.size(), 1u);
     const Contact& c = graph.contacts[0];
     const Sampled within = expect_facing(solid, gap, c, random);
-    // A rim in the face, as wide as the gap at most, and one on the sides, likewise, along four edges.
+    // The difference is a rim in the face, no wider than the gap, and a rim of the same width on the sides
+    // along four edges.
     EXPECT_GT(within.value + kSigmas * within.error, c.area);
     EXPECT_LT(within.value - kSigmas * within.error, c.area + 2 * 4 * gap);
   }
@@ -232,7 +235,8 @@ TEST(ContactSamples, SpheresWithinAGapAreAllSurfaceWithinIt) {
     const ContactGraph graph = contacts_of(solid, gap);
     ASSERT_EQ(graph.contacts.size(), 1u);
     const Sampled within = expect_facing(solid, gap, graph.contacts[0], random);
-    // Along the normal of one sphere it is farther to the other than straight: by the share gap / radius, about.
+    // Along the normal of one sphere, the other is farther than in a straight line, by a share of about gap /
+    // radius.
     EXPECT_LT(std::fabs(graph.contacts[0].area / within.value - 1),
               gap / 0.5 + kSigmas * within.error / within.value);
   }

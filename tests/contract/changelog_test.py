@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""CHANGELOG.md has an entry for every algorithm version up to that of common/pipeline/algorithm_version.hpp, newest first, in the
-form of Keep a Changelog: a heading with the version and its day, kinds of changes below it, and short lines."""
+"""Proves that CHANGELOG.md has an entry for every algorithm version up to that of
+common/pipeline/algorithm_version.hpp, newest first. Each entry has the form of Keep a Changelog: a heading with the
+version and its day, kinds of changes below it, and short lines."""
 import pathlib
 import re
 import sys

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """guides_test.py FRACTURE_SERVER: runs the commands of README.md and proto/guides, because a reader copies them.
 
-Every indented block with curl or bake that needs only a server and a mesh is run in a folder with a barrel.glb, against a server on free
-ports. Blocks that need other programs or machines are named in NOT_RUN.
+Every indented block with curl or bake that needs only a server and a mesh is run. It runs in a folder with a
+barrel.glb, against a server on free ports. NOT_RUN names blocks that need other programs or machines.
 """
 import json
 import os
@@ -18,13 +18,13 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "proto" / "guides").glob("*.md"))]
 PATIENCE = 120
-# Parts of blocks that install, build, stop or restart something, or ask a server elsewhere.
+# Parts of blocks that install, build, stop or restart something, or that ask a remote server.
 NOT_RUN = ("scripts/", "cmake --", "systemctl", "docker compose", "kubectl", "kill ", "example.org", "fracture-server serve", "serve --port")
 SIDES = (0.9, 2.0, 0.9)  # half of x, the height, half of z, in metres
 
 
 def barrel():
-    """A box of 1.8 x 2 x 1.8 m that stands on the ground, with the names that the guides use, as a GLB."""
+    """Returns a box of 1.8 x 2 x 1.8 m on the ground as a GLB, with the names that the guides use."""
     corners = [(sx * SIDES[0], y, sz * SIDES[2]) for y in (0.0, SIDES[1]) for sx, sz in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     quads = [(0, 1, 2, 3), (7, 6, 5, 4), (4, 5, 1, 0), (5, 6, 2, 1), (6, 7, 3, 2), (7, 4, 0, 3)]
     triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
@@ -47,7 +47,7 @@ def barrel():
 
 
 def blocks(text):
-    """The indented blocks of a page that are commands: (line, text)."""
+    """Yields the indented blocks of a page that are commands, as (line, text)."""
     for found in re.finditer(r"(?:^ {4}.*\n)+", text, re.MULTILINE):
         block = re.sub(r"^ {4}", "", found.group(), flags=re.MULTILINE)
         if re.search(r"\bcurl |fracture-server bake", block) and not any(part in block for part in NOT_RUN):

@@ -1,5 +1,5 @@
-// Lints the OpenAPI document with Redocly's recommended rules. Exit codes: 0 clean, 1 problems, 77 node_modules is missing.
-// Usage: node lint.mjs DOCUMENT
+// Lints the OpenAPI document with Redocly's recommended rules. Exit codes: 0 if clean, 1 if there are problems, 77 if node_modules is
+// missing. Usage: node lint.mjs DOCUMENT
 import path from 'node:path';
 
 const file = path.resolve(process.argv[2]);
@@ -15,7 +15,7 @@ try {
 const config = await redocly.createConfig({
   extends: ['recommended'],
   rules: {
-    // `default` documents the problems of every operation.
+    // The `default` response documents the problems of every operation.
     'operation-4xx-response': 'off',
     'no-empty-servers': 'error',
     'operation-operationId': 'error',

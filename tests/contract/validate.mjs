@@ -1,7 +1,6 @@
-// Validates recorded exchanges (tests/server/record.hpp) against proto/openapi.yaml: path and method are described, the
-// status is, the media type is, a JSON body fits its schema, and so does every header that is described.
-// Exit codes: 0 all valid, 1 not, 77 node_modules is missing. The document is the one that
-// the server served. Usage: node validate.mjs FILE.jsonl...
+// Validates recorded exchanges (tests/server/record.hpp) against proto/openapi.yaml. The document must describe the path, the method, the
+// status and the media type. A JSON body and every described header must fit their schemas. Exit codes: 0 if all are valid, 1 if not, 77 if
+// node_modules is missing. The document is the one that the server served. Usage: node validate.mjs FILE.jsonl...
 import fs from 'node:fs';
 
 let Ajv, addFormats;
@@ -26,7 +25,7 @@ addFormats(ajv);
 ajv.addFormat('binary', true);
 ajv.addSchema(document, 'openapi');
 
-/** The object behind a $ref, and the JSON pointer where it stands. */
+/** The object behind a $ref, and the JSON pointer to its place. */
 function resolve(pointer) {
   let value = document;
   for (const token of pointer.split('/').slice(1))
@@ -48,7 +47,7 @@ function pathOf(target) {
   try {
     return decodeURIComponent(path);
   } catch {
-    return path;  // a malformed escape: no path of ours
+    return path;  // a malformed escape: none of our paths
   }
 }
 
@@ -60,13 +59,13 @@ function findPath(path) {
   });
 }
 
-/** A header is text; its schema may say that it is a number. */
+/** A header is text. Its schema may say that it is a number. */
 function headerValue(schema, text) {
   return schema?.type === 'integer' || schema?.type === 'number' ? Number(text) : text;
 }
 
 function problemsOf({method, target, status, headers, body}) {
-  // The preflights of browsers are a matter of the Fetch standard, not of the document.
+  // The Fetch standard governs the preflights of browsers; the document does not describe them.
   if (method === 'OPTIONS' && status === 204) return body === '' ? [] : ['a preflight with a body'];
   const path = pathOf(target), name = findPath(path);
   const item = name && document.paths[name];
@@ -78,7 +77,7 @@ function problemsOf({method, target, status, headers, body}) {
     if (key === null) return [`status ${status} is not described`];
     at = resolve(`/paths/${escape(name)}/${verb}/responses/${key}`);
   } else if ([400, 401, 403, 404, 405, 406, 408, 413, 414, 417, 429, 431, 501, 503, 505].includes(status)) {
-    at = resolve('/components/responses/Problem');  // no such path or method: always a problem
+    at = resolve('/components/responses/Problem');  // the path or method does not exist: always a problem
   } else {
     return [`${method} ${path} is not described and was answered with ${status}`];
   }

@@ -1,4 +1,5 @@
-// The filter of in_sphere against exact arithmetic: what it calls certain must be so.
+// Compares the filter of in_sphere with exact arithmetic. Every result that the filter calls certain must be
+// right.
 #include "common/delaunay/circumsphere.hpp"
 
 #include <gtest/gtest.h>
@@ -30,8 +31,8 @@ Vec3d anywhere(Random& random) {
 struct Family {
   std::string name;
   std::function<std::array<Vec3d, 4>(Random&)> corners;
-  Vec3d at;              ///< where its points lie
-  double least_certain;  ///< share of random points of the box that the filter must decide
+  Vec3d at;              ///< position of its points
+  double least_certain;  ///< smallest share of random points of the box that the filter must decide
   double scale = 1;
 };
 
@@ -39,7 +40,7 @@ std::array<Vec3d, 4> random_corners(Random& random) {
   return {anywhere(random), anywhere(random), anywhere(random), anywhere(random)};
 }
 
-// Four points of a circle, lifted a little: volumes down to where nothing is certain any more.
+// Four points of a circle, lifted a little. The volume shrinks until the filter is certain of nothing.
 std::array<Vec3d, 4> sliver(Random& random) {
   const double lift = std::ldexp(1.0, -static_cast<int>(random.below(50)));
   std::array<Vec3d, 4> p;
@@ -50,14 +51,14 @@ std::array<Vec3d, 4> sliver(Random& random) {
   return p;
 }
 
-// A small facet and a corner of the big tetrahedron's distance.
+// A small facet, and a corner at the distance of the big tetrahedron's corners.
 std::array<Vec3d, 4> needle(Random& random) {
   const double size = std::ldexp(1.0, -static_cast<int>(random.below(40)));
   const Vec3d at = anywhere(random);
   return {at, at + size * anywhere(random), at + size * anywhere(random), anywhere(random)};
 }
 
-// All four close together, somewhere in the box.
+// Four points close together, somewhere in the box.
 std::array<Vec3d, 4> cluster(Random& random) {
   const double size = std::ldexp(1.0, -static_cast<int>(random.below(40)));
   const Vec3d at = anywhere(random);
@@ -100,7 +101,7 @@ TEST_P(CircumsphereFilter, IsRightWhereItIsCertain) {
       ++asked;
       certain += ask(family.at + family.scale * anywhere(random));
     }
-    // Near the sphere, from far outside its margin to within it.
+    // Points that approach the sphere, from far outside the margin to inside it.
     if (std::isnan(radius2)) continue;
     const Vec3d middle = big.center + big.half * center;
     for (int k = 4; k < 40; ++k) {

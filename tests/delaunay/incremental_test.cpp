@@ -145,7 +145,7 @@ TEST(IncrementalDelaunay, CanonicalNumberingDoesNotDependOnMethodOrHistory) {
   }
 }
 
-// So many tetrahedra that those that were read are forgotten, and holes in their storage.
+// Uses so many tetrahedra that those already read are released, and that their storage has holes.
 TEST(IncrementalDelaunay, TheLastSnapshotIsLikeAnyOther) {
   const std::vector<Vec3d> points = test::random_cube(165'000, 5);
   IncrementalDelaunay delaunay(big_of(points));
@@ -166,8 +166,8 @@ TEST(IncrementalDelaunay, TheLastSnapshotIsLikeAnyOther) {
   }
 }
 
-// 10,000 operations in all, over every family; validate() after each, and now and then the set of tetrahedra
-// against one built from nothing.
+// Runs 10,000 operations over all families, with validate() after each. Now and then it compares the
+// tetrahedra with a set built from scratch.
 TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebuild) {
   const std::vector<PointFamily> families = point_families();
   const int operations = 10'000 / static_cast<int>(families.size()) + 1;
@@ -179,7 +179,7 @@ TEST(IncrementalDelaunay, RandomInsertionsAndRemovalsKeepItValidAndEqualToARebui
     Random random(99);
     std::vector<TetVertexId> live;
     for (int i = 0; i < operations; ++i) {
-      // The size drifts between empty and about 40.
+      // The size varies between empty and about 40.
       const std::uint64_t target = (i / 40) % 2 ? 8 : 40;
       if (live.empty() || random.below(2 * target) >= live.size()) {
         const auto [status, v] =
@@ -256,7 +256,7 @@ TEST(BigTetrahedron, KeepsItsCornersOnTheLatticeOfTheSitesAndFarFromThem) {
           EXPECT_EQ(std::fabs(c[a] - big.center[a]), big.half);
         }
     }
-  Box lattice;  // 21 bits wide, anywhere: the corners need two bits more and no finer step
+  Box lattice;  // 21 bits wide, anywhere: the corners need two more bits and no finer step
   lattice.add(Vec3d{-12345, 777, 0});
   lattice.add(Vec3d{-12345 + 2097151.0, 2000000, 999});
   for (const Vec3d& c : big_tetrahedron(lattice).corners())

@@ -1,4 +1,4 @@
-// Point sets that break Delaunay codes, each a deterministic function of its size and a seed.
+// Point sets that break Delaunay codes. Each is a deterministic function of its size and a seed.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,8 @@ inline std::vector<Vec3d> random_cube(std::uint32_t n, std::uint64_t seed) {
     for (int a = 0; a < 3; ++a) p[a] = random.uniform();
   return points;
 }
-/// The first n points of the smallest cubic integer lattice that has them, times `step`, shuffled.
+/// The first n points of the smallest cubic integer lattice that has as many, divided by `divisor` and
+/// shuffled.
 inline std::vector<Vec3d> lattice(std::uint32_t n, std::uint64_t seed, double divisor) {
   int side = 1;
   while (static_cast<std::uint32_t>(side * side * side) < n) ++side;
@@ -82,7 +83,7 @@ inline std::vector<PointFamily> point_families() {
          shuffle(points, random);
          return points;
        }},
-      // Every point beside one of a few, an ulp or a few away.
+      // Every point lies an ulp or a few away from one of a few points.
       {"near_duplicates",
        [](std::uint32_t n, std::uint64_t seed) {
          Random random(seed);
@@ -95,7 +96,7 @@ inline std::vector<PointFamily> point_families() {
          }
          return points;
        }},
-      // Two planes a hair apart: tetrahedra of almost no volume.
+      // Two planes extremely close together: tetrahedra of almost zero volume.
       {"slivers",
        [](std::uint32_t n, std::uint64_t seed) {
          Random random(seed);
@@ -116,7 +117,7 @@ inline std::vector<PointFamily> point_families() {
          shuffle(points, random);
          return points;
        }},
-      // Clusters of size 1e-9 far apart: coordinates of very different grain.
+      // Clusters of size 1e-9 that are far apart: coordinates of very different precision.
       {"clusters",
        [](std::uint32_t n, std::uint64_t seed) {
          Random random(seed);
@@ -128,7 +129,8 @@ inline std::vector<PointFamily> point_families() {
          }
          return points;
        }},
-      // Coordinates that do not fit 61 bits together: 1e-16 beside 1e6, as cos 90 degrees does in real files.
+      // Coordinates that do not fit into 61 bits together: 1e-16 next to 1e6, as files have it from cos 90
+      // degrees.
       {"wide_range",
        [](std::uint32_t n, std::uint64_t seed) {
          Random random(seed);

@@ -39,8 +39,8 @@ Box box_of(const std::vector<Vec3d>& points) {
   return box;
 }
 
-// The contract of the result, checked from outside: symmetric adjacency, positive tetrahedra, volume of the
-// big tetrahedron, no site in any sphere (brute force).
+// Checks the contract of the result from outside: symmetric adjacency, positive tetrahedra, the volume of the
+// big tetrahedron, and no site in any sphere (by brute force).
 void check(const Tetrahedralization& t, const std::string& name) {
   SCOPED_TRACE(name + ", " + std::to_string(t.site_count()) + " sites");
   ASSERT_EQ(t.tet_of_site.size(), t.points.size());
@@ -131,7 +131,7 @@ TEST(Tetrahedralize, DropsOnlySitesThatOwnNoPointOfTheBox) {
   EXPECT_EQ(result->site_of_input[20], kNoSite);
   EXPECT_EQ(result->site_of_input[21], kNoSite);
   EXPECT_NE(result->site_of_input[22], kNoSite);
-  // Independent: the nearest of all points, at many places of the box, was never dropped.
+  // An independent check at many places of the box: the nearest of all points was never dropped.
   Random random(5);
   for (int i = 0; i < test::repetitions(2000); ++i) {
     Vec3d q;
@@ -188,7 +188,7 @@ TEST(Tetrahedralize, StopsWhenCancelled) {
   EXPECT_THROW((void)tetrahedralize(points, box_of(points), execution), Interrupted);
 }
 
-/// All of it.
+/// Returns the whole as one part.
 KeptTetrahedralization::Part whole_of(const KeptTetrahedralization& kept) {
   const Execution execution;
   KeptTetrahedralization::PartMaker maker(kept, execution);
@@ -196,13 +196,13 @@ KeptTetrahedralization::Part whole_of(const KeptTetrahedralization& kept) {
   return maker.finish();
 }
 
-/// The tetrahedra and points of the part, which is the whole.
+/// Compares the tetrahedra and points of the part, which is the whole.
 void expect_whole(const KeptTetrahedralization& kept, const Tetrahedralization& expected) {
   const KeptTetrahedralization::Part part = whole_of(kept);
   EXPECT_EQ(kept.given(), expected.site_of_input.size() - expected.far_sites_dropped);
   EXPECT_EQ(kept.duplicates_merged(), expected.duplicates_merged);
   ASSERT_EQ(kept.site_count(), expected.site_count());
-  if (expected.site_count() == 0) return;  // the big tetrahedron is at no site
+  if (expected.site_count() == 0) return;  // without sites, only the big tetrahedron exists
   EXPECT_EQ(kept.tet_count(), expected.tets.size());
   EXPECT_EQ(part.tetrahedra.points, expected.points);
   EXPECT_EQ(part.tetrahedra.tet_of_site, expected.tet_of_site);
@@ -217,7 +217,7 @@ TEST(KeptTetrahedralization, EqualsTheTetrahedralizationOfAllSites) {
   for (const PointFamily& family : point_families()) {
     SCOPED_TRACE(family.name);
     std::vector<Vec3d> points = family.make(120, 5);
-    points.push_back(points[3]);  // a duplicate of an earlier one, and one of a further one
+    points.push_back(points[3]);  // duplicates: one of an earlier point, one of a new point
     points.push_back(points[110]);
     const Box box = box_of(points);
     for (const std::size_t first : {std::size_t{0}, std::size_t{1}, std::size_t{100}, points.size()}) {
@@ -231,7 +231,7 @@ TEST(KeptTetrahedralization, EqualsTheTetrahedralizationOfAllSites) {
       const KeptTetrahedralization copy = *kept;
       ASSERT_TRUE(kept->insert(all.subspan(first), {}).has_value());
       expect_whole(*kept, *expected);
-      expect_whole(copy, *before);  // which shares with it what did not change
+      expect_whole(copy, *before);  // which shares with it everything that did not change
     }
   }
 }
@@ -250,7 +250,7 @@ TEST(KeptTetrahedralization, TakesOneSiteAfterTheOther) {
       const KeptTetrahedralization earlier = *kept;
       const auto inserted = kept->insert(all.subspan(n, 1), {});
       ASSERT_TRUE(inserted.has_value());
-      // What was not named is what it was.
+      // A tetrahedron that was not named as changed is the same as before.
       for (const TetId t : ids<TetId>(earlier.tet_end())) {
         if (earlier.tet(t).v[0] == KeptTetrahedralization::kNoVertex ||
             std::count(inserted->gone.begin(), inserted->gone.end(), t) > 0)
@@ -303,14 +303,14 @@ TEST(KeptTetrahedralization, IsLeftToOthersWhereANewSiteLiesOutsideOfTheBox) {
   EXPECT_FALSE(kept->insert(outside, {}).has_value());
 }
 
-// As rings and spokes do: many of their sites lie beyond the pane.
+// Rings and spokes have many sites beyond the pane, as here.
 TEST(KeptTetrahedralization, TakesFurtherSitesBesideThoseOutsideOfTheBox) {
   Box box;
   box.add(Vec3d{0, 0, 0});
   box.add(Vec3d{1, 1, 0.1});
   std::vector<Vec3d> points;
   for (const Vec3d& p : test::random_cube(200, 4)) points.push_back({3 * p.x - 1, 3 * p.y - 1, p.z - 0.4});
-  points.push_back({0.3, 0.3, 0.05});  // reaches to 1.0 from the farthest corner
+  points.push_back({0.3, 0.3, 0.05});  // reaches 1.0 from the farthest corner
   auto before = tetrahedralize(points, box, {});
   ASSERT_TRUE(before);
   ASSERT_GT(before->far_sites_dropped, 10u);

@@ -23,7 +23,7 @@ TEST(Sha256, OfBytesAndOfTextAgree) {
 }
 
 TEST(RunningDigest, DoesNotDependOnThePieces) {
-  const std::string text = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";  // of FIPS 180
+  const std::string text = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";  // from FIPS 180
   for (const std::size_t size : {1u, 3u, 55u, 100u}) {
     RunningDigest digest;
     for (std::size_t at = 0; at < text.size(); at += size)

@@ -1,4 +1,4 @@
-// A bake through the farm of docker/compose.yaml, one server of which is killed and comes back.
+// A bake through the farm of docker/compose.yaml. One of its servers is killed and started again.
 #include <gtest/gtest.h>
 
 #include "tests/docker/farm.hpp"

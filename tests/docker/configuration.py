@@ -1,7 +1,9 @@
-"""configuration.py SUBJECT FRACTURE_SERVER: are the files in docker/ what their programs accept, and do they fit together?
+"""configuration.py SUBJECT FRACTURE_SERVER: tests whether programs accept the files in docker/ and whether the files
+fit together.
 
-SUBJECT: haproxy, compose, monitoring, kubernetes or systemd. What needs no program is checked first; then the program
-itself is asked. Exits 0 when all is well, 1 with what is not, 77 (skipped) when only the program is missing.
+SUBJECT is haproxy, compose, monitoring, kubernetes or systemd. It first checks everything that needs no program, and
+then asks the program itself. Exits with 0 if all is well, with 1 and a list of the faults, or with 77 (skipped) if only
+the program is missing.
 """
 import glob
 import json
@@ -17,7 +19,7 @@ from farm_files import DOCKER, SERVER, ask_program, documents, expect, fracture_
 from memory_plan import expect_memory_plan, in_bytes
 
 def settings():
-    """Names of the server's settings, as environment variables."""
+    """Returns the names of the server's settings as environment variables."""
     names = re.findall(r"^(?:# )?([a-z][a-z-]*) = ", run(SERVER, "serve", "--print-config"), re.M)
     return {"FRACTURE_" + name.upper().replace("-", "_") for name in names}
 
@@ -28,13 +30,14 @@ def expect_settings(variables, where):
 
 
 def expect_time_to_stop(seconds, variables, where):
-    """Drain delay, grace, two seconds for cancelled work and one for the log."""
+    """Checks the time to stop: drain delay, grace, two seconds for cancelled work and one second for the log."""
     needed = float(variables["FRACTURE_DRAIN_DELAY"]) + float(variables["FRACTURE_GRACE"]) + 3
     expect(seconds >= needed, f"{where}: {seconds} s to stop are less than the {needed} s that the server may take")
 
 
 def expect_secrets(variables, files, where):
-    """A server with Redis speaks to it as a user of its own and signs what it leaves there; `files` are those it is handed."""
+    """Checks that a server with Redis logs in as its own user and signs the entries it leaves there. `files` are the
+    files handed to the server."""
     if "FRACTURE_REDIS" not in variables:
         return
     expect(variables.get("FRACTURE_REDIS_USER") == "fracture", f"{where}: Redis knows it by no name")
@@ -58,7 +61,7 @@ def haproxy():
     program = ask_program("haproxy")
     path = os.path.join(DOCKER, "haproxy", "haproxy.cfg")
     run(program, "-c", "-f", path)
-    if os.path.exists("/etc/resolv.conf"):  # which it reads then
+    if os.path.exists("/etc/resolv.conf"):  # nginx reads the file in this case
         run(program, "-c", "-f", path, FRACTURE_PODS="localhost")
 
 
@@ -94,17 +97,17 @@ def compose():
     image = dict(re.findall(r"(FRACTURE_\w+)=(\S+)", read("Dockerfile").split("\nENV ")[1]))
     expect_settings(image, "Dockerfile")
     program = ask_program("docker-compose")
-    os.chdir(DOCKER)  # version 1 looks for the seccomp profile from here
+    os.chdir(DOCKER)  # version 1 searches for the seccomp profile from here
     run(program, "-f", "compose.yaml", "--profile", "monitoring", "config", "-q")
 
 
 def served_metrics():
-    """Names of the samples that a server with every tier has after a request."""
+    """Returns the names of the samples that a server with every tier has after a request."""
     with serving("--redis", "127.0.0.1:1") as (port, admin):
         fracture_a_cube(port, 2)
         text = ""
-        while "fracture_request_duration_seconds_bucket" not in text:  # counted after the answer
-            time.sleep(0.01)  # pause: serving() ends the server after a while, and so these looks
+        while "fracture_request_duration_seconds_bucket" not in text:  # counted only after the answer
+            time.sleep(0.01)  # pause: serving() ends the server after a while, and that ends the loop
             text = get(admin, "/metrics")
     return set(re.findall(r"^([a-z_]+)", text, re.M))
 
@@ -140,7 +143,8 @@ def check_pods(kind, name, pod):
 
 
 def check_network(policies, deployments, labels, where):
-    """Every pod is closed in both directions, and what is open to everybody is the one port that asks for tokens."""
+    """Checks that every pod is closed in both directions, and that only the port that asks for tokens is open to
+    everybody."""
     ports = {p["name"] for d in deployments.values() for c in d["spec"]["template"]["spec"]["containers"] for p in c["ports"]}
     for name, own in labels.items():
         closed = set()
@@ -158,19 +162,19 @@ def check_network(policies, deployments, labels, where):
             for peer in peers or []:
                 pods = peer.get("podSelector", {}).get("matchLabels", {})
                 known = [n for n, own in labels.items() if pods.items() <= own.items()]
-                # The proxies of the base's policy come with the large overlay.
+                # The large overlay adds the proxies that the policy of the base names.
                 expect(known or pods.get("app.kubernetes.io/name") == "fracture-proxy", f"{where}: {name} is for {pods}, which is nobody")
 
 
 def handed_to(pod, container):
-    """Paths of the secrets in a container, those of the tokens excepted."""
+    """Returns the paths of the secrets in a container, without those of the tokens."""
     mounts = {m["name"]: m["mountPath"] for m in container["volumeMounts"]}
     return {f"{mounts[v['name']]}/{item['path']}" for v in pod["volumes"] if "secret" in v and v["name"] in mounts
             for item in v["secret"].get("items", [])}
 
 
 def check_disruptions(by_kind, where):
-    """A node can be drained, and something is left where there is more than one."""
+    """Checks that a node can be drained, and that a pod is left if there is more than one."""
     scalers = {m["spec"]["scaleTargetRef"]["name"]: m["spec"]["minReplicas"]
                for m in by_kind.get("HorizontalPodAutoscaler", {}).values()}
     for name, deployment in by_kind.get("Deployment", {}).items():
@@ -184,7 +188,7 @@ def check_disruptions(by_kind, where):
 
 
 def check_manifests(manifests, where):
-    """One whole overlay: what refers to something finds it."""
+    """Checks one whole overlay: every reference finds its object."""
     by_kind = {}
     for m in manifests:
         by_kind.setdefault(m["kind"], {})[m["metadata"]["name"]] = m

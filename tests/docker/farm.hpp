@@ -1,6 +1,6 @@
-// docker/compose.yaml with plain processes on the loopback: three servers, a Redis, and HAProxy with the
-// repository's own configuration, in which only addresses, timeouts and the number of connections are
-// replaced, and each answer says which server gave it. Every wait has a limit.
+// Runs docker/compose.yaml with plain processes on the loopback: three servers, a Redis, and HAProxy with the
+// repository's own configuration. In that configuration only addresses, timeouts and the number of
+// connections are replaced. Each answer names the server that gave it. Every wait has a limit.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ namespace fracture::test {
 
 inline constexpr int kServers = 3;
 
-/// Ports of 127.0.0.1 below those that the kernel gives to connections, so that nobody takes one while its
-/// server is down.
+/// Returns ports of 127.0.0.1 below those that the kernel gives to connections. So no process takes a port
+/// while its server is down.
 inline std::uint16_t lasting_port() {
   static unsigned next = static_cast<unsigned>(::getpid()) * 16;
   int first_given = 32'768;
@@ -47,13 +47,13 @@ inline std::uint16_t lasting_port() {
   throw std::runtime_error("no free port");
 }
 
-/// The exit code (1000 + the signal) of a process that should end by itself. Throws when it does not.
+/// Returns the exit code (1000 + the signal) of a process that should end by itself. Throws if it does not.
 inline int exit_code(ChildProcess& process, const std::string& name) {
   require_eventually(kPatience, "the end of " + name, [&] { return !process.alive(); });
   return process.wait();
 }
 
-/// Replaces each of `count` occurrences; throws when there are more or fewer, since the configuration has
+/// Replaces each of `count` occurrences. Throws if there are more or fewer, since the configuration has
 /// changed then.
 inline void replace(std::string& text, const std::string& from, const std::string& to, int count = 1) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
@@ -78,7 +78,7 @@ class Redis {
     });
   }
   void kill() { process_.reset(); }
-  /// How many keys it holds; nothing when it does not answer.
+  /// The number of keys it holds. Returns nothing if it does not answer.
   std::optional<int> entries() const {
     try {
       RawClient client(port);
@@ -117,10 +117,10 @@ class Farm {
       replace(text, name + " track", address + " track");
       replace(text, name + "\n", address + " port " + std::to_string(ports_[i].admin) + "\n");
     }
-    // HAProxy drops lines of its log when nobody reads them fast enough; its answers come for certain.
+    // HAProxy drops lines of its log if they are not read fast enough. Its answers always arrive.
     replace(text, "    default_backend any\n",
             "    default_backend any\n    http-response set-header " + std::string(kAnsweredBy) + " %s\n");
-    // Of which each takes two descriptors, and a user may have no more than 1024.
+    // Each connection takes two descriptors, and a user may have no more than 1024.
     replace(text, "    maxconn 4000\n", "    maxconn 200\n");
     without_timeouts(text);
     haproxy_ = std::make_unique<ChildProcess>(
@@ -129,7 +129,7 @@ class Farm {
     for (int i = 0; i < kServers; ++i) wait_until(i, "UP");
   }
 
-  /// Returns when the server is ready; HAProxy has not seen that yet.
+  /// Returns when the server is ready. HAProxy may not have noticed that yet.
   void start(int i) {
     servers_[i] = std::make_unique<ChildProcess>(
         std::vector<std::string>{server_program(), "serve", "--port", std::to_string(ports_[i].port),
@@ -151,8 +151,8 @@ class Farm {
   ChildProcess& server(int i) { return *servers_[i]; }
   void kill(int i) { servers_[i].reset(); }
 
-  /// Until HAProxy says so ("UP", "DOWN") of a server. Throws when it does not, or when a server that should
-  /// come up ended instead.
+  /// Waits until HAProxy reports this status ("UP", "DOWN") of a server. Throws if it does not, or if a
+  /// server that should be up ended instead.
   void wait_until(int i, const std::string& status) const {
     require_eventually(kPatience, "HAProxy to say that fracture" + std::to_string(i + 1) + " is " + status,
                        [&] {
@@ -161,14 +161,14 @@ class Farm {
                          return statistic(i, kStatusColumn) == status;
                        });
   }
-  /// How many servers HAProxy has sent a request about a mesh to since it was started.
+  /// The number of servers to which HAProxy has sent a request about a mesh since it was started.
   int used_servers() const {
     int used = 0;
     for (int i = 0; i < kServers; ++i)
       if (std::atoll(statistic(i, kRequestsColumn).c_str()) > 0) ++used;
     return used;
   }
-  /// A figure of the servers that run, all together.
+  /// The sum of a figure over the servers that run.
   double sum(const std::string& family, const std::string& label = "") const {
     double total = 0;
     for (int i = 0; i < kServers; ++i)
@@ -176,7 +176,7 @@ class Farm {
         total += parse_exposition(ask(ports_[i].admin, "GET", "/metrics").body).sum(family, label);
     return total;
   }
-  /// Which server answers each path, asked one after the other. Throws where none did.
+  /// Asks for each path, one after the other, and returns the server that answered it. Throws if none did.
   std::vector<std::string> servers_of(const std::vector<std::string>& paths) const {
     std::vector<std::string> servers;
     for (const std::string& path : paths) {
@@ -203,8 +203,8 @@ class Farm {
       throw std::runtime_error("the server ended: " +
                                read_file(folder_ / ("fracture" + std::to_string(i + 1) + ".log")));
   }
-  /// An hour in every line "timeout …", so that a machine which is too busy looks like nothing else. A killed
-  /// server is noticed all the same: it refuses connections.
+  /// Sets every line "timeout …" to an hour, so that a busy machine is not mistaken for a failure. A killed
+  /// server is still noticed: it refuses connections.
   static void without_timeouts(std::string& text) {
     int found = 0;
     for (std::size_t at = 0; (at = text.find("\n    timeout ", at)) != std::string::npos; ++found) {
@@ -214,11 +214,11 @@ class Farm {
     }
     if (found < 6) throw std::runtime_error("haproxy.cfg: where are the timeouts?");
   }
-  /// A field of HAProxy's statistics about a server; empty while it does not answer.
+  /// A field of HAProxy's statistics about a server. It is empty while HAProxy does not answer.
   std::string statistic(int i, int column) const {
     try {
       RawClient client(statistics_port_);
-      client.send("GET /;csv HTTP/1.0\r\n\r\n");  // which has no chunks
+      client.send("GET /;csv HTTP/1.0\r\n\r\n");  // HTTP/1.0 has no chunks
       std::istringstream lines(client.receive_all());
       const std::string name = "of_a_mesh,fracture" + std::to_string(i + 1) + ",";
       for (std::string line; std::getline(lines, line);) {
@@ -233,9 +233,9 @@ class Farm {
     return "";
   }
 
-  /// Columns of the statistics as HAProxy's management guide numbers them, section 9.1: stot and status.
+  /// Columns of the statistics, by the numbers in section 9.1 of HAProxy's management guide: stot and status.
   static constexpr int kRequestsColumn = 7, kStatusColumn = 17;
-  /// Name of the header that the test's configuration adds to every answer that a server gave; in lower case.
+  /// Name, in lower case, of the header that the test's configuration adds to every answer of a server.
   static constexpr const char* kAnsweredBy = "x-answered-by";
 
   const std::string drain_delay_;

@@ -1,4 +1,4 @@
-"""What the tests of docker/ share: reading its files, running programs, and a server to ask."""
+"""Helpers for the tests of docker/: reading its files, running programs, and a server to ask."""
 import contextlib
 import os
 import re
@@ -33,7 +33,7 @@ def expect(condition, what):
 
 
 def run(*command, **variables):
-    """Standard output; ends the program when the command fails."""
+    """Returns the standard output. Ends the program if the command fails."""
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **variables}, timeout=PATIENCE)
     expect(done.returncode == 0, f"{' '.join(command)}\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -48,12 +48,12 @@ def ask_program(name):
 
 @contextlib.contextmanager
 def serving(*flags, **variables):
-    """A server with every tier, until the end of the block: its port and its admin port."""
+    """Runs a server with every tier until the end of the block. Yields its port and its admin port."""
     with tempfile.TemporaryDirectory() as folder:
         command = [SERVER, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text",
                    "--cache-dir", folder, *flags]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, **variables}) as server:
-            too_late = threading.Timer(PATIENCE, server.kill)  # which ends every wait for it
+            too_late = threading.Timer(PATIENCE, server.kill)  # the kill ends every wait for the server
             too_late.start()
             try:
                 log = []

@@ -1,6 +1,6 @@
-// Games in front of the farm: each asks for fractures of stored meshes without a pause, one connection each,
-// and does what the interface says about a mesh that is not there: 404, PUT, again. Everything else but the
-// right answer is a failure.
+// Games in front of the farm. Each has one connection and asks for fractures of stored meshes without a
+// pause. If a mesh is missing, it does what the interface says: it gets 404, sends PUT and asks again. Every
+// other answer than the right one counts as a failure.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@
 
 namespace fracture::test {
 
-/// A box of its own for each number.
+/// A different box for each number.
 struct StoredMesh {
   explicit StoredMesh(int number) {
     const std::string x = std::to_string(1 + 0.001 * number);
@@ -30,18 +30,18 @@ struct StoredMesh {
   std::string text, path;
 };
 
-/// One client; a connection that was closed between two answers is opened again.
+/// One client. It reopens a connection that was closed between two answers.
 class GameClient {
  public:
   explicit GameClient(std::uint16_t port) : port_(port) {}
 
-  /// Throws std::runtime_error when no whole answer came.
+  /// Throws std::runtime_error if no whole answer arrived.
   Reply ask(const std::string& method, const std::string& path, const std::string& type,
             const std::string& body) {
     const std::string request = method + " " + path +
                                 " HTTP/1.1\r\nHost: localhost\r\nContent-Type: " + type +
                                 "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
-    // Closed while it was idle: no answer begins.
+    // The connection was closed while it was idle: no answer begins.
     if (connection_) {
       connection_->send(request);
       if (!connection_->receive_until("HTTP/1.1", kPatience)) connection_.reset();
@@ -55,9 +55,9 @@ class GameClient {
     if (!reply) throw std::runtime_error("no whole answer to " + method + " " + path);
     return *reply;
   }
-  /// The fracture of a stored mesh, put (again) where it is not there; 404 where it never stays.
+  /// Fractures a stored mesh, and puts it (again) if it is missing. Returns 404 if the mesh never stays.
   Reply fracture(const StoredMesh& mesh, int seed) {
-    // Each further try means that its server went between two requests.
+    // Each further attempt means that its server went away between two requests.
     constexpr int kTries = 20;
     for (int tries = 1;; ++tries) {
       Reply reply = ask("POST", mesh.path + "/fracture", "application/json",
@@ -75,7 +75,7 @@ class GameClient {
   std::optional<RawClient> connection_;
 };
 
-/// Some clients at once, until the object goes.
+/// Several clients at the same time, until the object is destroyed.
 class Load {
  public:
   Load(std::uint16_t port, int clients, int meshes, int seeds) {
@@ -92,7 +92,8 @@ class Load {
     for (std::thread& client : clients_)
       if (client.joinable()) client.join();
   }
-  /// Until so many more were answered; earlier when one failed. Throws when neither happens.
+  /// Waits until this many more requests were answered, or returns earlier if one failed. Throws if neither
+  /// happens.
   void wait_for(int more) const {
     const int end = answered + more;
     require_eventually(kPatience, std::to_string(more) + " more answers",
@@ -112,13 +113,13 @@ class Load {
     try {
       const int puts_before = client.puts;
       const bool stored = i % 8 != 0;
-      // Every eighth game has its mesh with it, and gets the same bytes from whichever server.
+      // Every eighth request carries its mesh, and gets the same bytes from any server.
       const Reply reply = stored ? client.fracture(mesh, seed)
                                  : client.ask("POST", "/fracture?sites=6&seed=" + std::to_string(seed),
                                               "model/obj", mesh.text);
       puts += client.puts - puts_before;
       if (reply.status != 200) return fail(std::to_string(reply.status) + " " + reply.body);
-      for (const char* hit : {"redis; hit", "result; hit"})  // of the answer itself
+      for (const char* hit : {"redis; hit", "result; hit"})  // hits of the answer itself
         if (reply.header("cache-status").find(hit) != std::string::npos) ++from_caches;
       const Digest digest = sha256(reply.body);
       const std::lock_guard lock(mutex_);

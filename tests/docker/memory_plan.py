@@ -1,18 +1,19 @@
-"""Do the limits and requests of memory in docker/ fit what the server plans to do with them?"""
+"""Tests whether the memory limits and requests in docker/ fit the server's memory plan."""
 import re
 
 from farm_files import expect, samples, serving
 
 
 def in_bytes(quantity):
-    """Of Kubernetes' and of compose's ways to write it."""
+    """Converts a quantity as Kubernetes or compose writes it to bytes."""
     number, unit = re.fullmatch(r"([\d.]+)([A-Za-z]*)", str(quantity)).groups()
     return float(number) * 1024 ** {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}[unit.lower().removesuffix("i").removesuffix("b")]
 
 
 def expect_memory_plan(limit, request, cores, variables, where):
-    """By the server's own plan: everything fits into the limit, also on a machine with many cores, and what is kept when nothing is
-    in progress fits into what the scheduler sets aside."""
+    """Checks the limits with the server's own plan. Everything must fit into the limit, even on a machine with many
+    cores. The memory that is kept when nothing is in progress must fit into the request, which the scheduler sets
+    aside."""
     sizes = {name: value for name, value in variables.items()
              if not name.endswith(("_FILE", "_USER", "_ALLOW_HOST")) and name != "FRACTURE_REDIS"}
     for threads in cores, 64:

@@ -1,7 +1,9 @@
-"""seccomp_test.py FRACTURE_SERVER: does docker/seccomp.json allow all that the server calls, and nothing that it does not need?
+"""seccomp_test.py FRACTURE_SERVER: tests whether docker/seccomp.json allows all calls of the server, and none that it
+does not need.
 
-The filter is loaded here by libseccomp, as an engine does it, with one difference: what is not allowed ends the process, so that no
-refused call goes unnoticed. Exits 0 when all is well, 1 with what is not, 77 (skipped) where no filter can be loaded.
+The filter is loaded here by libseccomp, as an engine does it, with one difference: a call that is not allowed ends the
+process, so that every refused call is noticed. Exits with 0 if all is well, with 1 and a list of the faults, or with 77
+(skipped) if no filter can be loaded.
 """
 import ctypes
 import ctypes.util
@@ -38,7 +40,7 @@ def errno_action(number):
 
 
 def load(profile, default):
-    """Into this process and its children. False where that is not possible."""
+    """Loads the filter into this process and its children. Returns False if that is not possible."""
     library = ctypes.CDLL(ctypes.util.find_library("seccomp") or "libseccomp.so.2", use_errno=True)
     library.seccomp_init.restype = ctypes.c_void_p
     context = ctypes.c_void_p(library.seccomp_init(ctypes.c_uint32(default)))
@@ -48,7 +50,7 @@ def load(profile, default):
         for name in rule["names"]:
             number = library.seccomp_syscall_resolve_name(name.encode())
             expect(number != -1, f"{name} is no system call")
-            if number < 0:  # not of this machine's architecture
+            if number < 0:  # not a call of this machine's architecture
                 continue
             done = library.seccomp_rule_add_array(context, ctypes.c_uint32(action), number, len(arguments),
                                                   (Argument * len(arguments))(*arguments))
@@ -71,7 +73,7 @@ def ending(code):
 
 
 def refused(profile):
-    """What a server that was taken over could try next."""
+    """Tries calls that a compromised server could make."""
     library = ctypes.CDLL(None, use_errno=True)
     numbers = ctypes.CDLL(ctypes.util.find_library("seccomp") or "libseccomp.so.2")
     calls = ["add_key", "bpf", "chroot", "delete_module", "finit_module", "init_module", "io_uring_setup", "keyctl", "kexec_load",

@@ -1,6 +1,7 @@
-"""secrets_test.py FRACTURE_SERVER: is a farm whose secrets docker/make-secrets made one that strangers cannot speak to?
+"""secrets_test.py FRACTURE_SERVER: tests whether strangers are shut out of a farm with secrets from
+docker/make-secrets.
 
-Exits 0 when all is well, 1 with what is not, 77 (skipped) when Redis is missing.
+Exits with 0 if all is well, with 1 and a list of the faults, or with 77 (skipped) if Redis is missing.
 """
 import os
 import subprocess
@@ -14,7 +15,8 @@ from farm_files import DOCKER, PATIENCE, SERVER, ask_program, expect, fracture_a
 
 
 def main():
-    """docker/make-secrets makes a farm in which Redis knows its servers alone, and without which none starts."""
+    """Proves that Redis admits only the servers of a farm with these secrets, and that no server starts without them.
+    """
     nobodys = os.path.join(DOCKER, "kubernetes", "overlays", "large", "secrets")
     for flags in (["--farm-key-file", os.path.join(nobodys, "farm-key")],
                   ["--redis-user", "fracture", "--redis-password-file", os.path.join(nobodys, "redis-password")]):
@@ -24,7 +26,7 @@ def main():
     program = ask_program("redis-server")
     with tempfile.TemporaryDirectory() as folder:
         made = [os.path.join(folder, "secrets", name) for name in ("farm-key", "redis-password", "redis-users")]
-        for _ in range(2):  # the second time, what is there is kept
+        for _ in range(2):  # the second run keeps the existing files
             before = [open(f, encoding="ascii").read() for f in made if os.path.exists(f)]
             run("sh", os.path.join(DOCKER, "make-secrets"), os.path.dirname(made[0]))
             after = [open(f, encoding="ascii").read() for f in made]
@@ -48,7 +50,7 @@ def main():
                              made[0]) as (port, admin):
                     fracture_a_cube(port, 3)
                     while 'tier="redis"' not in get(admin, "/metrics"):
-                        time.sleep(0.01)  # pause: serving() ends the server after a while, and so these looks
+                        time.sleep(0.01)  # pause: serving() ends the server after a while, and that ends the loop
                     up = samples(admin)['fracture_cache_tier_up{cache="result",tier="redis"}']
                 expect(up == 1, "the servers' user is not let in")
                 client = [ask_program("redis-cli"), "-s", socket]

@@ -1,4 +1,5 @@
-"""spdx_test.py: is what docker/spdx writes an SPDX 2.3 document of what dpkg has installed? 77: there is no dpkg."""
+"""spdx_test.py: tests whether docker/spdx writes an SPDX 2.3 document of the packages that dpkg has installed. Exits
+with 77 if dpkg is missing."""
 import json
 import os
 import re
@@ -26,7 +27,7 @@ if not shutil.which("dpkg-query"):
 text = document("fracture 1.0", SOURCE_DATE_EPOCH="1700000000")
 expect(text == document("fracture 1.0", SOURCE_DATE_EPOCH="1700000000"), "the same packages give the same bytes")
 spdx = json.loads(text)
-# SPDX 2.3, sections 6 and 7: what has to be there.
+# SPDX 2.3, sections 6 and 7: the required fields.
 expect(spdx["spdxVersion"] == "SPDX-2.3" and spdx["dataLicense"] == "CC0-1.0" and spdx["SPDXID"] == "SPDXRef-DOCUMENT", "the head")
 expect(spdx["creationInfo"]["created"] == "2023-11-14T22:13:20Z" and spdx["creationInfo"]["creators"], "who wrote it, and when")
 expect(re.fullmatch(r"https://\S+[0-9a-f]{64}", spdx["documentNamespace"]), spdx["documentNamespace"])

@@ -1,6 +1,6 @@
-// Three servers, a Redis and HAProxy as docker/compose.yaml arranges them: what clients see while parts of it
-// are killed, restarted or replaced. Nothing here waits for a time: every step waits until it has happened,
-// and fails when that takes longer than kPatience.
+// Three servers, a Redis and HAProxy as docker/compose.yaml arranges them. Tests what clients see while parts
+// of it are killed, restarted or replaced. No step waits for a fixed time: every step waits until its event
+// has happened, and fails if that takes longer than kPatience.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -18,8 +18,8 @@ constexpr int kClients = 3, kMeshes = 24, kSeeds = 4;
 struct Topology : testing::Test {
   void SetUp() override {
     if (const std::string missing = Farm::missing(); !missing.empty()) GTEST_SKIP() << missing;
-    // Stopping waits until HAProxy has noticed, however long that takes, and then ends the delay by a second
-    // signal.
+    // Stopping a server waits until HAProxy has noticed, however long that takes. A second signal then ends
+    // the delay.
     farm = std::make_unique<Farm>("3600");
   }
   std::unique_ptr<Farm> farm;
@@ -55,7 +55,7 @@ TEST_F(Topology, AServerThatGoesTakesItsShareOfTheMeshesAndNoOthers) {
   EXPECT_EQ(farm->servers_of(paths), before) << "all are back";
 }
 
-// However a mesh is named in a path, the first 16 digits decide.
+// A path may name a mesh in several ways, but the first 16 digits always decide.
 TEST_F(Topology, MeshResultsAndJobsOfOneMeshGoToOneServer) {
   for (int k = 0; k < 20; ++k) {
     const std::string digest = sha256("mesh " + std::to_string(k)).hex(), start = digest.substr(0, 16);
@@ -81,7 +81,7 @@ TEST_F(Topology, AServerKilledUnderLoadFailsNoRequestAndIsWarmAgain) {
     farm->start(victim);
     farm->wait_until(victim, "UP");
     expect_no_failure(load, "kill and restart");
-    // Until everything of a whole round is answered from caches, as before.
+    // Repeats until all answers of a whole round are from caches, as before.
     int hits = 0, rounds = 0;
     EXPECT_TRUE(eventually(kPatience, "answers from caches alone", [&] {
       const int answered = load.answered, from_caches = load.from_caches;
@@ -98,8 +98,9 @@ TEST_F(Topology, AServerKilledUnderLoadFailsNoRequestAndIsWarmAgain) {
   }
 }
 
-// What the killed server had computed is not computed again: its heirs take it from Redis. Each that they do
-// compute is accounted for by a counted failure to reach Redis (it has 50 ms, and this machine may be busy).
+// Results that the killed server had computed are not computed again: the remaining servers take them from
+// Redis. If they do compute one, a counted failure to reach Redis must account for it. Redis gets 50 ms, and
+// this machine may be busy.
 TEST_F(Topology, TheSharedTierSavesRecomputation) {
   std::vector<StoredMesh> meshes;
   for (int m = 0; m < kMeshes; ++m) meshes.emplace_back(1000 + m);
@@ -123,7 +124,7 @@ TEST_F(Topology, TheSharedTierSavesRecomputation) {
   farm->wait_until(0, "DOWN");
   const double computed = farm->sum("fracture_results_computed_total"), trouble = troubles(),
                hits = farm->sum("fracture_cache_lookups_total", R"(cache="redis",outcome="hit")");
-  const int lost = kResults - static_cast<int>(computed);  // were in the memory of the killed server alone
+  const int lost = kResults - static_cast<int>(computed);  // only in the killed server's memory
   EXPECT_GT(lost, 0);
   all();
   const double again = farm->sum("fracture_results_computed_total") - computed,
@@ -138,7 +139,7 @@ TEST_F(Topology, WithoutRedisServiceContinues) {
   Load load(farm->port, kClients, kMeshes, kSeeds);
   load.wait_for(kMeshes * kSeeds);
   farm->redis.kill();
-  Load fresh(farm->port, kClients, kMeshes, 1'000'000);  // hardly anything of this is in a cache
+  Load fresh(farm->port, kClients, kMeshes, 1'000'000);  // hardly any of these requests is in a cache
   load.wait_for(kMeshes * kSeeds);
   fresh.wait_for(kMeshes * kSeeds);
   EXPECT_GT(farm->sum("fracture_cache_failures_total", "redis"), 0);
@@ -151,12 +152,12 @@ TEST_F(Topology, WithoutRedisServiceContinues) {
   expect_no_failure(fresh, "new results");
 }
 
-// HAProxy closes its own side when its client does (option abortonclose).
+// HAProxy closes its own side if its client does (option abortonclose).
 TEST_F(Topology, AClientThatLeavesStopsItsComputation) {
   const StoredMesh mesh(1);
   GameClient game(farm->port);
   EXPECT_EQ(game.fracture(mesh, 1).status, 200);
-  const std::string parameters = R"({"sites": 20000, "lloyd": 50})";  // a minute of one thread
+  const std::string parameters = R"({"sites": 20000, "lloyd": 50})";  // a minute for one thread
   for (int k = 1; k <= 2; ++k) {
     RawClient client(farm->port);
     client.send("POST " + mesh.path + "/fracture HTTP/1.1\r\nHost: localhost\r\nPriority: u=3\r\n" +

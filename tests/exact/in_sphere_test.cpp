@@ -17,7 +17,7 @@ namespace {
 using test::in_sphere_oracle;
 using test::ulps;
 
-// Puts the tetrahedron in positive order; false when it is flat or two of the five points coincide.
+// Puts the tetrahedron in positive order. Returns false if it is flat or two of the five points coincide.
 bool make_positive(std::array<Vec3d, 5>& p) {
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < i; ++j)
@@ -39,7 +39,8 @@ TEST(InSphere, IsPositiveInside) {
 }
 
 TEST(InSphere, AgreesWithRationalsOnUlpGridAroundCosphericalPoint) {
-  // Five corners of a box of thirds: cospherical up to rounding, and exactly so for some of the grid.
+  // Five corners of a box with coordinates in thirds: cospherical up to rounding, and exactly so for some
+  // points of the grid.
   const double s = 1.0 / 3, t = 2.0 / 3;
   std::array<Vec3d, 5> p{Vec3d{s, s, s}, Vec3d{t, s, s}, Vec3d{s, t, s}, Vec3d{s, s, t}, Vec3d{t, t, t}};
   ASSERT_TRUE(make_positive(p));
@@ -82,7 +83,8 @@ TEST(InSphere, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
   Random random(23);
   for (const int bits : {3, 9, 11, 12, 19, 20, 21, 23, 24, 25, 40, 53, 60})
     for (int i = 0; i < test::repetitions(120); ++i) {
-      // Points on a common sphere when nothing rounds: sign and axis changes of one vector, shifted.
+      // Without rounding, these points lie on a common sphere: one vector with changed signs and exchanged
+      // axes, shifted.
       std::array<Vec3d, 5> p;
       const Vec3d v{std::floor(random.uniform() * std::ldexp(1.0, bits)),
                     std::floor(random.uniform() * std::ldexp(1.0, bits)),
@@ -130,8 +132,8 @@ TEST(InSphere, DoesNotDependOnTheOrderOfTheTetrahedronsVertices) {
   }
 }
 
-// Of two tetrahedra that share a facet either both are locally Delaunay against each other's vertex or
-// neither is.
+// If two tetrahedra share a facet, either both are locally Delaunay against each other's vertex, or neither
+// is.
 TEST(InSphere, IsSymmetricAcrossAFacet) {
   Random random(31);
   int seen = 0;

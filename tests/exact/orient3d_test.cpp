@@ -64,8 +64,8 @@ TEST(Orient3d, AgreesWithRationalsForCoordinatesOfEveryWidthAndRange) {
           const double v = std::floor(random.uniform() * std::ldexp(1.0, bits));
           q[axis] = random.below(2) ? v : -v;
         }
-      // Often exactly coplanar: the last point on the plane of the others where the numbers are small enough
-      // to be exact.
+      // Often exactly coplanar: if the numbers are small enough to be exact, the last point lies in the plane
+      // of the others.
       if (i % 2 && bits < 50)
         for (int axis = 0; axis < 3; ++axis)
           p[3][axis] = p[0][axis] + (p[1][axis] - p[0][axis]) + 2 * (p[2][axis] - p[0][axis]);
@@ -114,7 +114,7 @@ TEST(Orient3d, CountsOnlyWhatTheFilterLeaves) {
   EXPECT_EQ(counters.ties, 1u);
 }
 
-// The widths promised in wide_int.hpp, at their limits, against integers of any size.
+// The widths promised in wide_int.hpp, at their limits, compared with integers of any size.
 TEST(WideInt, ProductsAndSumsAgreeWithIntegersOfAnySize) {
   using Big = boost::multiprecision::cpp_int;
   const auto to_big = [](const auto& w) {

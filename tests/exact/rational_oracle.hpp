@@ -1,6 +1,6 @@
-// The oracle of the predicate tests: the definitions, evaluated in rational arithmetic, written without
-// looking at the code under test. The tie rule is applied literally: every site gets a weight that is a power
-// of an actual infinitesimal, represented by a polynomial in it, so nothing is known here about cofactors.
+// The oracle of the predicate tests: the definitions, evaluated in rational arithmetic and written without
+// looking at the code under test. It applies the tie rule literally. Every site gets a weight that is a power
+// of an actual infinitesimal, represented by a polynomial in it. So the oracle uses no cofactors.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,7 @@ T determinant(const std::vector<std::vector<T>>& m) {
   return sum;
 }
 
-/// Sign of det[b - a; c - a; d - a].
+/// The sign of det[b - a; c - a; d - a].
 inline int orient3d_oracle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   std::vector<std::vector<Rational>> rows;
   for (const Vec3d& p : {b, c, d})
@@ -50,8 +50,8 @@ inline int orient3d_oracle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const
 }
 
 /// A real number plus infinitesimals: value + sum of c_k e_k with e_0 >> e_1 >> ... > 0. Products of
-/// infinitesimals never arise below because the weights enter the determinant in one column only;
-/// multiplication asserts it.
+/// infinitesimals never arise below, because the weights enter the determinant in one column only.
+/// Multiplication asserts this.
 struct Perturbed {
   Rational value;
   std::array<Rational, 5> infinitesimal{};
@@ -81,9 +81,10 @@ struct Perturbed {
   }
 };
 
-/// Is site e, weighted, closer than orthogonal to the power sphere of the weighted sites a, b, c, d? Lifts
-/// each site to |s|^2 - w_s and asks whether e lies below the hyperplane through the lifted a, b, c, d: the
-/// regular triangulation's own definition. +1 in conflict, -1 not, 0 never if the tie rule is complete.
+/// Whether the weighted site e is closer than orthogonal to the power sphere of the weighted sites a, b, c,
+/// d. It lifts each site to |s|^2 - w_s and asks whether e lies below the hyperplane through the lifted a, b,
+/// c, d. That is the definition of the regular triangulation. Returns +1 if e is in conflict and -1 if not.
+/// It never returns 0 if the tie rule is complete.
 inline int in_sphere_oracle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const Vec3d& e) {
   const std::array<Vec3d, 5> sites{a, b, c, d, e};
   std::array<int, 5> by_weight{0, 1, 2, 3, 4};  // heaviest first: lexicographically smallest
@@ -98,9 +99,8 @@ inline int in_sphere_oracle(const Vec3d& a, const Vec3d& b, const Vec3d& c, cons
       if (by_weight[rank] == i) lift.infinitesimal[rank] = -1;  // the weight, with its minus sign
     rows[i] = {Perturbed(1), Perturbed(x), Perturbed(y), Perturbed(z), lift};
   }
-  // For positive (a, b, c, d): the height of e's lift above the hyperplane times the (positive) volume is
-  // this 5x5 determinant (Laplace along the last row gives lift(e) * det[1 abcd] as its leading term, with
-  // sign +).
+  // For positive (a, b, c, d), this 5x5 determinant is the height of e's lift above the hyperplane times the
+  // (positive) volume. By Laplace along the last row, its leading term is lift(e) * det[1 abcd], with sign +.
   return -determinant(rows).sign();
 }
 

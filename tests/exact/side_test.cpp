@@ -1,7 +1,7 @@
-// The Voronoi side predicates against rational arithmetic with explicit weights: the k-th site in
-// lexicographic order weighs 2^(-300 (k + 1)), small beside anything that integer coordinates below 2^20 can
-// produce. The oracle constructs the point as a rational and compares power distances: no polynomial of the
-// code under test appears in it.
+// Compares the Voronoi side predicates with rational arithmetic with explicit weights. The k-th site in
+// lexicographic order weighs 2^(-300 (k + 1)). That is small compared with anything that integer coordinates
+// below 2^20 can produce. The oracle constructs the point as a rational number and compares power distances.
+// It contains no polynomial of the code under test.
 #include "common/exact/side.hpp"
 
 #include <gtest/gtest.h>
@@ -65,8 +65,8 @@ class Oracle {
   std::vector<Vec3d> sites_;
 };
 
-/// Small integers make nearly every configuration degenerate; the ulp family moves points by single ulps
-/// around one.
+/// Small integers make nearly every configuration degenerate. The ulp family moves points around one point by
+/// single ulps.
 Vec3d draw(Random& random, int family) {
   Vec3d p;
   for (int a = 0; a < 3; ++a) {
@@ -110,7 +110,7 @@ TEST_P(SidePredicates, Side2AgreesWithWeightedRationals) {
     const Vec3d &i = s[0], &j = s[1], &k = s[2];
     const auto ends = draw_distinct(random, GetParam(), 2);
     const Oracle oracle(s);
-    if (side1(i, k, ends[0]) == side1(i, k, ends[1])) continue;  // no crossing, nothing to ask
+    if (side1(i, k, ends[0]) == side1(i, k, ends[1])) continue;  // no crossing, so nothing to compare
     QVec normal;
     Q d;
     oracle.bisector(i, k, normal, d);
@@ -219,7 +219,7 @@ TEST(SidePredicates, NeverReturnZeroOnExactTies) {
 }
 
 TEST(SidePredicates, WideExponentRangeOfExportedCosines) {
-  // cos 90° as exporters write it, 6.1e-17 beside coordinates near 1000: about 80 bits of span.
+  // Exporters write cos 90° as 6.1e-17, here next to coordinates near 1000: a range of about 80 bits.
   const double c = 6.123233995736766e-17;
   const Vec3d i{0, c, 1000}, j{2, -c, 1000}, x{1, c, 999.5}, y{1, 1000, c};
   EXPECT_EQ(side1(i, j, x), Oracle({i, j}).closer_to_first(q(x), i, j));

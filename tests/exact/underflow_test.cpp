@@ -1,7 +1,7 @@
 // The predicates over the whole range of doubles that they accept, where squares, products and whole
-// polynomials underflow: against rational arithmetic, which knows no range. Nothing here is about ties
-// (side_test.cpp, in_sphere_test.cpp): where the rational polynomial of a side predicate is zero, nothing is
-// compared.
+// polynomials underflow. They are compared with rational arithmetic, which has an unlimited range. Ties are
+// not tested here (see side_test.cpp and in_sphere_test.cpp): if the rational polynomial of a side predicate
+// is zero, nothing is compared.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -31,7 +31,7 @@ QVec cross(const QVec& a, const QVec& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// In [-1, 1] on each axis, times 2^exponent.
+/// A vector in [-1, 1] on each axis, times 2^exponent.
 Vec3d vector_of(Random& random, int exponent) {
   Vec3d v;
   for (int a = 0; a < 3; ++a) {
@@ -44,8 +44,8 @@ int exponent_in(Random& random, int low, int high) {
   return low + static_cast<int>(random.below(static_cast<std::uint64_t>(high - low + 1)));
 }
 
-// Three points about as far from the origin as each other and on one line through it but for rounding, and
-// one at a distance whose square underflows: |b - a| of 2^-1074 ... 2^-400, in each of the places.
+// The origin, two points on one line through it (up to rounding) at similar distances, and a third point
+// whose squared distance underflows. |b - a| is 2^-1074 ... 2^-400, with the small point in each place.
 TEST(Orient3d, AgreesWithRationalsWhereASquaredLengthUnderflows) {
   Random random(101);
   int signs[3] = {};
@@ -72,7 +72,7 @@ TEST(Orient3d, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
     const Vec3d b = vector_of(random, exponent_in(random, -1074, 190)),
                 c = vector_of(random, exponent_in(random, -1074, 190));
     const double s = 2 * random.uniform() - 1, t = 2 * random.uniform() - 1;
-    // In the plane of the others, but for rounding; every fourth not at all.
+    // In the plane of the others up to rounding. Every fourth point lies anywhere.
     const Vec3d d =
         n % 4 ? a + s * (b - a) + t * (c - a) : vector_of(random, exponent_in(random, -1074, 190));
     ASSERT_EQ(orient3d(a, b, c, d), test::orient3d_oracle(a, b, c, d)) << n;
@@ -84,7 +84,7 @@ TEST(InSphere, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
   int asked = 0, signs[3] = {};
   for (int n = 0; n < test::repetitions(3000); ++n) {
     std::array<Vec3d, 5> p;
-    if (n % 2) {  // on one sphere about the origin, but for an ulp
+    if (n % 2) {  // on one sphere around the origin, up to an ulp
       const Vec3d v =
           vector_of(random, exponent_in(random, n % 4 == 1 ? -1074 : -400, n % 4 == 1 ? 190 : -150));
       for (Vec3d& r : p) {
@@ -95,7 +95,7 @@ TEST(InSphere, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
         }
       }
       p[4].x = std::nextafter(p[4].x, random.below(2) ? HUGE_VAL : -HUGE_VAL);
-    } else {  // each of a magnitude of its own
+    } else {  // each with its own magnitude
       for (Vec3d& r : p) r = vector_of(random, exponent_in(random, -1074, n % 4 ? 190 : -200));
     }
     bool distinct = true;
@@ -114,8 +114,8 @@ TEST(InSphere, AgreesWithRationalsOverAllMagnitudesThatItAccepts) {
   EXPECT_GT(signs[2], test::repetitions(300));
 }
 
-/// Small multiples of a power of two, another one for each point or for each coordinate: most polynomials in
-/// such points have terms that underflow beside others that do not.
+/// Small multiples of a power of two, with another power for each point or for each coordinate. Most
+/// polynomials of such points have terms that underflow and others that do not.
 Vec3d draw(Random& random) {
   constexpr int kExponents[] = {0, -1, -30, -170, -330, -540, -700, -1060, -1072, 38};
   const bool one = random.below(2) == 0;
@@ -207,7 +207,7 @@ TEST(SidePredicates, AgreeWithRationalsWhereTheirPolynomialsUnderflow) {
     EXPECT_GT(asked, test::repetitions(400));
 }
 
-// The bound of a polynomial's value, for those who divide by it.
+// The bound of a polynomial's value, for code that divides by it.
 TEST(Approx, BoundsWhatUnderflowTakesAway) {
   Random random(105);
   for (int n = 0; n < test::repetitions(5000); ++n) {

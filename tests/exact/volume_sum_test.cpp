@@ -1,4 +1,4 @@
-// Volumes of needles, for which sums in doubles keep no digit.
+// Volumes of needles. For these, sums in doubles keep no correct digit.
 #include "common/exact/volume_sum.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,8 @@ TEST(VolumeSum, IsRightWhereTheSumInDoublesSaysThatItCancels) {
   Random random(11);
   int cancelling = 0, wrong = 0;
   for (int n = 0; n < test::repetitions(2000); ++n) {
-    // Four points near a line or, every other time, near a plane; both aslant, so that nothing is 0.
+    // Four points near a line or, every other time, near a plane. Both are oblique, so that no coordinate is
+    // 0.
     const double thin = std::ldexp(1.0, -static_cast<int>(random.below(n % 2 ? 22 : 45)));
     std::array<Vec3d, 4> p;
     for (Vec3d& v : p) {

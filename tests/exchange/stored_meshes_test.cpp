@@ -10,7 +10,7 @@ namespace {
 using Role = PutOnce::Role;
 
 TEST(StoredMeshes, AreAddressedByTheDigestOfTheirBytes) {
-  // FIPS 180-4, of the empty message.
+  // The SHA-256 of the empty message, by FIPS 180-4.
   const std::string id = mesh_id("");
   EXPECT_EQ(id, "sha256:e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   const HttpRequest put = put_request(id, "model/obj", std::make_shared<const std::string>("bytes"));

@@ -1,4 +1,4 @@
-// Figures of fragments against closed forms, attributes at cuts, bonds.
+// Compares figures of fragments with closed forms. Also tests attributes at cuts, and bonds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ FragmentSet fracture_at(const Mesh& mesh, std::vector<Vec3d> points) {
 }
 
 TEST(MassIntegral, BoxHasItsTextbookInertia) {
-  const Vec3d low{1, 2, 3}, high{2, 4, 6};  // 1 x 2 x 3
+  const Vec3d low{1, 2, 3}, high{2, 4, 6};  // sides 1 x 2 x 3
   const MassProperties m = mass_of(box(low, high), {0, 0, 0});
   EXPECT_NEAR(m.volume, 6, 1e-12);
   EXPECT_NEAR(m.area, 2 * (2 + 3 + 6), 1e-12);
@@ -48,8 +48,8 @@ TEST(MassIntegral, BoxHasItsTextbookInertia) {
 }
 
 TEST(MassIntegral, TetrahedronHasItsTextbookProducts) {
-  // Corners 0, x, y, z: second moments 1/60, products 1/120 about the origin; centre (1/4, 1/4, 1/4), volume
-  // 1/6.
+  // Corners 0, x, y, z. Second moments are 1/60 and products 1/120 about the origin. The centre is (1/4, 1/4,
+  // 1/4) and the volume 1/6.
   const Mesh t = tetrahedron();
   const MassProperties m = mass_of(t, {0.3, 0.1, 0.2});
   const double v = volume_of(t);
@@ -57,7 +57,8 @@ TEST(MassIntegral, TetrahedronHasItsTextbookProducts) {
   Vec3d center;
   for (const Vec3f& p : t.positions) center = center + 0.25 * to_double(p);
   EXPECT_NEAR(length(m.center_of_mass - center), 0, 1e-12);
-  // For any tetrahedron: integral of (x - c)_i (x - c)_j = V/20 · sum over corners of (p - c)_i (p - c)_j.
+  // For any tetrahedron, the integral of (x - c)_i (x - c)_j = V/20 · sum over corners of (p - c)_i (p -
+  // c)_j.
   double s[3][3] = {};
   for (const Vec3f& f : t.positions) {
     const Vec3d p = to_double(f) - center;
@@ -74,7 +75,7 @@ TEST(MassIntegral, TetrahedronHasItsTextbookProducts) {
 
 TEST(MassIntegral, FarAwayKeepsItsFigures) {
   const Vec3d far{1000, -2000, 4000};
-  const Mesh moved = translated(torus(24, 12), far);  // rounds its coordinates: a slightly different torus
+  const Mesh moved = translated(torus(24, 12), far);  // rounding makes a slightly different torus
   EXPECT_NEAR(mass_of(moved, far).volume, volume_of(moved), 1e-12 * volume_of(moved));
   EXPECT_NEAR(length(mass_of(moved, far).center_of_mass - far), 0, 1e-4);
 }
@@ -133,7 +134,7 @@ TEST(Closedness, CountsOpenAndPinchedEdges) {
 TEST(Closedness, OfAnAnswerIsThatOfTopologyAndPositions) {
   Fragment f;
   f.positions = {
-      {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};  // vertex 4 stands on vertex 0: a seam
+      {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};  // vertex 4 has the place of vertex 0: a seam
   f.indices = {4, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
   f.topology = {0, 1, 2, 3, 0};
   EXPECT_EQ(open_edges(f), 0u);
@@ -144,7 +145,7 @@ TEST(Closedness, OfAnAnswerIsThatOfTopologyAndPositions) {
   EXPECT_GT(open_edges(f), 0u) << "closed in its topology, but vertex 4 is not where vertex 0 is";
 }
 
-/// The surface of unit cells, two triangles for each face between inside and outside; equal positions are one
+/// The surface of unit cells: two triangles for each face between inside and outside. Equal positions are one
 /// vertex.
 Mesh surface_of_cells(const std::vector<std::array<int, 3>>& cells) {
   Mesh mesh;
@@ -175,8 +176,9 @@ Mesh surface_of_cells(const std::vector<std::array<int, 3>>& cells) {
   return mesh;
 }
 
-// The ends of a chain of cells touch in the point (1, 1, 1): two fans of triangles around one vertex of the
-// file, of which one has a second vertex there. The solid has a vertex for each fan; so must the fragment.
+// The ends of a chain of cells touch at the point (1, 1, 1). In the file, two fans of triangles meet at one
+// vertex, and one of the fans has a second vertex there. The solid has a vertex for each fan, and so must the
+// fragment.
 TEST(Fragments, FansThatShareAVertexOfTheFileStayApart) {
   Mesh mesh = surface_of_cells(
       {{0, 0, 0}, {-1, 0, 0}, {-1, 0, 1}, {-1, 0, 2}, {0, 0, 2}, {1, 0, 2}, {1, 1, 2}, {1, 1, 1}});
@@ -217,7 +219,7 @@ TEST(Fragments, EightOctantsOfACubeShareThreeUnitSquares) {
   const FragmentSet set = fracture_at(cube(), sites);
   ASSERT_EQ(set.fragments.size(), 8u);
   for (const Fragment& f : set.fragments) EXPECT_NEAR(f.mass.volume, 0.125, 1e-12);
-  // The perturbation lets more cells touch along edges; only bonds with area count, and those add up to three
+  // The perturbation lets more cells touch along edges. Only bonds with area count, and those add up to three
   // unit squares.
   double area = 0;
   for (const Bond& b : set.bonds) area += b.area;
@@ -225,7 +227,8 @@ TEST(Fragments, EightOctantsOfACubeShareThreeUnitSquares) {
 }
 
 TEST(Fragments, AttributesAreInterpolatedLinearlyAtCuts) {
-  // A cube whose UVs are an affine function of position keeps that function on every exterior vertex.
+  // The UVs of the cube are an affine function of position. Every exterior vertex must still satisfy that
+  // function.
   Mesh mesh = cube_with_seams();
   ASSERT_FALSE(mesh.attributes.uvs.empty());
   for (std::size_t w = 0; w < mesh.positions.size(); ++w) {
@@ -269,7 +272,7 @@ TEST(Fragments, TexturesOfCutsLieAlongTheGrain) {
         const Vec3d in_plane = grain - (dot(grain, normal) / dot(normal, normal)) * normal;
         if (!(length(normal) > 1e-6) || length(in_plane) < 0.4) continue;  // across the grain
         ++along;
-        // The second coordinate is metres along the grain, as far as the face has it.
+        // The second coordinate is metres along the grain, projected onto the face.
         for (const std::uint32_t n : {1u, 2u})
           EXPECT_NEAR(v_of(n) - v_of(0), dot(corner(n) - corner(0), (1 / length(in_plane)) * in_plane), 1e-5);
       }
@@ -286,7 +289,7 @@ TEST(Fragments, InteriorNormalsPointOutOfTheFragment) {
       for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; k += 3) {
         const auto at = [&](std::uint32_t n) { return to_double(f.positions[f.indices[n]]); };
         const Vec3d n = cross(at(k + 1) - at(k), at(k + 2) - at(k));
-        if (!(length(n) > 1e-5)) continue;  // a sliver's direction is rounding
+        if (!(length(n) > 1e-5)) continue;  // rounding decides a sliver's direction
         EXPECT_GT(dot(n, to_double(f.attributes.normals[f.indices[k]])), 0.99 * length(n));
       }
     }

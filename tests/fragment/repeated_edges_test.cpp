@@ -1,4 +1,4 @@
-// Edges that a fragment's topology uses several times come apart without anything that moves.
+// Edges that a fragment's topology uses several times are separated, and no point moves.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-/// A fragment over `vertices` points, each a vertex of its own, with a normal that tells them apart.
+/// A fragment over `vertices` points. Each point is one vertex, and its normal distinguishes it from the
+/// others.
 Fragment fragment_of(const std::vector<Corners>& triangles, std::uint32_t vertices) {
   Fragment f;
   for (std::uint32_t v = 0; v < vertices; ++v) {
@@ -37,7 +38,7 @@ Fragment fragment_of(const std::vector<Corners>& triangles, std::uint32_t vertic
   return f;
 }
 
-/// Uses of directed edges, counted by another means than the code under test.
+/// Counts repeated uses of directed edges by another method than the code under test.
 int repeated_in(const Fragment& f) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (std::size_t k = 0; k < f.indices.size(); ++k) {
@@ -49,7 +50,8 @@ int repeated_in(const Fragment& f) {
   return repeated;
 }
 
-/// Each edge is used once in each direction, and every corner is where it was, with the attributes that it had.
+/// Expects that each edge is used once in each direction. Every corner must have the same place and
+/// attributes as before.
 void expect_split(const Fragment& before, const Fragment& after) {
   EXPECT_EQ(repeated_in(after), 0);
   EXPECT_EQ(open_edges(after), 0u);
@@ -129,7 +131,7 @@ TEST(RepeatedEdges, AnOpenFragmentStaysAsItIs) {
   EXPECT_GT(open_edges(f), 0u);
 }
 
-// Tetrahedra over a few vertices: most edges are used many times, in fans that go around several of them.
+// Tetrahedra over a few vertices. Most edges are used many times, in fans that go around several of them.
 TEST(RepeatedEdges, RandomHeapsOfTetrahedraComeApart) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     Random random(seed);
@@ -155,13 +157,13 @@ TEST(RepeatedEdges, RandomHeapsOfTetrahedraComeApart) {
   }
 }
 
-// In which order the triangles stand decides how the uses of the edge are paired at first: in half of all orders the two
-// bodies are one fan around each end, and the pairs have to change partners.
+// The order of the triangles decides how the uses of the edge are paired at first. In half of all orders the
+// two bodies are one fan around each end, and the pairs must exchange partners.
 TEST(RepeatedEdges, TwoBodiesComeApartInEveryOrderOfTheirTriangles) {
   std::vector<Corners> triangles;
   add_tetrahedron({0, 1, 2, 3}, triangles);
   add_tetrahedron({0, 1, 4, 5}, triangles);
-  std::vector<std::size_t> order{0, 2, 4, 6};  // (0, 1, x) and (0, x, 1) of each
+  std::vector<std::size_t> order{0, 2, 4, 6};  // triangles (0, 1, x) and (0, x, 1) of each body
   do {
     std::vector<Corners> ordered;
     for (const std::size_t k : order) ordered.push_back(triangles[k]);
@@ -175,7 +177,7 @@ TEST(RepeatedEdges, TwoBodiesComeApartInEveryOrderOfTheirTriangles) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-/// The unit cube with one edge rounded off by an arc of this radius.
+/// The unit cube with one edge rounded by an arc of this radius.
 Mesh cube_with_fillet(double radius, int steps) {
   std::vector<std::array<double, 2>> outline{{0, 0}};
   for (int k = 0; k <= steps; ++k) {
@@ -198,7 +200,7 @@ Mesh cube_with_fillet(double radius, int steps) {
   return mesh;
 }
 
-// The arc is narrower than a few steps of the seam lattice: cuts through it have diagonals along one another.
+// The arc is narrower than a few steps of the seam lattice, so cuts through it have diagonals that coincide.
 TEST(RepeatedEdges, FragmentsOfACubeWithATinyFilletHaveNone) {
   std::uint64_t copies = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -208,7 +210,7 @@ TEST(RepeatedEdges, FragmentsOfACubeWithATinyFilletHaveNone) {
     const Fractured made = fracture_mesh(cube_with_fillet(1e-5, 39), p);
     for (const Fragment& f : made.set.fragments) {
       EXPECT_EQ(repeated_in(f), 0) << "seed " << seed << ", fragment " << f.id;
-      // Copies of one vertex: different ones in the topology, at one place with all the same attributes.
+      // Copies of one vertex have different topology numbers, but the same place and all the same attributes.
       std::set<std::array<float, 8>> seen;
       for (std::uint32_t v = 0; v < f.positions.size(); ++v) {
         if (f.topology[v] != v) continue;

@@ -45,8 +45,8 @@ void finish(Mesh& mesh) {
 
 // ---- shapes
 
-/// Boxes with corners on a small lattice: they touch, overlap in common planes, hold each other; some inside
-/// out.
+/// Boxes with corners on a small lattice: they touch, overlap in common planes or contain each other; some
+/// are inside out.
 Mesh lattice_boxes(Bytes& bytes) {
   std::vector<Mesh> all;
   for (std::uint32_t n = 1 + bytes.below(6); n > 0; --n) {
@@ -61,8 +61,7 @@ Mesh lattice_boxes(Bytes& bytes) {
   return test::joined(all);
 }
 
-/// Tetrahedra with corners on a small lattice, which they share: edges of many triangles, vertices of many
-/// fans.
+/// Tetrahedra that share corners on a small lattice. Some edges have many triangles, some vertices many fans.
 Mesh lattice_tetrahedra(Bytes& bytes) {
   Mesh mesh;
   for (int k = 0; k < 27; ++k) mesh.positions.push_back({float(k % 3), float(k / 3 % 3), float(k / 9)});
@@ -78,7 +77,7 @@ Mesh lattice_tetrahedra(Bytes& bytes) {
   return mesh;
 }
 
-/// A sheet of n × n squares over a height field, open all around, perhaps with holes.
+/// A sheet of n × n squares over a height field, open all around, possibly with holes.
 Mesh open_sheet(Bytes& bytes) {
   Mesh mesh;
   const std::uint32_t n = 1 + bytes.below(7);
@@ -101,7 +100,7 @@ Mesh open_sheet(Bytes& bytes) {
 Mesh polygon_prism(Bytes& bytes) {
   std::vector<Vec2d> polygon;
   for (std::uint32_t n = 3 + bytes.below(12); n > 0; --n) {
-    const double x = bytes.below(9) / 8.0, y = bytes.below(9) / 8.0;  // corners meet, edges overlap
+    const double x = bytes.below(9) / 8.0, y = bytes.below(9) / 8.0;  // corners coincide, edges overlap
     polygon.push_back({x, y});
   }
   return test::prism_over(polygon);
@@ -123,7 +122,7 @@ Mesh shape_of(Bytes& bytes, std::string& words, std::vector<Vec3d>& sites) {
   if (kind < 5) {
     const test::GrowthFamily& family = families[bytes.below(static_cast<std::uint32_t>(families.size()))];
     const std::string name = family.name;
-    // Some have hundreds of triangles for each step.
+    // Some families make hundreds of triangles for each step.
     const std::uint32_t size = 1 + bytes.below(name == "instances" ? 3 : name == "hub" ? 40 : 60);
     const std::uint64_t seed = bytes.byte();
     test::GrowthInput input = family.make(size, seed);
@@ -155,7 +154,7 @@ Mesh shape_of(Bytes& bytes, std::string& words, std::vector<Vec3d>& sites) {
   }
 }
 
-// ---- how they lie, what is wrong with them, where they are
+// ---- damage and placement
 
 void damage(Bytes& bytes, Mesh& mesh, std::string& words) {
   const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size()),
@@ -197,7 +196,7 @@ void damage(Bytes& bytes, Mesh& mesh, std::string& words) {
   }
   finish(mesh);
   if (kind == 6) mesh = test::unindexed(mesh);
-  if (kind == 7) {  // by a turn that no float holds exactly
+  if (kind == 7) {  // rotate by an angle that no float represents exactly
     const double angle = bytes.between(0, 6.3), c = std::cos(angle), s = std::sin(angle);
     for (Vec3f& p : mesh.positions) p = to_float({c * p.x - s * p.y, s * p.x + c * p.y, p.z});
   }
@@ -248,7 +247,7 @@ Mesh mesh_of(Bytes& bytes, std::string& words, std::vector<Vec3d>& sites) {
 
 // ---- parameters
 
-/// What values are drawn for.
+/// The scene for which parameter values are drawn.
 struct Scene {
   Box box;
   double size, volume;
@@ -339,11 +338,11 @@ nlohmann::json value_of(Bytes& bytes, const ParameterSpec& spec, const Scene& sc
   return {};
 }
 
-/// Those that the importer or an earlier answer decide.
+/// Parameters that the importer or an earlier answer determines.
 const std::set<std::string> kNotDrawn{"format",        "of",   "broken", "fragment", "fragment_sites",
                                       "fragment_seed", "unit", "up"};
 
-/// The request, after everything that the table blames has been left out.
+/// Parses the request after removing all members that the table refuses.
 RequestParameters parse(const ParameterTable& table, nlohmann::json& request) {
   for (;;) {
     std::vector<RawParameter> given;
@@ -367,7 +366,7 @@ FractureCase decode_case(const std::uint8_t* data, std::size_t size) {
   std::vector<Vec3d> sites;
   result.mesh = mesh_of(bytes, result.shape, sites);
   const Box box = box_of(result.mesh);
-  // A sheet has no volume before it is given a thickness.
+  // Without a minimum thickness a sheet would have no volume.
   const double longest = std::max(box.longest_side(), 1e-100);
   double volume = 1;
   for (int a = 0; a < 3; ++a) volume *= std::max(box.size()[a], 1e-3 * longest);
@@ -384,14 +383,14 @@ FractureCase decode_case(const std::uint8_t* data, std::size_t size) {
     const bool common = spec.name == "pattern" || spec.name == "material";
     if (bytes.below(64) < (common ? 20 : share)) request[spec.name] = value_of(bytes, spec, scene);
   }
-  // What comes in pairs.
+  // Some parameters come in pairs.
   if (request.contains("local_point") != request.contains("local_radius"))
     for (const char* name : {"local_point", "local_radius"})
       if (!request.contains(name)) request[name] = value_of(bytes, *table.find(name), scene);
   if (request.contains("keep_center") != request.contains("keep_radius"))
     for (const char* name : {"keep_center", "keep_radius"})
       if (!request.contains(name)) request[name] = value_of(bytes, *table.find(name), scene);
-  if (!sites.empty() && bytes.below(4) < 3) {  // the sites that the family is about
+  if (!sites.empty() && bytes.below(4) < 3) {  // the sites that belong to the family
     request["pattern"] = "points";
     nlohmann::json points = nlohmann::json::array();
     for (const Vec3d& p : sites)

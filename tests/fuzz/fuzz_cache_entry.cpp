@@ -1,5 +1,5 @@
-// Fuzz target: the decoder of cache entries. Whatever a disk or a Redis hands back, decode_entry reads
-// nothing beyond it, and what it accepts is exactly what encode_entry_head writes.
+// Fuzz target: the decoder of cache entries. decode_entry must read nothing beyond the bytes that a disk or a
+// Redis returns. The bytes it accepts must be exactly those that encode_entry_head writes.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

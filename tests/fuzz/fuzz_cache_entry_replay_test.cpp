@@ -1,4 +1,4 @@
-// The fuzz target as a test: valid entries and seeded mutations of them, so that every build replays it.
+// The fuzz target as a test: valid entries and seeded mutations of them, replayed in every build.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -23,7 +23,7 @@ TEST(FuzzCacheEntry, ValidEntriesAndTheirMutationsAreDecodedOrRefused) {
       bytes[random.below(std::min<std::size_t>(bytes.size(), 80))] =
           static_cast<std::uint8_t>(random.below(256));
     if (random.below(4) == 0) bytes.resize(random.below(bytes.size() + 1));
-    // A copy of exactly this size, so that the sanitizer sees the first byte that is read beyond it.
+    // A copy of exactly this size, so that the sanitizer detects the first read beyond it.
     const std::vector<std::uint8_t> exact(bytes.begin(), bytes.end());
     LLVMFuzzerTestOneInput(exact.data(), exact.size());
   }

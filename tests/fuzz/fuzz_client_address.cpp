@@ -1,6 +1,6 @@
-// Fuzz target: whom a request comes from. The first byte chooses: the header of the PROXY protocol, or a
-// Forwarded field behind proxies of a network that the first line names. What strangers write never makes an
-// address that is none, and a proxy that nobody named is never believed.
+// Fuzz target: the client address of a request. The first byte chooses between the header of the PROXY
+// protocol and a Forwarded field behind proxies of a network that the first line names. The result is always
+// a valid address, whatever strangers write, and only a named proxy is believed.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -29,7 +29,8 @@ void check_proxy_header(std::string_view received) {
   } else {
     require(header.address.empty());
   }
-  // However the bytes are cut into packets: a beginning is incomplete, or says already what the whole says.
+  // Independent of how the bytes are cut into packets: a prefix is incomplete, or already has the same result
+  // as the whole.
   for (const std::size_t part : {received.size() / 2, received.size() - received.size() / 4}) {
     const ProxyHeader begun = parse_proxy_header(received.substr(0, part));
     if (begun.state == ProxyHeader::State::kIncomplete) continue;
@@ -48,7 +49,7 @@ void check_forwarded(std::string_view text) {
   const std::string client = forwarded_client(peer, field, named);
   if (!named.contains(peer)) require(client == peer);
   require(parse_address(client).has_value());
-  // A proxy says last whom it speaks for, whatever stands before that.
+  // A proxy appends its client last, so whatever precedes it does not matter.
   TrustedProxies only;
   require(only.add("192.0.2.0/24"));
   require(forwarded_client(peer, std::string(field) + ", for=198.51.100.7", only) == "198.51.100.7");

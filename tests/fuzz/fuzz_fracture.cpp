@@ -1,7 +1,8 @@
-// Fuzz target: any mesh, any parameters (fracture_case.hpp) through make_solid, make_diagram and fracture,
-// hits and fragments that are fractured again included. What comes out is sound by the invariants of
-// tests/property, or an error; no exception, and never longer than 50 ms of processor time between two polls,
-// so that an interruption takes effect in that time. Everything else prints how to repeat it, and aborts.
+// Fuzz target: any mesh and any parameters (fracture_case.hpp) through make_solid, make_diagram and fracture,
+// including hits and fragments that are fractured again. The answer is sound by the invariants of
+// tests/property, or an error. There is no exception, and never more than 50 ms of processor time between two
+// polls, so that an interruption takes effect within that time. Otherwise the target prints how to repeat the
+// input, and aborts.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +23,7 @@ namespace {
 
 using test::Violations;
 
-/// How many times as long as a release build without sanitizers may this one take?
+/// How many times as long as a release build without sanitizers this build may take.
 #if defined(FRACTURE_SANITIZED)
 constexpr double kSlowness = 12;
 #elif !defined(NDEBUG)
@@ -33,7 +34,7 @@ constexpr double kSlowness = 1;
 constexpr double kBetweenPolls = 0.05 * kSlowness;  ///< seconds of the thread's processor time
 constexpr std::chrono::seconds kDeadline(kSlowness > 1 ? 12 : 4);
 
-/// Measures what lies between polls of one thread, from here to finish().
+/// Measures the time between polls of one thread, until it is destroyed or restarted with skip().
 class Watched {
  public:
   Watched() {
@@ -50,7 +51,7 @@ class Watched {
     }
     last_ = now;
   }
-  /// What was done since the last poll is not the library's.
+  /// Excludes the time since the last poll, in which the target worked, not the library.
   void skip() { last_ = now(); }
   double longest() const { return longest_; }
   const std::string& where() const { return where_; }
@@ -74,9 +75,9 @@ void append(Violations& all, const std::string& what, const Violations& some) {
   for (const std::string& one : some) all.push_back(what + ": " + one);
 }
 
-/// The solid's own triangles as a mesh in which each has its number as material, and so in the solid. Empty
-/// where that is not possible: filled triangles have no attributes, which all but those of the interior
-/// material must have where the mesh has any.
+/// Returns the solid's own triangles as a mesh. Each triangle gets its number as material, also in the solid.
+/// The mesh is empty if filled triangles lack attributes: a mesh with attributes must have them on all
+/// triangles except those of the interior material.
 Mesh traced_surface(Solid& solid, test::Whole& whole) {
   const Attributes& attributes = solid.source->attributes;
   const bool with_attributes = !attributes.normals.empty() || !attributes.tangents.empty() ||
@@ -93,7 +94,7 @@ Mesh traced_surface(Solid& solid, test::Whole& whole) {
 /// Volume, area and the sum of the shells' absolute volumes, from the triangles alone.
 test::Whole measures(const Solid& solid) {
   std::vector<long double> six;
-  std::vector<Vec3d> origin;  // of each shell: shells that are far from each other would cancel
+  std::vector<Vec3d> origin;  // one for each shell, because distant shells would cancel
   test::Whole whole;
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     const auto corner = [&](std::size_t k) { return to_double(solid.positions[solid.triangles[t][k]]); };
@@ -118,7 +119,7 @@ test::Whole measures(const Solid& solid) {
   return whole;
 }
 
-/// The bits that an answer would be written with, for comparison.
+/// Compares the bits that would be written to the answer.
 bool same_fragments(const FragmentSet& a, const FragmentSet& b) {
   if (a.fragments.size() != b.fragments.size()) return false;
   for (std::size_t k = 0; k < a.fragments.size(); ++k) {
@@ -138,7 +139,7 @@ Violations judge(const FragmentSet& set, const FractureParameters& parameters, c
     all.push_back("the certificate counts " + std::to_string(c.open_edges) + " open edges");
   if (parameters.dual == Dual::kBarycenter || only_changed) return all;
   append(all, "partition", test::partition_violations(set, whole));
-  // What has no volume is not emitted, nor are pockets: then the outside is not covered everywhere.
+  // Sheets without volume and pockets are left out; then the outside is not covered everywhere.
   if (!whole.filled)
     append(all, "outside", test::outside_violations(set, surface, c.pocket_area == 0 && c.dropped == 0));
   if (c.fragments != c.cells + c.islands - c.united - c.dropped)
@@ -152,13 +153,13 @@ Violations judge(const FragmentSet& set, const FractureParameters& parameters, c
 
 std::string word_of(const Error& error, Violations& violations) {
   const std::string name = slug(error.code);
-  // Refused because it would not be sound is a failure here: the fallback is a net, not a path.
+  // A refusal of an unsound answer is a failure here, because that fallback must never be needed.
   if (error.code == ErrorCode::kInternal || name == "unsound")
     violations.push_back(name + ": " + error.detail);
   return error.pointer.empty() ? name : name + " " + error.pointer;
 }
 
-/// A hit on an answer: the same as everything from nothing.
+/// A hit on an answer must give the same result as computing everything from scratch.
 Outcome run_hits(const Solid& solid, const FractureParameters& parameters, const NewHits& new_hits,
                  const test::Whole& whole, const Mesh& surface, Watched& watched) {
   Outcome outcome{"sound", {}};
@@ -215,7 +216,7 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
     append(outcome.violations, "answer", judge(made->set, parameters, whole, surface));
     return outcome;
   }
-  // One of the fragments, again.
+  // Fractures one of the fragments again.
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return outcome.word = word_of(diagram.error(), outcome.violations), outcome;
   const Expected<FracturedSolid> first = fracture::fracture(*solid, *diagram, parameters, execution, timings);
@@ -233,7 +234,7 @@ Outcome run_once(const FractureCase& c, Watched& watched) {
 }
 
 Outcome run(const FractureCase& c) {
-  // A long way between polls counts when it is there again: the machine does other things, too.
+  // A long time between polls counts only if it recurs, because the machine does other things as well.
   Outcome outcome;
   for (int attempt = 0; attempt < 3; ++attempt) {
     Watched watched;
@@ -255,7 +256,7 @@ Outcome run(const FractureCase& c) {
 
 }  // namespace
 
-/// What became of the last input, for programs that count: "sound", or slug and pointer of an error.
+/// The result of the last input, for programs that count: "sound", or slug and pointer of an error.
 std::string& last_outcome() {
   static std::string word;
   return word;

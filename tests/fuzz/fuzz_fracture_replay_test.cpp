@@ -1,5 +1,5 @@
-// fuzz_fracture as a test: every file of its corpus, inputs that found something once among them, and some
-// random inputs. An input that fails ends the program and prints how to repeat it.
+// fuzz_fracture as a test: every file of its corpus, which includes inputs that once found something, and
+// some random inputs. An input that fails ends the program and prints how to repeat it.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -3,10 +3,10 @@
 //   fuzz_fracture_run [--seed S] [--from K] [--count N] [--time SECONDS] [--failures FOLDER]
 //   fuzz_fracture_run --input HEX | --file FILE  [--obj FILE]
 //
-// Input k of a seed is always the same bytes. Inputs run in a child process; one that ends it (a broken
-// invariant aborts, a crash, more than --limit seconds) is counted, kept in FOLDER with its bytes, and the
-// next child goes on behind it. --input and --file run one input here; --obj writes its mesh and prints its
-// parameters instead. Exits with 0 when nothing failed, else 1.
+// Input k of a seed is always the same bytes. Inputs run in a child process. An input may end it by a broken
+// invariant (which aborts), by a crash or after --limit seconds. It is then counted, its bytes are kept in
+// FOLDER, and the next child continues after it. --input and --file run a single input in this process. --obj
+// writes its mesh and prints its parameters instead. Exits with 0 if nothing failed, otherwise with 1.
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -46,9 +46,9 @@ struct Options {
   bool one = false;
 };
 
-/// What children and parent share.
+/// Memory that children and parent share.
 struct Shared {
-  std::atomic<std::uint64_t> next;  ///< the input that is running
+  std::atomic<std::uint64_t> next;  ///< the running input
   struct Count {
     char word[40];
     std::uint64_t times;

@@ -1,7 +1,7 @@
-// Fuzz target: the first byte chooses the format, the rest is the file. Whatever comes, import_mesh returns a
-// Mesh that keeps its promises or an Error with a sentence; it does not crash, hang or allocate what the file
-// merely declares. Formats that only run in the sandbox (BLEND, FBX, DAE, 3DS) and the inside of Assimp are
-// not the target here.
+// Fuzz target: the first byte chooses the format, the rest is the file. For every input import_mesh returns a
+// valid Mesh or an Error with a sentence. It does not crash, hang or allocate memory that the file merely
+// declares. Formats that run only in the sandbox (BLEND, FBX, DAE, 3DS) and the inside of Assimp are not the
+// target here.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

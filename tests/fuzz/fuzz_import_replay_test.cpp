@@ -1,4 +1,4 @@
-// The fuzz target as a test: small valid files and seeded mutations of them, so that every build replays it.
+// The fuzz target as a test: small valid files and seeded mutations of them, replayed in every build.
 #include <gtest/gtest.h>
 
 #include "common/base/random.hpp"
@@ -42,7 +42,7 @@ std::vector<std::string> corpus() {
   return files;
 }
 
-/// One random change; half of them put a number that breaks arithmetic where a digit stood.
+/// Makes one random change. Half of the changes replace a digit with a number that strains arithmetic.
 void mutate(std::string& file, Random& random) {
   static const std::string kNumbers[] = {
       "-1", "4294967295", "4294967296", "9223372036854775808", "18446744073709551615", "1e308", "0", "7"};

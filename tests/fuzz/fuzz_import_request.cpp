@@ -1,6 +1,6 @@
-// Fuzz target: a request message and the shared memory behind it, as an import worker gets them. The worker
-// takes the request only where every byte of the input belongs to the mesh, to one file, or to the head that
-// lists them.
+// Fuzz target: a request message with its shared memory, as an import worker receives them. The worker
+// accepts the request only if every byte of the input belongs to the mesh, to exactly one file, or to the
+// head that lists them.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto add = [&](std::span<const std::byte> part) {
     if (part.size() > input.size() || (!part.empty() && (part.data() - input.data()) % kInputAlignment != 0))
       std::abort();
-    for (const std::byte byte : part) sum = sum + std::to_integer<unsigned>(byte);  // all of it can be read
+    for (const std::byte byte : part) sum = sum + std::to_integer<unsigned>(byte);  // every byte can be read
     size_of_parts += aligned(part.size());
   };
   add(job->mesh);

@@ -1,6 +1,6 @@
-// Fuzz target: what a folder of jobs holds. The first byte chooses between a mesh with its files and the JSON of a record,
-// whose sum is made right. A record that is accepted is written as one that is read again, and its numbers are such as the
-// server computes with.
+// Fuzz target: the contents of a folder of jobs. The first byte chooses between a mesh with its files and the
+// JSON of a record, which gets a correct checksum. If a record is accepted, writing it gives a record that
+// can be read again, and its numbers are in the ranges that the server computes with.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 1) return 0;
   if (data[0] == 'm') {
     auto bytes = std::make_shared<const std::vector<std::uint8_t>>(data, data + size);
-    require(!decode_mesh(bytes, 1, std::string(64, '0')));  // nothing has this digest
+    require(!decode_mesh(bytes, 1, std::string(64, '0')));  // no input has this digest
     return 0;
   }
   const std::string text(reinterpret_cast<const char*>(data) + 1, size - 1);
@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(time.time_since_epoch().count() >= 0 && time < kLast);
   require(record->patience.count() > 0 && record->patience <= std::chrono::hours(24));
   require(record->mesh_bytes <= std::uint64_t{1} << 40);
-  const nlohmann::json copy = record->parameters;  // recurses: not on depth
+  const nlohmann::json copy = record->parameters;  // recurses, so the depth must be limited
   std::vector<RawParameter> given;
   for (const auto& [name, value] : copy.items()) given.push_back({name, value, false});
   static const ParameterTable table(10'000'000, FormatSet::all());

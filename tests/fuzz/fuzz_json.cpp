@@ -1,5 +1,6 @@
-// Fuzz target: the reader for JSON from strangers beside the library's own. What it reads is the same value,
-// within its limits; what it calls no JSON is none.
+// Fuzz target: the reader for untrusted JSON, compared with the library's own. If it accepts a text, the
+// value is the same and within its limits. If it reports a syntax error, the library refuses the text as
+// well.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Fuzz target: the parameters that a cache has kept of an answer, as text. What is accepted is in its canonical form, which
-// is read as itself; a request could have had it.
+// Fuzz target: the parameters of an answer as a cache keeps them, in text form. An accepted text is in its
+// canonical form, which is read back unchanged, and a request could have contained it.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

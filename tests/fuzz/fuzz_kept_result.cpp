@@ -1,6 +1,7 @@
-// Fuzz target: an intact entry of the disk or of Redis whose metadata may be anybody's. The input is the metadata without
-// its digests, which are made right, then a NUL and the file. What is accepted is written as metadata that is read again,
-// and a request may name it: with a hit on it, with nothing to compare, and with a density.
+// Fuzz target: an intact entry from the disk or from Redis whose metadata may be forged. The input is the
+// metadata without its digests (which are made right), then a NUL and the file. If the entry is accepted, its
+// metadata can be written and read again, and a request may refer to it: with a hit, with nothing to compare,
+// and with a density.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -16,7 +17,7 @@ namespace {
 
 using namespace fracture;
 
-/// The digest of a part of the file, as metadata has it; of nothing where there is no such part.
+/// The digest of a part of the file, as in the metadata; the digest of nothing if the file has no such part.
 std::string digest_of_part(const std::string& file, std::size_t at, std::size_t size) {
   const std::string part =
       at <= file.size() && size <= file.size() - at ? file.substr(at, size) : std::string();
@@ -24,7 +25,7 @@ std::string digest_of_part(const std::string& file, std::size_t at, std::size_t 
   return {reinterpret_cast<const char*>(digest.bytes.data()), digest.bytes.size()};
 }
 
-/// Whatever it comes to, it is an answer or an error.
+/// Refers to the earlier answer. Each result must be parameters or an error.
 void name_it(const ParameterTable& table, const nlohmann::json& earlier, std::vector<RawParameter> given) {
   const auto own = table.parse(given);
   if (!own) std::abort();

@@ -1,5 +1,5 @@
-// Fuzz target: the bytes are a worker's reply. The server takes them for a Mesh that keeps its promises, for
-// a typed error with a sentence, or refuses them; what it took encodes to a reply that it takes again, a mesh
+// Fuzz target: the bytes are a worker's reply. The server accepts them as a valid Mesh or as a typed error
+// with a sentence, or it refuses them. An accepted reply encodes to a reply that is accepted again, a mesh
 // bit for bit.
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
           if (wedge >= mesh->positions.size()) std::abort();
     const std::vector<std::byte> again = encode_reply(mesh);
     try {
-      const Expected<Mesh> back = decode_reply(again, limits);  // of an error, only so much text is passed on
+      const Expected<Mesh> back = decode_reply(again, limits);  // the text of an error may be shortened
       if (back.has_value() != mesh.has_value() || (back && encode_reply(back) != again)) std::abort();
     } catch (const BadReply&) {
       std::abort();

@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (parts->size() > kMaxParts) std::abort();
   const char* after = body.data();
-  for (const FormPart& part : *parts) {  // in order, apart from each other, inside the body
+  for (const FormPart& part : *parts) {  // in order, not overlapping, inside the body
     if (part.body.data() < after || part.body.data() + part.body.size() > body.data() + body.size())
       std::abort();
     after = part.body.data() + part.body.size();

@@ -1,5 +1,5 @@
-// Fuzz target: the first byte chooses between a query and a JSON object of parameters. What is accepted has a
-// canonical form, and that means the same.
+// Fuzz target: the first byte chooses between a query and a JSON object of parameters. Accepted parameters
+// have a canonical form that means the same.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

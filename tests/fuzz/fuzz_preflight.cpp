@@ -1,6 +1,7 @@
-// Fuzz target: the first byte chooses the format (the order of formats.def), the rest is the file. Everything
-// of ours that a file meets before a foreign reader does: decompression, text encoding, the checks of its
-// format. Files that name each other are looked for as well, since they come from the same bytes.
+// Fuzz target: the first byte chooses the format (in the order of formats.def), the rest is the file. The
+// target is all of our code that handles a file before a foreign reader does: decompression, text encoding,
+// the checks of its format. It also includes the search for files that a file refers to, because those names
+// come from the same bytes.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Fuzz target: the bytes of a connection. The framing guard reads a header; what it lets pass goes through
-// Beast's parser as in a session. Two opinions about where the request ends are a finding.
+// Fuzz target: the bytes of a connection. The framing guard reads a header; if it accepts the header, Beast's
+// parser reads the request as in a session. Different opinions about where the request ends are a finding.
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <cstddef>
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   std::size_t searched = 0, searched_in_steps = 0;
   const auto end = find_head_end(received, searched, limits);
-  // The same, however the bytes are cut into packets.
+  // The result is the same however the bytes are cut into packets.
   auto in_steps = find_head_end(received.substr(0, size / 2), searched_in_steps, limits);
   if (in_steps && !*in_steps) in_steps = find_head_end(received, searched_in_steps, limits);
   require(in_steps.has_value() == end.has_value());
@@ -62,12 +62,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(parser.get().method_string() == head->method);
   require(parser.is_done() == !head->has_body());
 
-  // The body as it is read: in pieces.
+  // The body is read in pieces.
   std::string_view rest = received.substr(**end);
   while (!parser.is_done() && !rest.empty()) {
     const std::size_t n = parser.put(boost::asio::buffer(rest.data(), rest.size()), ec);
     if (ec && ec != bhttp::error::need_more) return 0;
-    if (n == 0) return 0;  // waits for more than there is
+    if (n == 0) return 0;  // it waits for more bytes than there are
     rest.remove_prefix(n);
     require(parser.get().body().size() <= limits.max_body);
   }

@@ -1,4 +1,4 @@
-// Where in a buffer things lie, and that they are written there, whatever the number of threads.
+// The positions of the contents of a buffer, and that they are written there with any number of threads.
 #include "common/gltf/buffer_contents.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace fracture::test {
 namespace {
 
-/// So many bytes of one value.
+/// `count` bytes of one value.
 struct Filled {
   std::uint8_t value;
   std::size_t count;
@@ -43,7 +43,7 @@ TEST(BufferContents, ViewsFollowOneAnotherAndEachPieceBeginsAtAMultipleOfFour) {
   EXPECT_EQ(contents.put<write_run>(first, 2, two), 8u);
 
   ASSERT_EQ(contents.views().size(), 2u);
-  EXPECT_EQ(contents.views()[first].size, 10u);  // without what fills up behind it
+  EXPECT_EQ(contents.views()[first].size, 10u);  // without the padding after it
   EXPECT_EQ(contents.views()[second].size, 3u);
   EXPECT_EQ(written(contents), (std::vector<std::uint8_t>{5, 5, 5, 5, 5, 0, 0, 0, 2, 2, 0, 0, 3, 3, 3, 0}));
 }

@@ -1,4 +1,5 @@
-// What the file says of cut faces: their materials by part, where textures lie on them, and their relief.
+// The statements of the file about cut faces: their materials by part, the position of textures on them, and
+// their relief.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -77,7 +78,7 @@ TEST(CutLooks, ReliefStandsBehindTheTexturesOfTheSource) {
 }
 
 TEST(CutLooks, CutsUnderANormalMapHaveTheFrameThatTheirSourceLacks) {
-  const FracturedSolid made = two_halves();  // whose sides have the frames that are looked for
+  const FracturedSolid made = two_halves();  // its sides have the frames that this test needs
   for (const bool normals : {false, true}) {
     SCOPED_TRACE(normals);
     FracturedSolid bare = made;

@@ -1,4 +1,4 @@
-// The extensions against their specifications and figures known from outside; the second container.
+// Compares the extensions, and the second container, with their specifications and with known figures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ std::size_t count_drawn(const json& document, const json& mesh) {
   return drawn;
 }
 
-/// The points of the hull mesh are those of the hull, its triangles the same.
+/// Expects the points and triangles of the hull in the hull mesh.
 void expect_hull_mesh(const Glb& glb, const json& mesh, const CollisionHull& hull) {
   const json& primitives = glb.document["meshes"].at(mesh.get<std::size_t>())["primitives"];
   ASSERT_EQ(primitives.size(), 1u);
@@ -244,14 +244,14 @@ TEST(MeshManifold, CoversAllPrimitivesWithSeamsMerged) {
     EXPECT_EQ(extension["manifoldPrimitive"]["attributes"],
               json({{"POSITION", mesh["primitives"][0]["attributes"]["POSITION"]}}));
     const json& indices = extension["manifoldPrimitive"]["indices"];
-    auto merged = glb.read<std::uint16_t>(indices);  // of the base view: all primitives in a row
+    auto merged = glb.read<std::uint16_t>(indices);  // of the base view: all primitives one after another
     EXPECT_THAT(merged, ::testing::ElementsAreArray(f.indices));
     const auto corners = glb.read<std::uint16_t>(extension["mergeIndices"]);
     const auto vertices = glb.read<std::uint16_t>(extension["mergeValues"]);
     ASSERT_EQ(corners.size(), vertices.size());
     EXPECT_TRUE(std::is_sorted(corners.begin(), corners.end()));
     for (std::size_t m = 0; m < corners.size(); ++m) merged.at(corners[m]) = vertices[m];
-    // A cube: 12 triangles over 8 vertices, each directed edge once and once in return.
+    // A cube has 12 triangles over 8 vertices. Each edge occurs once in each direction.
     std::set<std::pair<std::uint16_t, std::uint16_t>> edges;
     for (std::size_t t = 0; t < merged.size(); t += 3)
       for (std::size_t e = 0; e < 3; ++e)
@@ -259,7 +259,7 @@ TEST(MeshManifold, CoversAllPrimitivesWithSeamsMerged) {
     EXPECT_EQ(edges.size(), 36u);
     for (const auto& [a, b] : edges) EXPECT_TRUE(edges.contains({b, a}));
     EXPECT_EQ((std::set<std::uint16_t>(merged.begin(), merged.end()).size()), 8u);
-    // The sparse accessor says the same as the merges.
+    // The sparse accessor states the same as the merges.
     const json& sparse = glb.document["accessors"][indices.get<std::size_t>()]["sparse"];
     const json& from = glb.document["accessors"][extension["mergeIndices"].get<std::size_t>()];
     const json& to = glb.document["accessors"][extension["mergeValues"].get<std::size_t>()];
@@ -296,7 +296,7 @@ TEST(MeshManifold, WithoutSeamsNothingIsMerged) {
       document["accessors"][extension["manifoldPrimitive"]["indices"].get<std::size_t>()].contains("sparse"));
 }
 
-/// RFC 4648 by its definition, digit by digit.
+/// Decodes RFC 4648 base64 by its definition, digit by digit.
 std::vector<std::uint8_t> from_base64(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<std::uint8_t> bytes;
@@ -337,7 +337,7 @@ TEST(GltfJson, PadsWhatIsNotAMultipleOfThreeBytes) {
   }
 }
 
-/// A PNG of chunks; checksums are not looked at.
+/// A PNG made of chunks. Its checksums are not read.
 std::vector<std::uint8_t> png(const std::vector<std::pair<std::string, std::vector<std::uint8_t>>>& chunks) {
   std::vector<std::uint8_t> bytes = {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
   for (const auto& [type, data] : chunks) {

@@ -1,4 +1,4 @@
-// What the outside is made of: the asset's own materials, or a preset's.
+// The materials of the outside: those of the asset, or those of a preset.
 #include "common/gltf/exterior_material.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-/// Three triangles: of a textured material that lets light through by an extension, of none, and of a plain one.
+/// Three triangles: one with a textured material that is transparent by an extension, one without a material,
+/// and one with a plain material.
 Mesh three_kinds() {
   auto library = std::make_shared<MaterialLibrary>();
   library->materials = {{{"name", "Painted"},
@@ -95,7 +96,7 @@ TEST(ExteriorMaterial, EverythingOfThePresetKeepsItsColorsAndRelief) {
   EXPECT_EQ(made.materials.at(made.of(kNoIndex)).at("name"), "Exterior");
 }
 
-/// The two halves beside a part that stays whole, one triangle of which has no material.
+/// The two halves next to a part that stays whole. One triangle of that part has no material.
 FracturedSolid halves_beside_a_whole() {
   FracturedSolid made = two_halves();
   auto mesh = std::make_shared<Mesh>(*made.set.source);
@@ -106,7 +107,7 @@ FracturedSolid halves_beside_a_whole() {
   rest->node = {0, 0};
   rest->node_names = {"lamp"};
   rest->library = mesh->library;
-  mesh->material = {0, 1};  // what the halves have
+  mesh->material = {0, 1};  // the materials that the halves have
   mesh->passed_through = rest;
   made.set.source = mesh;
   return made;
@@ -118,7 +119,7 @@ TEST(ExteriorMaterial, FragmentsHaveItAndWhatStaysWholeHasNot) {
   options.exterior = exterior_materials(ice(ExteriorChoice::kMaterial), *made.set.source);
   const Glb glb(write_glb(made, options));
   const json& document = glb.document;
-  // Two of the source, one of the cuts, and as many as the fragments have.
+  // Two materials of the source, one of the cuts, and as many as the fragments have.
   ASSERT_EQ(document["materials"].size(), 3 + options.exterior.materials.size());
   const json& half = document["meshes"][0]["primitives"];
   ASSERT_EQ(half.size(), 3u);

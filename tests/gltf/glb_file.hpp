@@ -34,7 +34,7 @@ struct Glb {
       binary.assign(bytes.begin() + 28 + size, bytes.end());
     }
   }
-  /// The bytes of an accessor (tightly packed here).
+  /// The bytes of an accessor (they are tightly packed here).
   template <class T>
   std::vector<T> read(const nlohmann::json& accessor_index) const {
     const nlohmann::json& accessor = document["accessors"].at(accessor_index.get<std::size_t>());

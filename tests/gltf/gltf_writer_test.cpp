@@ -1,4 +1,5 @@
-// The file against the specification and against what went in; read back by the importer and by hand.
+// Compares the file with the specification and with the input. The file is read back by the importer and by
+// hand.
 #include "common/gltf/gltf_writer.hpp"
 
 #include <gmock/gmock.h>
@@ -141,7 +142,7 @@ TEST(GltfWriter, PositionBoundsAreTheStoredFloats) {
   }
 }
 
-/// One triangle fan over n vertices: only the count matters.
+/// One triangle fan over n vertices: only the number matters.
 FracturedSolid fragment_with_vertices(std::uint32_t n) {
   FracturedSolid made = two_halves();
   made.set.bonds.clear();
@@ -263,8 +264,8 @@ TEST(GltfWriter, WhatItWritesTheImporterReadsBackInWorldSpace) {
     for (const Vec3f& p : f.positions)
       world.push_back({p.x + static_cast<float>(f.pivot.x), p.y + static_cast<float>(f.pivot.y),
                        p.z + static_cast<float>(f.pivot.z)});
-  // Primitives with and without tangents are two surfaces there, so vertices may come twice; triangles do
-  // not.
+  // The importer reads primitives with and without tangents as two surfaces. So vertices may occur twice, but
+  // triangles may not.
   ASSERT_EQ(mesh->triangles.size(), 24u);
   std::multiset<std::array<float, 9>> before, after;
   const auto corners = [](const std::vector<Vec3f>& p, std::uint32_t a, std::uint32_t b, std::uint32_t c) {

@@ -1,4 +1,4 @@
-// A hierarchy in the file: nodes without a mesh or transform, and the same as figures by id.
+// A hierarchy in the file: nodes without a mesh or a transform, and the same hierarchy as figures by id.
 #include <gtest/gtest.h>
 
 #include "common/gltf/gltf_writer.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// One cluster of both halves above one cluster for each.
+/// One cluster of both halves, with one cluster for each half below it.
 FracturedSolid two_halves_in_levels() {
   FracturedSolid made = two_halves();
   made.hierarchy.levels.resize(2);

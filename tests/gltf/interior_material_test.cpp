@@ -41,7 +41,7 @@ Solid solid_of(Mesh mesh, const std::vector<std::optional<LinearColor>>& part_co
   return solid;
 }
 
-/// Of a solid without colours: there is one.
+/// The single interior material of a solid without colours.
 json material_of(const InteriorLook& look, Mesh mesh = two_materials(4)) {
   const auto made = interior_materials(look, solid_of(std::move(mesh)));
   EXPECT_EQ(made.value().materials.size(), 1u);
@@ -77,7 +77,7 @@ TEST(InteriorMaterial, CrumbsOfWhatIsCrushedAreWhite) {
   Solid solid = solid_of(two_materials(), {LinearColor{65535, 0, 0}, LinearColor{0, 0, 65535}});
   solid.parts[1].volume = 3;
   const InteriorLook look{.opacity = 0.7, .crushed = 0.5};
-  // Ten of 4 m3: half of the mean is 0.2 m3.
+  // Ten fragments of 4 m3 together: half of the mean is 0.2 m3.
   const auto made = interior_materials(look, solid, kUninterrupted, 10).value();
   EXPECT_NEAR(made.crushed_below, 0.2, 1e-12);
   ASSERT_EQ(made.materials.size(), 3u);
@@ -121,7 +121,7 @@ TEST(InteriorMaterial, MortarStandsBetweenOtherCutsAndWhatIsCrushed) {
   EXPECT_EQ(interior_materials({}, solid)->mortar, kNoIndex);
 }
 
-/// `two_materials` with the first one changed.
+/// `two_materials` with a change to the first material.
 Mesh with_rock(float reach, const json& change) {
   Mesh mesh = two_materials(reach);
   auto library = std::make_shared<MaterialLibrary>(*mesh.library);

@@ -1,4 +1,4 @@
-// Figures as text: the shortest that reads back as what was meant.
+// Figures as text: the shortest text that reads back as the same number.
 #include "common/gltf/json_text.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Files of hundreds of megabytes: the same rules, and nothing that grows faster than what is written.
+// Files of hundreds of megabytes. The same rules hold, and no work grows faster than the written bytes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@
 namespace fracture::test {
 namespace {
 
-/// A band of 2 n triangles between two rims of n vertices, with normals and UVs.
+/// A band of 2 n triangles between two edges of n vertices, with normals and UVs.
 Fragment band(std::uint32_t n) {
   Fragment f;
   f.attributes.uvs.resize(1);
@@ -37,7 +37,7 @@ Fragment band(std::uint32_t n) {
   return f;
 }
 
-/// The second half over and over, each time with an id of its own.
+/// Many copies of the second half, each with its own id.
 FracturedSolid many_halves(std::size_t count) {
   FracturedSolid made = two_halves_with_hulls();
   const Fragment one = made.set.fragments[1];
@@ -125,7 +125,7 @@ TEST(LargeFiles, AnInterruptionStopsTheWriting) {
   PollGaps counted;
   write_glb(made, {}, counted.execution());
   ASSERT_GT(counted.polls(), 3u);
-  // At each poll in turn, up to the last.
+  // Stops at each poll in turn, up to the last.
   for (std::uint64_t stop = 1; stop <= counted.polls(); stop += 1 + counted.polls() / 20) {
     std::stop_source source;
     std::uint64_t polls = 0;
@@ -139,7 +139,7 @@ TEST(LargeFiles, AnInterruptionStopsTheWriting) {
   }
 }
 
-// Each of them looked for a triangle of its own, from the first on.
+// Formerly each of these normals searched for its triangle from the first triangle on.
 TEST(LargeFiles, NormalsWithoutDirectionAreThoseOfTheFirstTriangleThatHasOne) {
   Fragment f = band(40'000);
   for (Vec3f& n : f.attributes.normals) n = {0, 0, 0};
@@ -165,7 +165,7 @@ TEST(LargeFiles, NormalsWithoutDirectionAreThoseOfTheFirstTriangleThatHasOne) {
   }
 }
 
-// Nodes of one name: the n-th looked at all numbers that the ones before it had been given.
+// Nodes with one name. Formerly the n-th node looked at all numbers given to the nodes before it.
 TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
   FracturedSolid made = two_halves();
   auto mesh = std::make_shared<Mesh>(*made.set.source);
@@ -186,7 +186,7 @@ TEST(LargeFiles, WholeNodesOfOneNameAreNumberedInTheirOrder) {
   EXPECT_EQ(nodes[3]["name"], "crate");
   EXPECT_EQ(nodes[4]["name"], "crate_2");
   EXPECT_EQ(nodes[7]["name"], "crate_5");
-  EXPECT_EQ(nodes[10]["name"], "crate_5_2");  // that is what it is called, and the name was given away
+  EXPECT_EQ(nodes[10]["name"], "crate_5_2");  // its own name, and that number was already taken
   EXPECT_EQ(nodes[11]["name"], "crate_8");
   EXPECT_EQ(nodes[2 + nodes_left]["name"], "crate_" + std::to_string(nodes_left - 1));
 }
@@ -207,7 +207,7 @@ TEST(LargeFiles, ClustersGetTheLowestNumberThatNoNodeBeginsWith) {
   EXPECT_EQ(glb.document["nodes"].back()["name"], "Cluster9000_0_0");
 }
 
-// One view for each: it was found by comparing its name with those of all views before it.
+// One view for each image. Formerly it was found by comparing its name with those of all views before it.
 TEST(LargeFiles, ManyImagesHaveAViewEach) {
   FracturedSolid made = two_halves();
   auto mesh = std::make_shared<Mesh>(*made.set.source);

@@ -1,5 +1,5 @@
-// The report of an answer as text: every figure under its name, names in their order, nothing that was not
-// asked for.
+// The report of an answer as text. Every figure has its name, the names are in order, and no figure appears
+// that was not requested.
 #include "common/gltf/report_text.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ std::string text_of(const FracturedSolid& fractured) {
 }
 json report_of(const FracturedSolid& fractured) { return json::parse(text_of(fractured)); }
 
-/// All that can be asked for at once (which no request does: `dual` and rough cuts exclude each other).
+/// Everything that can be requested, all together. No request does this, because `dual` and rough cuts
+/// exclude each other.
 FracturedSolid with_everything() {
   FracturedSolid made = two_halves();
   made.hierarchy.levels.resize(2);
@@ -123,7 +124,7 @@ TEST(ReportText, SupportNamesFragmentsByIdAndBondsInTheirOrder) {
                             "weak": {"a": [9007199254740991], "b": [7], "stress": [300], "share": [1.5]},
                             "bonds": {"tension": [1], "shear": [2], "bending": [3], "torsion": [4],
                                       "stress": [300]}})"));
-  // A load is not a number of times nothing, or of a strength that is too small to divide by.
+  // If the strength is zero or too small to divide by, the share is null.
   for (const double strength : {0.0, 1e-310}) {
     FracturedSolid weak = with_everything();
     weak.support->asked.strength = strength;
@@ -144,7 +145,7 @@ TEST(ReportText, TheSolidIsAsItsOwnReportHasIt) {
 TEST(ReportText, NamesStandInTheirOrder) {
   for (const FracturedSolid& made : {two_halves(), with_everything()}) {
     const std::string text = text_of(made);
-    JsonText sorted;  // the library keeps members by name
+    JsonText sorted;  // the library sorts members by name
     sorted.value(json::parse(text));
     EXPECT_EQ(text, sorted.text());
   }

@@ -1,4 +1,4 @@
-// The same file from any number of threads, of more than one of them gets.
+// Any number of threads writes the same file. The data is large enough for several threads.
 #include <gtest/gtest.h>
 
 #include "common/gltf/gltf_writer.hpp"
@@ -7,7 +7,7 @@
 namespace fracture::test {
 namespace {
 
-/// Both halves 3,000 times, with hulls, tangents and seams; some normals and tangents have no direction.
+/// Both halves 3,000 times, with hulls, tangents and seams. Some normals and tangents have no direction.
 FracturedSolid many_halves() {
   FracturedSolid made = two_halves_with_hulls();
   const std::vector<Fragment> halves = made.set.fragments;

@@ -17,7 +17,7 @@ constexpr Face kFaces[6] = {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, -1}, {0, 
                             {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
                             {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}};
 
-/// A unit cube about its pivot; `cap` is the face that is interior.
+/// A unit cube around its pivot. `cap` is the interior face.
 Fragment half(double pivot_x, int cap) {
   Fragment f;
   f.pivot = {pivot_x, 0.5, 0.5};

@@ -1,7 +1,8 @@
-// Prints one hash a line over the bytes of whole answers: `<mesh> <request> t<threads> <sha256>`, for plain
-// requests and rough cuts on every mesh, and for every pattern, material, limit, region and hit on three of
-// them. `scripts/test --full` runs it in every build (g++ and clang++, debug and release) and compares the
-// outputs. golden_bytes.py compares fewer answers with stored hashes. Exits 1 if one and two threads of a build differ.
+// Prints one hash per line over the bytes of whole answers: `<mesh> <request> t<threads> <sha256>`. It makes
+// plain requests and rough cuts on every mesh. On three meshes it also uses every pattern, material, limit,
+// region and hit. `scripts/test --full` runs it in every build (g++ and clang++, debug and release) and
+// compares the outputs. golden_bytes.py compares fewer answers with stored hashes. Exits with 1 if one and
+// two threads of a build differ.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -57,7 +58,7 @@ int main() {
     for (const Dual dual : {Dual::kCircumcenter, Dual::kBarycenter})
       for (const std::uint32_t sites : {7u, 120u}) {
         if (dual == Dual::kBarycenter && (sites > 7 || mesh->triangles.size() > 3000))
-          continue;  // cost: sites x triangles
+          continue;  // costs: sites x triangles
         FractureParameters parameters;
         parameters.sites = sites;
         parameters.seed = 42;

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Do the same requests still have the answers of the stored algorithm version, to the bit?
+"""Tests whether the same requests still have the answers of the stored algorithm version, to the bit.
 
     golden_bytes.py PROGRAM            compares the answers of fracture-server with golden_bytes.tsv; exits with 1 if they differ
     golden_bytes.py PROGRAM --write    stores the hashes of today's answers, under today's algorithm version
     ... --write --unreleased           also if bytes changed under the stored version: only before a release has that version
 
-Caches are keyed by the algorithm version. If bytes change and the version does not, old and new bytes are mixed in every
-cache. The hashes tell that bytes changed, not that they are right: the invariants and the judges do that.
+Caches are keyed by the algorithm version. If bytes change and the version does not, every cache mixes old and new bytes.
+The hashes show that bytes changed, not that they are right: the invariants and the judges show that.
 """
 import argparse
 import hashlib
@@ -23,13 +23,13 @@ STORED = pathlib.Path(__file__).resolve().parent / "golden_bytes.tsv"
 
 
 def algorithm_of(program):
-    """The algorithm version that the program states."""
+    """Returns the algorithm version that the program states."""
     text = subprocess.run([program, "--version"], check=True, capture_output=True, text=True, timeout=60).stdout
     return int(re.search(r"algorithm (\d+)", text).group(1))
 
 
 def make_answers(program, folder):
-    """Makes the answers to all requests below `folder`, and returns the folder that they are in."""
+    """Makes the answers to all requests below `folder`, and returns the folder that holds them."""
     for name, content in MESHES.items():
         (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     manifest = folder / "golden.ndjson"
@@ -43,12 +43,12 @@ def make_answers(program, folder):
 
 
 def hashes_of(folder):
-    """SHA-256 of each file by its name: the answers, and the materials that belong to an OBJ."""
+    """Returns the SHA-256 of each file by its name: the answers, and the materials that belong to an OBJ."""
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(folder.iterdir())}
 
 
 def read_stored():
-    """The stored algorithm version, and the stored hashes by name."""
+    """Returns the stored algorithm version, and the stored hashes by name."""
     first, *rows = STORED.read_text().splitlines()
     return int(first.split("\t")[1]), dict(row.split("\t") for row in rows)
 
@@ -58,7 +58,7 @@ def write_stored(version, hashes):
 
 
 def complaint(stored_version, stored, version, hashes):
-    """What is wrong and what to do, or None if the answers are those that are stored."""
+    """Returns the fault and the remedy, or None if the answers equal the stored ones."""
     changed = sorted(name for name in stored.keys() & hashes.keys() if stored[name] != hashes[name])
     unpaired = sorted(stored.keys() ^ hashes.keys())
     if version != stored_version:

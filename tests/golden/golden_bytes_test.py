@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The answers have the stored bytes, and the comparison finds one flipped bit, a version that was forgotten and one that was not stored."""
+"""Tests that the answers have the stored bytes. The comparison must find one flipped bit, a version that was forgotten
+and one that was not stored."""
 import pathlib
 import sys
 import tempfile

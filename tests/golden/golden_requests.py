@@ -1,6 +1,7 @@
-"""Small meshes made in code, and one request for every pattern, material and kind of answer: what golden_bytes.py hashes.
+"""Small meshes made in code, and one request for every pattern, material and kind of answer: the requests that
+golden_bytes.py hashes.
 
-Coordinates are decimals of at most six digits, so that no sine of some C library decides a bit of them.
+Coordinates are decimals of at most six digits, so that they do not depend on the sine function of a C library.
 """
 import json
 import math
@@ -8,7 +9,7 @@ import struct
 
 
 def quads_of_box(low, high):
-    """The six faces of a box, each as four corners that are counter-clockwise when seen from outside."""
+    """Returns the six faces of a box, each as four corners that are counter-clockwise if seen from outside."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     return [
         [(x0, y0, z0), (x0, y0, z1), (x0, y1, z1), (x0, y1, z0)],
@@ -21,7 +22,7 @@ def quads_of_box(low, high):
 
 
 def obj_of_boxes(*boxes):
-    """An OBJ with an object, UVs and two materials for each box."""
+    """Returns an OBJ with an object, UVs and two materials for each box."""
     lines, corners = [], 0
     for number, (low, high) in enumerate(boxes):
         lines.append(f"o box_{number}")
@@ -36,7 +37,8 @@ def obj_of_boxes(*boxes):
 
 
 def obj_of_sphere(slices=16, stacks=10):
-    """A sphere of radius 1 around (3, 0.5, -2): far enough from the origin that places are rounded."""
+    """Returns a sphere of radius 1 around (3, 0.5, -2). That is far enough from the origin for positions to be rounded.
+    """
     lines = ["o sphere", "v 3 1.5 -2"]
     for stack in range(1, stacks):
         for column in range(slices):
@@ -56,7 +58,7 @@ def obj_of_sphere(slices=16, stacks=10):
 
 
 def glb_of_box():
-    """A box with normals, tangents, UVs and vertex colours."""
+    """Returns a box with normals, tangents, UVs and vertex colours."""
     attributes = {"POSITION": (3, []), "NORMAL": (3, []), "TANGENT": (4, []), "TEXCOORD_0": (2, []), "COLOR_0": (4, [])}
     indices = []
     for quad in quads_of_box((-0.5, 0, -0.25), (0.5, 1, 0.25)):
@@ -65,7 +67,7 @@ def glb_of_box():
         normal = [along[1] * up[2] - along[2] * up[1], along[2] * up[0] - along[0] * up[2], along[0] * up[1] - along[1] * up[0]]
 
         def unit(vector):
-            # Sides of a box lie along an axis, so that one component is all of the length.
+            # The sides of a box are parallel to an axis, so one component is the whole length.
             return [0.0 if not c else math.copysign(1.0, c) for c in vector]
 
         first = len(attributes["POSITION"][1])
@@ -113,7 +115,7 @@ MESHES = {
 
 HITS = {"local_point": [[3, 1.5, -2], [3.9, 0.5, -2]], "local_radius": [0.5, 0.4], "local_sites": [12, 9], "local_rest": "fractured"}
 
-# name of the output without .glb (or with the ending of another format): mesh, parameters.
+# Maps the name of the output without .glb (or with the ending of another format) to the mesh and the parameters.
 REQUESTS = {
     "uniform": ("sphere.obj", {"sites": 40}),
     "uniform_lloyd_grain": ("box.obj", {"sites": 30, "lloyd": 3, "stretch": 3, "grain": [1, 2, -0.5]}),

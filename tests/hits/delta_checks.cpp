@@ -17,7 +17,7 @@
 namespace fracture::test {
 namespace {
 
-/// Equal to the last bit, and the sign of a zero.
+/// Equal to the last bit, including the sign of a zero.
 template <class T>
 bool same_bits(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
@@ -101,7 +101,7 @@ void expect_same_companions(const FracturedSolid& a, std::uint32_t i, const Frac
   EXPECT_EQ(a.anchored.contains(i), b.anchored.contains(j));
 }
 
-/// Indices.
+/// Maps ids of fragments to their indices.
 using ById = std::map<std::uint64_t, std::uint32_t>;
 ById by_id(const FragmentSet& set) {
   ById result;
@@ -144,7 +144,7 @@ void expect_difference(const FracturedSolid& before, const FracturedSolid& after
 
 namespace {
 
-/// Only what the delta names, and its bonds.
+/// The selection contains only the fragments that the delta names, and their bonds.
 void expect_selection(const FracturedSolid& from, FracturedSolid selected) {
   keep_changed(selected);
   const FragmentSet &whole = from.set, &part = selected.set;

@@ -1,4 +1,4 @@
-// What tests of hits hold an answer to.
+// The checks by which tests of hits judge an answer.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,18 @@
 
 namespace fracture::test {
 
-/// To the bit, companions and report, too.
+/// Expects answers that are equal to the bit, including companions and report.
 void expect_same(const FracturedSolid& a, const FracturedSolid& b);
 
-/// The delta is the difference of the two answers, each fracture()d from nothing.
+/// Expects that the delta is the difference of the two answers. Each answer is fracture()d from scratch.
 void expect_difference(const FracturedSolid& before, const FracturedSolid& after, const Delta& delta);
 
-/// Hit after hit, each on what the one before left: all of it as the whole fracture with all sites makes it, with bonds
-/// across parts. In short tests every answer is made, and the last one is compared. Returns how many of the answers were local.
+/// Applies hit after hit, each to the result of the one before. Every result must equal the whole fracture
+/// with all sites, with bonds across parts. Short tests make every answer and compare only the last one.
+/// Returns the number of local answers.
 int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads = 1);
 
-/// Hits at several places of the mesh's box, the last two at the same.
+/// Hits at several places of the mesh's box. The last two are at the same place.
 FractureParameters hits_on(const Mesh& mesh, std::uint32_t sites, double radius,
                            std::uint64_t seed = 20261121);
 

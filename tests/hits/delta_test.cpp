@@ -1,5 +1,5 @@
-// The local answer to a hit equals, bit for bit, what the whole fracture with all sites makes; and what it
-// says it left as it was is what the answer before had.
+// The local answer to a hit equals the whole fracture with all sites, bit for bit. Fragments that it calls
+// unchanged equal those of the answer before.
 #include "common/hits/delta.hpp"
 
 #include <gtest/gtest.h>
@@ -67,12 +67,12 @@ TEST(Delta, WhereEachPartHasAGrainOfItsOwn) {
   p.anisotropy = {.stretch = 3, .grain_of = GrainOf::kPart};
   p.hits[0].point = {0.8, 0.2, 0};
   p.hits[1].point = {0.2, 1.5, 0};
-  p.hits[2].point = {0, 0.25, 0};  // between the two
+  p.hits[2].point = {0, 0.25, 0};  // between the two parts
   EXPECT_EQ(expect_hits(mesh, p), 3);
   EXPECT_EQ(fracture_mesh(mesh, p).report.remarks, Remarks{}) << "all sites found a place";
 }
 
-// What winds around a Voronoi vertex in both of them are two layers, and under a map perhaps other ones.
+// Inside both parts, two layers wind around a Voronoi vertex. Under a map they may be other layers.
 TEST(Delta, OfPartsThatOverlap) {
   const Mesh mesh = joined(
       {ico_sphere(3), translated(ico_sphere(2), {0.6, 0.1, 0}), translated(ico_sphere(2), {-3, 0.1, 0})});
@@ -83,7 +83,7 @@ TEST(Delta, OfPartsThatOverlap) {
   EXPECT_EQ(expect_hits(mesh, p), 3);
 }
 
-// Bonds across parts are computed again for changed fragments, whichever cell the other fragment is in.
+// Bonds across parts are computed again for changed fragments, in whichever cell the other fragment is.
 TEST(Delta, OfPartsInContact) {
   std::vector<Mesh> parts{box({-2, 0, -0.3}, {2, 0.3, 0.3}, 2), box({-1.7, -2, -0.1}, {-1.5, 0.1, 0.1}, 2)};
   for (int k = 0; k < 4; ++k) parts.push_back(box({-2 + k * 1.0, 0.3, -0.3}, {-1 + k * 1.0, 0.7, 0.3}));
@@ -100,7 +100,7 @@ TEST(Delta, OfPartsInContact) {
   expect_hits(mesh, p);
 }
 
-// One cell with thousands of pieces: what is compared is looked up, not searched for.
+// One cell with thousands of pieces: the comparison looks pieces up and does not search for them.
 TEST(Delta, OfACellWithManyPieces) {
   const Mesh mesh = cube_field(8);
   FractureParameters p = hits_on(mesh, 1, 0.1);
@@ -160,7 +160,7 @@ TEST(Delta, OfSeveralNewHitsAtOnce) {
   expect_difference(fracture_mesh(mesh, before_hits(p, 2)), after, *next->fractured.delta);
 }
 
-// Sites are numbered without the points that are equal to others; what is published are the points' own numbers.
+// Sites are numbered without the points that equal others. The published numbers are those of the points.
 TEST(Delta, NamesThePointsOfSitesThatHitsFindTaken) {
   const Mesh mesh = torus(32, 16);
   FractureParameters p = hits_on(mesh, 60, 0.15);
@@ -181,7 +181,7 @@ TEST(Delta, NamesThePointsOfSitesThatHitsFindTaken) {
     EXPECT_EQ(made.diagram.sites[made.point_of_site[s]], made.diagram.tetrahedralization.points[s]) << s;
 }
 
-// What is no piece of cells that were there before is fractured again as a whole, with the same answer.
+// If the hits cannot be local to the cells' own pieces, the whole is fractured again, with the same answer.
 TEST(Delta, WhereHitsCannotBeLocalTheWholeIsFracturedAgain) {
   const Mesh mesh = torus(32, 16);
   const auto not_local = [&](const char* what, const auto& change) {
@@ -214,10 +214,10 @@ TEST(Delta, WhatChangedAloneIsAnchoredAsInTheWhole) {
   FractureParameters p = hits_on(mesh, 60, 0.15);
   p.anchors.planes.push_back({{1, 0, 0}, 0.3});  // holds three quarters of the ring
   EXPECT_EQ(expect_hits(mesh, p), 3);
-  // Nothing at all: the whole says so, which is none of the concerns of a part.
+  // The plane holds nothing. The whole warns about it, but a part need not.
   p.anchors.planes[0].offset = -100;
   EXPECT_EQ(expect_hits(mesh, p), 3);
-  // Made from nothing.
+  // This answer is computed from scratch.
   p.anchors.planes[0].offset = 0.3;
   p.size.max_fragments = 1000;
   EXPECT_EQ(expect_hits(mesh, p), 0);

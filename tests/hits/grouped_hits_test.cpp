@@ -1,4 +1,5 @@
-// Hits on answers whose fragments are several cells each: as local as on others, and to the bit what the whole fracture makes.
+// Hits on answers whose fragments contain several cells. They are as local as other hits, and equal the whole
+// fracture to the bit.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -65,7 +66,7 @@ TEST(GroupedHits, InAStretchedDiagram) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
-// Aggregates around an impact lie along the cracks, and hits on them have cells that stay together, too.
+// Aggregates around an impact follow the cracks. Hits on them have cells that stay together, too.
 TEST(GroupedHits, OnAggregatesAroundAnImpact) {
   const Mesh mesh = ico_sphere(3);
   FractureParameters p = aggregates_on(mesh, 60, 0.1);
@@ -73,7 +74,7 @@ TEST(GroupedHits, OnAggregatesAroundAnImpact) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
-// A group of cells of which some have several pieces.
+// A group of cells. Some of the cells have several pieces.
 TEST(GroupedHits, OfManyPieces) {
   const Mesh mesh = cube_field(4);
   EXPECT_GE(expect_hits(mesh, aggregates_on(mesh, 12, 0.1)), 2);
@@ -86,7 +87,7 @@ TEST(GroupedHits, OnLumpsOfBricks) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
-// A plate, rods and a body, each in a frame of its own.
+// A plate, rods and a body, each with its own frame.
 TEST(GroupedHits, OnAThingOfGlassWhosePartsBreakByTheirShape) {
   std::vector<Mesh> parts{box({0, 1, 0}, {3, 1.1, 1}, 4), translated(ico_sphere(3), {1.5, 2.1, 0.5})};
   for (const double x : {0.1, 2.7})
@@ -99,8 +100,8 @@ TEST(GroupedHits, OnAThingOfGlassWhosePartsBreakByTheirShape) {
     p.roughness.amplitude = rough;
     ASSERT_EQ(p.hits.size(), 3u);
     p.hits[0].point = {0.2, 0.5, 0.2};  // on a leg
-    p.hits[1].point = {0.2, 1.0, 0.2};  // where it meets the top
-    p.hits[2].point = {1.5, 1.1, 0.5};  // where the ball does
+    p.hits[1].point = {0.2, 1.0, 0.2};  // where the leg meets the top
+    p.hits[2].point = {1.5, 1.1, 0.5};  // where the ball meets the top
     EXPECT_EQ(expect_hits(mesh, p), 3);
   }
 }

@@ -1,4 +1,4 @@
-// Hits on answers with rough cuts: local, and to the bit what the whole fracture with all sites makes.
+// Hits on answers with rough cuts. They are local, and equal the whole fracture with all sites to the bit.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -34,7 +34,8 @@ TEST(RoughHits, AreLocalOnClosedShapes) {
   EXPECT_GT(2 * local, shapes) << "most of these are local, or nothing is tested here";
 }
 
-// Where cells are small beside the amplitude, cuts cross, and are moved less for each other's sake, from cell to cell.
+// If cells are small compared with the amplitude, cuts cross. Their displacement is then reduced, and the
+// reduction spreads from cell to cell.
 TEST(RoughHits, FollowWhatWasCalmedElsewhere) {
   const Mesh mesh = ico_sphere(3);
   int local = 0;
@@ -70,7 +71,7 @@ TEST(RoughHits, OfPartsThatOverlap) {
   expect_hits(mesh, rough_hits_on(mesh, sized(50u, 100u), 0.1), 2);
 }
 
-// Cells of several fragments are made again beside those that change, and are what they were.
+// Cells with several fragments are made again next to cells that change, and stay the same.
 TEST(RoughHits, OfCellsWithSeveralPieces) {
   EXPECT_GE(expect_hits(cube_field(4), rough_hits_on(cube_field(4), 30, 0.1)), 2);
   const Mesh rings = joined({torus(32, 16), translated(torus(32, 16), {0, 0, 0.9})});
@@ -79,7 +80,8 @@ TEST(RoughHits, OfCellsWithSeveralPieces) {
   EXPECT_GE(expect_hits(rings, p), 2);
 }
 
-// A limit that unites nothing is no obstacle; what a hit breaks off may be a hundredth of it.
+// A limit that unites nothing does not prevent local hits. A hit may break off pieces of a hundredth of the
+// limit.
 TEST(RoughHits, WithASmallestVolume) {
   const Mesh mesh = torus(32, 16);
   FractureParameters p = rough_hits_on(mesh, 60, 0.15);

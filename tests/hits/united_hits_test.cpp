@@ -1,5 +1,5 @@
-// Hits on answers of which limits of size have united pieces: what no hit is near to stays united, and the rest is to the
-// bit what the whole fracture makes.
+// Hits on answers in which size limits have united pieces. Pieces far from all hits stay united, and the rest
+// equals the whole fracture to the bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -80,7 +80,8 @@ TEST(UnitedHits, InAStretchedDiagram) {
   EXPECT_GE(expect_hits(mesh, p), 2);
 }
 
-/// Hits whose splinters are smaller than a hundredth of the limit, so that they are united with what they broke off from.
+/// Hits with splinters smaller than a hundredth of the limit, so that each splinter is united with the
+/// fragment it broke from.
 FractureParameters with_splinters(const Mesh& mesh, std::uint64_t seed) {
   FractureParameters p = hits_on(mesh, 200, 0.02, seed);
   p.hits.erase(p.hits.begin());  // it misses some of the shapes
@@ -109,7 +110,7 @@ TEST(UnitedHits, WhoseSplintersAreTooSmall) {
   }
 }
 
-// A hit takes its share from the fragments beside it, and from no other.
+// A hit takes its pieces from the fragments next to it, and from no other.
 TEST(UnitedHits, LeaveWhatTheyAreNotNearTo) {
   const Mesh mesh = torus(48, 24);
   FractureParameters p = united_on(mesh, 200, 0.05);
@@ -129,7 +130,8 @@ TEST(UnitedHits, LeaveWhatTheyAreNotNearTo) {
   EXPECT_LT(gone, 15u) << "of " << before.set.fragments.size();
 }
 
-// A site that is nearer to all of the box has others dropped: the pattern's sites have other numbers then.
+// A new site is nearer to the whole box than some other sites, which are therefore dropped. The pattern's
+// sites then have other numbers.
 TEST(UnitedHits, WhereTheHitMakesSitesUseless) {
   const Mesh mesh = box({0, 0, 0}, {10, 1, 1}, 1);
   FractureParameters p;
@@ -167,7 +169,7 @@ TEST(UnitedHits, OfPanesHitAwayFromWhereTheyWereHitBefore) {
   }
 }
 
-// The further sites of max_volume are no hits: they take nothing apart.
+// The additional sites of max_volume are not hits: they take nothing apart.
 TEST(UnitedHits, WithCellsThatWereTooLarge) {
   const Mesh mesh = torus(48, 24);
   FractureParameters p = hits_on(mesh, 100, 0.05);
@@ -183,7 +185,8 @@ TEST(UnitedHits, WithCellsThatWereTooLarge) {
   EXPECT_LT(after.set.fragments.size(), 110u);
 }
 
-// Of two fragments of half of all cells each, whatever is beside a hit is most of the answer; but not its square.
+// Two fragments contain half of all cells each. The fragments next to a hit are then most of the answer, but
+// the work must not grow with the square.
 TEST(UnitedHits, OfVeryManyCellsTakeNoLongerThanTheWhole) {
   const Mesh mesh = ico_sphere(3);
   FractureParameters p = hits_on(mesh, 12'000, 0.02);

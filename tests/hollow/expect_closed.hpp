@@ -1,4 +1,5 @@
-// Is the inner side of a wall closed, each edge once in each direction, and each place one corner?
+// Expects that the inner side of a wall is closed: each edge occurs once in each direction, and each place is
+// one corner.
 #pragma once
 
 #include <gtest/gtest.h>

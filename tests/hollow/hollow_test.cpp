@@ -46,7 +46,7 @@ TEST(Hollow, APartBecomesAWall) {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// The least of a convex function on [0, 1].
+/// The minimum of a convex function on [0, 1].
 template <class Function>
 double least_of(const Function& f) {
   double low = 0, high = 1;
@@ -75,7 +75,8 @@ double from_triangle(const Vec3d& p, const Corners& t) {
   return above ? std::fabs(dot(n, p - t[0])) / length(n) : least;
 }
 
-/// Of two triangles that do not cross. How far a place of an edge is from another edge is a convex function.
+/// The distance of two triangles that do not cross. The distance of a point on an edge from another edge is a
+/// convex function.
 double apart(const Corners& s, const Corners& t) {
   double least = HUGE_VAL;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -88,7 +89,7 @@ double apart(const Corners& s, const Corners& t) {
   return least;
 }
 
-/// Over all pairs of triangles of the inner and the outer side.
+/// The smallest distance over all pairs of triangles of the inner and the outer side.
 double thinnest_place(const Solid& wall) {
   std::vector<Corners> inner, outer;
   for (std::size_t k = 0; k < wall.triangles.size(); ++k) {
@@ -110,7 +111,7 @@ double thinnest_place(const Solid& wall) {
   return least;
 }
 
-/// A prism of height 1 over an L, whose inner edge large triangles of the inner side come near to.
+/// A prism of height 1 over an L. Large triangles of the inner side approach its inner edge.
 Mesh angle() {
   Mesh mesh;
   const std::array<std::pair<float, float>, 6> outline{{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}};
@@ -194,7 +195,8 @@ TEST(Hollow, EachPartForItself) {
     EXPECT_EQ(part.shells.size(), 2u);
     EXPECT_LT(part.volume, 0.125 * 0.6);
   }
-  // Sides are proved deep in large triangles, of whose middles 12 halvings make too few: else they all stay.
+  // The depth of large triangles is proved by their sides. Their middles alone, after 12 halvings, would not
+  // suffice, and all triangles would stay.
   EXPECT_LT(field.report.hollow_triangles, 27u * 100);
 }
 
@@ -255,7 +257,7 @@ TEST(Hollow, FewerTrianglesForEachPartAreLessWork) {
 }
 
 TEST(Hollow, PartsThatShareTrianglesAreTheSameForAnyNumberOfThreads) {
-  // What the first cubes leave makes the balls after them finer than was foreseen for all.
+  // The first cubes use fewer triangles than planned, so the balls after them become finer than planned.
   std::vector<Mesh> things;
   for (int k = 0; k < 14; ++k)
     things.push_back(translated(k < 6 ? cube(2) : ico_sphere(2, 0.5), {2.0 * k, 0, 0}));
@@ -293,7 +295,7 @@ TEST(Hollow, AWallOfWhichAFragmentIsFracturedAgainStaysSound) {
   expect_closed(pieces->set);
   double volume = 0;
   for (const Fragment& f : pieces->set.fragments) volume += f.mass.volume;
-  // The fragment is fractured as it stands in the file, rounded to floats.
+  // The fragment is fractured in the form of the file, rounded to floats.
   EXPECT_NEAR(volume, whole.fragments[3].mass.volume, 1e-7);
 }
 

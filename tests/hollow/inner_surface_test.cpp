@@ -34,7 +34,7 @@ Vec3d corner(const InnerSurface& s, std::size_t t, std::size_t k) {
   return to_double(s.positions[s.triangles[t][k]]);
 }
 
-/// At 66 places of each triangle; in short tests at 21 of them.
+/// Measures at 66 points of each triangle, or at 21 points in short tests.
 double least_depth(const InnerSurface& s, const SurfaceTree& tree) {
   Pacer pacer(kUninterrupted);
   double least = HUGE_VAL;
@@ -48,7 +48,7 @@ double least_depth(const InnerSurface& s, const SurfaceTree& tree) {
   return least;
 }
 
-/// Positive where the triangles face what they enclose.
+/// Positive if the triangles face the enclosed volume.
 double enclosed(const InnerSurface& s, const Vec3d& origin = {}) {
   double six = 0;
   for (std::size_t t = 0; t < s.triangles.size(); ++t)
@@ -63,15 +63,15 @@ TEST(InnerSurface, OfABallIsABall) {
   EXPECT_GE(least_depth(s, ball.tree), 0.1);
   const double full = 4 * std::numbers::pi / 3 * 0.9 * 0.9 * 0.9;
   EXPECT_LT(enclosed(s), full);
-  // The lattice that 20,000 triangles allow has steps of a sixteenth: corners lie 0.118 deep and less than a
-  // sixteenth of an edge deeper; more is lost between them.
+  // With 20,000 triangles the lattice has steps of a sixteenth. Corners lie 0.118 deep or up to a sixteenth
+  // of an edge deeper, and more is lost between them.
   EXPECT_GT(enclosed(s), 0.8 * full);
   if (test::short_tests()) return;
   EXPECT_GT(enclosed(inner_surface(ball.tree, ball.box, 0.1, {200'000, 200'000, 1u << 21}, {})), 0.93 * full);
 }
 
 TEST(InnerSurface, KeepsItsDistanceFromReflexEdges) {
-  // Where the outside bends inwards, what lies between two places that are deep enough is less deep.
+  // If the outside bends inwards, the points between two sufficiently deep points are less deep.
   const Part star = part_of(test::menger_sponge(1));
   for (const double thickness : {0.05, 0.08, 0.12}) {
     const InnerSurface s = inner_surface(star.tree, star.box, thickness, {}, {});
@@ -169,7 +169,7 @@ TEST(HoldsBall, WhatIsLargerIsSeenAndNothingSmaller) {
   const Part ring = part_of(test::torus(64, 32));  // 0.4 thick on each side of its circle
   EXPECT_TRUE(holds_ball(ring.tree, ring.box, 0.395 / 1.06, {}));
   EXPECT_FALSE(holds_ball(ring.tree, ring.box, 0.41, {})) << "its hole is outside";
-  // Wherever the lattice of points lies.
+  // The result must hold for any position of the lattice of points.
   for (int k = 0; k < test::sized(2, 8); ++k) {
     const double low = 0.03 * k;
     const Part slab = part_of(test::box({low, 0, 0}, {low + 0.4, 3, 2 + low}));

@@ -13,7 +13,7 @@ namespace {
 InnerSurface inner_side(const Mesh& mesh) {
   InnerSurface s;
   s.positions = mesh.positions;
-  for (const auto& [a, b, c] : mesh.triangles) s.triangles.push_back({a, c, b});  // faces what it encloses
+  for (const auto& [a, b, c] : mesh.triangles) s.triangles.push_back({a, c, b});  // faces the inside
   return s;
 }
 
@@ -31,7 +31,7 @@ const SurfaceTree& far_away() {
   return tree;
 }
 
-/// Of the corners of one from the triangles of another.
+/// The largest distance of corners of one surface from the triangles of another.
 double farthest(const InnerSurface& from, const InnerSurface& to) {
   const SurfaceTree tree = tree_of(to.positions, to.triangles);
   Pacer pacer(kUninterrupted);
@@ -69,7 +69,7 @@ TEST(Simplified, ARingKeepsItsHole) {
 }
 
 TEST(Simplified, ComesNoNearerToTheOutside) {
-  // In its hole the ring bends away from its axis: with fewer triangles it comes nearer to the rod there.
+  // In its hole, the ring bends away from its axis. With fewer triangles it gets closer to the rod there.
   const InnerSurface fine = inner_side(test::torus(64, 32));
   const SurfaceTree rod = tree_of(test::box({-0.3, -0.3, -1}, {0.3, 0.3, 1}));
   const double as_it_was = 0.6 - 0.3 * std::numbers::sqrt2;  // at the corners of the rod
@@ -89,7 +89,7 @@ TEST(IsDeep, ProvesAndDenies) {
 }
 
 TEST(IsDeep, ProvesItOfLargeTrianglesWithLittleToSpare) {
-  // Middles alone would have to be four thousand to an edge.
+  // A proof by middles alone would need four thousand of them along an edge.
   const SurfaceTree cube = tree_of(test::cube(2));
   const InnerSurface inner = inner_side(test::scaled(test::cube(), {0.75, 0.75, 0.75}));
   EXPECT_TRUE(is_deep(inner, cube, 0.125 - 1e-4, {}));

@@ -1,5 +1,5 @@
-// Real files against a table that other programs made, which lies beside them (triangle counts), and nine files
-// that say the same barrel in nine ways.
+// Compares real files with a table that other programs made (triangle counts, stored next to the files). Also
+// compares nine files that describe the same barrel in nine ways.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::string read_whole(const fs::path& path) {
   return text;
 }
 
-/// The file with everything that lies beside it as further parts, as a client uploads a multi-file asset.
+/// Imports the file with all files in its folder as additional parts, as a client uploads a multi-file asset.
 Expected<Mesh> import_with_siblings(const MeshFile& file) {
   const fs::path path(file.path);
   std::vector<std::pair<std::string, std::string>> parts;
@@ -41,7 +41,7 @@ Expected<Mesh> import_with_siblings(const MeshFile& file) {
   return import_mesh(bytes_of(whole), *format, {}, files);
 }
 
-/// "| file | triangles | …" of that table; rows without a count are left out.
+/// Reads "| file | triangles | …" from that table. Rows without a count are left out.
 std::map<std::string, std::size_t> listed_triangles() {
   std::map<std::string, std::size_t> counts;
   const std::optional<MeshFile> in_the_table = find_test_mesh("cube.glb");
@@ -74,7 +74,7 @@ TEST(AssetImport, EveryFileHasTheTrianglesThatTheTableLists) {
     ASSERT_TRUE(mesh) << file.name << ": " << mesh.error().detail;
     const auto row = listed.find(file.name);
     if (row == listed.end()) continue;
-    // The table counts the mesh of the instanced barrel once; the scene shows it six times.
+    // The table counts the mesh of the instanced barrel once. The scene shows it six times.
     const std::size_t instances = file.name == "variants/barrel_instanced.glb" ? 6 : 1;
     EXPECT_EQ(mesh->triangles.size(), row->second * instances) << file.name;
     ++compared;
@@ -125,8 +125,8 @@ TEST(AssetImport, TexturedAssetKeepsItsSixMaterialsAndFifteenImages) {
   EXPECT_TRUE(mesh->remarks.empty());
 }
 
-// The authors' tangents (MikkTSpace) are the oracle: ours have to point the same way and have the same
-// handedness, though they are averaged by area instead of angle and never split a wedge.
+// The authors' tangents (MikkTSpace) are the oracle. Our tangents must point the same way and have the same
+// handedness, although they are averaged by area instead of angle and never split a wedge.
 TEST(AssetImport, ComputedTangentsAgreeWithThoseTheAuthorsWrote) {
   const auto file = find_test_mesh("FlightHelmet/FlightHelmet.gltf");
   if (!file) GTEST_SKIP() << "no FlightHelmet in FRACTURE_TEST_MESHES";

@@ -1,5 +1,4 @@
-// The formats that go through Assimp: order, wedges and texture coordinates as the file has them, and no
-// other file.
+// The formats that Assimp reads: order, wedges and texture coordinates as in the file. No other file is read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A cube of side 1 as six quads, outward.
+// A cube with side 1 as six quads, facing outwards.
 constexpr const char* kCubeObj =
     "o box\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
     "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";

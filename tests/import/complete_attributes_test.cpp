@@ -12,7 +12,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-/// A unit square in the xy plane, its image upright: u along +x, v along -y.
+/// A unit square in the xy plane with its image upright: u along +x, v along -y.
 Mesh upright_square(bool mirrored_image) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -1,4 +1,4 @@
-// Formats inside XML, ZIP and compressed streams, and files that come in several parts.
+// Formats inside XML, ZIP and compressed streams, and files in several parts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -12,7 +12,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A tetrahedron of volume 1/6 in XGL. With decimals: Assimp takes the comma in "0,0" for a decimal point.
+/// A tetrahedron of volume 1/6 in XGL. It has decimals because Assimp takes the comma in "0,0" for a decimal
+/// point.
 const std::string kXgl =
     "<WORLD><MESH ID=\"0\"><P ID=\"0\">0.0,0.0,0.0</P><P ID=\"1\">1.0,0.0,0.0</P><P "
     "ID=\"2\">0.0,1.0,0.0</P><P ID=\"3\">0.0,0.0,1.0</P>"
@@ -63,7 +64,7 @@ TEST(Containers, CompressedFilesAreOpenedUpToTheLimit) {
   const std::string whole = zstandard("BLENDER no more");
   EXPECT_EQ(import_text(whole.substr(0, whole.size() - 3), MeshFormat::kBlend).error().code,
             ErrorCode::kMalformedMesh);
-  // Two frames, as Blender writes: both are opened, and what is inside is no Blender file.
+  // Two frames, as Blender writes them. Both are opened, and the content is not a Blender file.
   const Expected<Mesh> other = import_text(zstandard("SOMETHING") + zstandard(" ELSE"), MeshFormat::kBlend);
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().detail, HasSubstr("SOMETHING ELSE"));

@@ -1,4 +1,4 @@
-// The table of formats against the Assimp that is linked.
+// Compares the table of formats with the linked Assimp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

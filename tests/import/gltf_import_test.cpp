@@ -1,4 +1,4 @@
-// glTF as it is specified: every way to say the same tetrahedron gives the same tetrahedron.
+// glTF as specified: every way to describe a tetrahedron gives the same tetrahedron.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,7 +98,7 @@ TEST(GltfImport, MeshUsedByTwoNodesIsTwoSurfaces) {
 TEST(GltfImport, StripBecomesTheSameTriangles) {
   Tetrahedron tet;
   std::string strip;
-  put<std::uint16_t>(strip, {0, 2, 1, 3, 0, 2});  // every second triangle is reversed by the strip rule
+  put<std::uint16_t>(strip, {0, 2, 1, 3, 0, 2});  // the strip rule reverses every second triangle
   tet.primitive()["indices"] = tet.add_accessor(strip, 5123, 6, "SCALAR");
   tet.primitive()["mode"] = 5;
   const Mesh mesh = import_ok(tet);
@@ -405,7 +405,7 @@ TEST(GltfImport, SkinInBindPoseLeavesTheMeshAlone) {
   EXPECT_EQ(mesh.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
   EXPECT_THAT(mesh.remarks.notes, ::testing::ElementsAre(HasSubstr("bind pose")));
   EXPECT_THAT(mesh.remarks.warnings, ::testing::IsEmpty());
-  // A stored pose that is not the bind pose is what every viewer shows, and said so.
+  // If a stored pose is not the bind pose, the import takes it, as every viewer does, and reports it.
   tet.json["nodes"][2]["translation"] = {0, 4, 0};
   mesh = import_ok(tet);
   EXPECT_EQ(mesh.positions[2], (Vec3f{0, 3, 0}));

@@ -1,4 +1,4 @@
-// Small mesh files made by hand, so that a test says what is in them.
+// Small mesh files made by hand, so that each test shows their content.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ inline std::span<const std::byte> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
 }
 
-/// Little-endian bytes of numbers, appended.
+/// Appends numbers as little-endian bytes.
 template <class T>
 void put(std::string& out, std::initializer_list<T> values) {
   for (const T value : values) {
@@ -44,8 +44,8 @@ inline std::string make_glb(const nlohmann::json& document, std::string binary) 
   return glb;
 }
 
-/// The tetrahedron (0,0,0) (1,0,0) (0,1,0) (0,0,1), outward: volume 1/6. Accessor 0: positions, accessor 1:
-/// indices (unsigned short). One node, one scene.
+/// The tetrahedron (0,0,0) (1,0,0) (0,1,0) (0,0,1), facing outwards, with volume 1/6. Accessor 0 has the
+/// positions and accessor 1 the indices (unsigned short). The file has one node and one scene.
 struct Tetrahedron {
   nlohmann::json json;
   std::string binary;
@@ -67,7 +67,7 @@ struct Tetrahedron {
             {"buffers", {{{"byteLength", 72}}}}};
   }
   std::string glb() const { return make_glb(json, binary); }
-  /// Adds bytes as a new bufferView with an accessor over all of it; returns the accessor.
+  /// Adds the bytes as a new bufferView with an accessor over all of it. Returns the accessor.
   std::size_t add_accessor(const std::string& bytes, int component, std::size_t count, const char* type,
                            bool normalized = false) {
     binary.resize((binary.size() + 3) / 4 * 4, '\0');
@@ -87,7 +87,7 @@ struct Tetrahedron {
   nlohmann::json& node() { return json["nodes"][0]; }
 };
 
-/// The signed volume by the divergence theorem.
+/// The signed volume, by the divergence theorem.
 inline double signed_volume(const Mesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)

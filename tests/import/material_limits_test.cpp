@@ -1,4 +1,5 @@
-// Materials that hold far more than a game could use: their extras go first, then they are refused.
+// Materials that are far larger than a game could use. Their extras are dropped first. If that is not enough,
+// they are refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +15,8 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-/// A GLB whose material is this text: as a value it would take as much memory here as there.
+/// Imports a GLB with this text as its material. Building it as a JSON value here would take as much memory
+/// as the importer needs.
 Expected<Mesh> import_with_material(const std::string& material) {
   Tetrahedron tet;
   tet.json["materials"] = {"MATERIAL"};

@@ -12,7 +12,7 @@ using namespace std::string_literals;
 std::uint64_t largest(const std::string& bytes) { return largest_picture(std::as_bytes(std::span(bytes))); }
 
 const std::string kPng = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x01\0\0\0\0\x80\x08\x06"s;  // 256 x 128
-// A JFIF segment, then a progressive frame of 100 x 300.
+// A JFIF segment, followed by a progressive frame of 100 x 300.
 const std::string kJpeg = "\xff\xd8\xff\xe0\0\x04zz\xff\xc2\0\x11\x08\0\x64\x01\x2c\x03"s;
 
 TEST(PictureHeads, TheLargestCountsWhereverItStands) {

@@ -15,7 +15,7 @@ Mesh obj(const std::string& text) {
   return std::move(*mesh);
 }
 
-/// Sum of |area| of the triangles, and of signed area along z.
+/// The sum of |area| of the triangles, and the sum of the signed area along z.
 std::pair<double, double> areas(const Mesh& m) {
   double total = 0, up = 0;
   for (const auto& t : m.triangles) {
@@ -28,8 +28,8 @@ std::pair<double, double> areas(const Mesh& m) {
 }
 
 TEST(Polygons, AFlatOneWithAReflexCornerIsNotFolded) {
-  // An arrow head: the fan from its first corner would fold over itself. Its area by the shoelace formula
-  // is 4.
+  // An arrow head. The fan from its first corner would fold over itself. Its area by the shoelace formula is
+  // 4.
   const Mesh quad = obj("v 0 2 0\nv -2 -1 0\nv 0 0 0\nv 2 -1 0\nf 2 3 4 1\n");
   const auto [total, up] = areas(quad);
   EXPECT_EQ(quad.triangles.size(), 2u);

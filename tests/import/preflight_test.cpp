@@ -1,4 +1,4 @@
-// What a file says about itself is checked before a foreign parser believes it.
+// The statements of a file about itself are checked before a foreign parser relies on them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Which other files an asset names, and which of them are read.
+// The other files that an asset names, and the ones of them that are read.
 #include "common/import/sibling_files.hpp"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
-// Babylon (NullEngine) has to load the file, and Havok has to take its rigid bodies: mass, centre and inertia read back
-// from the engine equal what the visible triangles have at the stated density, and the fragments, dropped on a plane,
-// come to rest on it: in metres those that Havok can simulate in metres, in centimetres all. Babylon's own packages hold no loader of KHR_physics_rigid_bodies: the extension is read by
-// files.mjs, the numbers then go through the engine.   usage: node babylon.mjs FILE.glb …
+// Babylon (NullEngine) must load the file, and Havok must accept its rigid bodies. Mass, centre and inertia read back from
+// the engine must equal those of the visible triangles at the stated density. The fragments are dropped on a plane and must
+// rest on it: in metres those that Havok can simulate in metres, in centimetres all. Babylon's own packages contain no
+// loader of KHR_physics_rigid_bodies, so files.mjs reads the extension.   usage: node babylon.mjs FILE.glb …
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -27,17 +27,17 @@ const havok = await HavokPhysics({ wasmBinary: fs.readFileSync(path.join(folder,
 Logger.LogLevels = Logger.ErrorLogLevel;
 
 const STEP = 1 / 240, LONGEST = 30;  // s; some fragments are splinters of millimetres
-const REST = 0.02;                  // of the speed of falling the height of the whole: at rest, for half a second
-// Bodies that resist turning less than some 5e-6, in Havok's units, fall through the plane at any time step (tried:
-// splinters alone on the plane; with inertia made 400 times larger they lie still), and above that they may jitter, or
-// roll in a circle for ever, half in the plane: one of 4e-5 did, a strip of leather. In a heap they also kick the others.
-// So files with bodies that light (metres: an edge of 4 to 8 cm at the density of water) are dropped twice: in metres
-// without these bodies, and in centimetres, where every fragment has to come to rest but dust: the one of all files that
-// still falls has 2.6 µg.
+const REST = 0.02;                  // share of the speed after a fall from the height of the whole: at rest if slower for half a second
+// Havok lets bodies fall through the plane, at any time step, if their resistance to turning is below about 5e-6 in its units. This was
+// tried: splinters alone on the plane fall through, and with inertia made 400 times larger they lie still. Above that limit, bodies may
+// jitter or roll in a circle for ever, half in the plane. One of 4e-5 did: a strip of leather. In a heap they also push the others. So
+// files with such light bodies are dropped twice (in metres: an edge of 4 to 8 cm at the density of water). The first drop is in metres
+// without these bodies. The second is in centimetres, where every fragment must rest, except dust: the only one of all files that still
+// falls has 2.6 µg.
 const WORLDS = [{ unit: 1, name: 'metres', judged: body => Math.min(...body.motion.inertiaDiagonal) >= 1e-4 },  // kg m²
   { unit: 100, name: 'centimetres', judged: body => body.motion.mass >= 1e-8 }];                                 // kg
 
-/** Volume, centre and inertia tensor (xx yy zz xy xz yz, about the centre) of the triangles, density 1. */
+/** Volume, centre and inertia tensor (xx yy zz xy xz yz, about the centre) of the triangles, with density 1. */
 function measured(glb, node) {
   const { primitives } = glb.json.meshes[node.mesh], p = accessor(glb, primitives[0].attributes.POSITION);
   let volume = 0;
@@ -58,11 +58,11 @@ function measured(glb, node) {
   return { volume, center, size, tensor: [yy + zz, xx + zz, xx + yy, -xy, -xz, -yz] };
 }
 
-/** How far a stored position may be from the exact one: half a step of the lattice, and of the local floats. */
+/** The largest distance of a stored position from the exact one: half a step of the lattice and of the local floats. */
 const rounding = ({ json }, size) =>
   Math.max(...json.nodes.map(n => n.extras?.fracture).find(f => f?.lattice).lattice.step) + size * 2 ** -23;
 
-/** Can it be the inertia of a body? Then the second moments (half the trace minus the tensor) are positive. */
+/** Whether a body can have this inertia: the second moments (half the trace minus the tensor) must be positive. */
 function possible([xx, yy, zz, xy, xz, yz]) {
   const half = (xx + yy + zz) / 2, [a, b, c] = [half - xx, half - yy, half - zz];
   const minors = [a, b, c, a * b - xy * xy, a * c - xz * xz, b * c - yz * yz,
@@ -80,8 +80,7 @@ function hullShape({ points, triangles }, scene) {
   return shape;
 }
 
-/** Reads back the masses of the bodies, given in the world's units, and drops those to be judged on a plane until they
- *  rest. */
+/** Reads back the masses of the bodies, given in the world's units. Drops the judged bodies on a plane until they rest. */
 function drop(bodies, inMetres, { unit, name, judged }, scene) {
   const complaints = [], gravity = 9.81 * unit;
   scene.enablePhysics(new Vector3(0, -gravity, 0), new HavokPlugin(false, havok));
@@ -100,7 +99,7 @@ function drop(bodies, inMetres, { unit, name, judged }, scene) {
         wide = Math.max(wide, Math.abs(points[v] + body.translation[0]), Math.abs(points[v + 2] + body.translation[2]));
       }
     }
-    if (body.filter) {  // Havok has 32 bits for systems; beyond that some share one
+    if (body.filter) {  // Havok has 32 bits for systems, so further systems share bits
       const bit = 1 << systems.indexOf(body.filter.collisionSystems[0]) % 31;
       for (const part of new Set([...hulls, shape])) {
         part.filterMembershipMask = bit;
@@ -112,7 +111,7 @@ function drop(bodies, inMetres, { unit, name, judged }, scene) {
     const { mass, centerOfMass, inertiaDiagonal, inertiaOrientation } = body.motion;
     rigid.setMassProperties({ mass, centerOfMass: Vector3.FromArray(centerOfMass), inertia: Vector3.FromArray(inertiaDiagonal),
       inertiaOrientation: Quaternion.FromArray(inertiaOrientation) });
-    rigid.setAngularDamping(2);  // or round pieces roll for minutes
+    rigid.setAngularDamping(2);  // without it round pieces roll for minutes
     rigid.setLinearDamping(0.2);
     const read = rigid.getMassProperties();
     complaints.push(...massComplaints(body, { mass: read.mass, centerOfMass: read.centerOfMass.asArray(),
@@ -161,7 +160,7 @@ await judgeAll(async (bytes, file) => {
   const described = bodiesOf(glb);
   if (!described.length) complaints.push('no rigid bodies');
   let inverted = 0;
-  for (const body of described) {  // the file's figures against the triangles', whose positions are rounded
+  for (const body of described) {  // compares the file's figures with those of the triangles, whose positions are rounded
     const { mass, centerOfMass, inertiaDiagonal, inertiaOrientation } = body.motion, density = body.fracture.mass / body.fracture.volume;
     const ours = measured(glb, nodes.find(n => n.extras.fracture.id === body.fracture.id)), { size } = ours;
     const off = (what, a, b, tolerance) => Math.abs(a - b) <= tolerance || complaints.push(`${body.name}: ${what} ${a}, not ${b}`);

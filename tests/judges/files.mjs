@@ -1,12 +1,12 @@
-// What the judges share: reading the files (our own few lines, so that a judge's reader is never the only one) and
-// the verdict of a run. Exit 0: all good; 1: a file was found wanting; 77: the judge is not installed.
+// Common code of the judges: reading the files, and the verdict of a run. The reader is a few lines of our own, so that a judge's reader is
+// never the only one. Exit codes: 0 if all files are good, 1 if a file has a fault, 77 if the judge is not installed.
 import fs from 'node:fs';
 import path from 'node:path';
 
 const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
 const ARRAYS = { 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 
-/** Imports the judge's packages; a missing one ends the run as skipped, anything else that goes wrong is an error. */
+/** Imports the judge's packages. If a package is missing, the run ends as skipped. Any other failure is an error. */
 export async function installed(load) {
   try {
     return await load();
@@ -32,12 +32,12 @@ export function accessor({ json, binary }, index) {
   return new Type(binary.slice(start, start + length * Type.BYTES_PER_ELEMENT).buffer);
 }
 
-/** The nodes that are fragments: nothing else has an id in extras.fracture. */
+/** The nodes that are fragments: no other node has an id in extras.fracture. */
 export const fragmentsOf = json => json.nodes.filter(n => n.extras?.fracture?.id !== undefined);
 
 /**
- * The rigid bodies of KHR_physics_rigid_bodies, as the extension says: motion, position, and the points of the convex
- * hulls of the node's own collider or of its children's (compounds; identity transforms, which is checked).
+ * The rigid bodies of KHR_physics_rigid_bodies, as the extension specifies: motion, position, and the points of the convex hulls. The hulls
+ * are those of the node's own collider or of its children's (compounds; their transforms must be the identity, which is checked).
  */
 export function bodiesOf(glb) {
   const { json } = glb, NAME = 'KHR_physics_rigid_bodies';
@@ -61,7 +61,7 @@ export function bodiesOf(glb) {
   });
 }
 
-/** The same bodies in another unit of length: `unit` of them are a metre. Masses keep their density. */
+/** The same bodies in another unit of length, with `unit` of them in a metre. Masses keep their density. */
 export const inUnits = (bodies, unit) => bodies.map(body => ({ ...body, translation: body.translation.map(x => x * unit),
   hulls: body.hulls.map(hull => ({ ...hull, points: hull.points.map(x => x * unit) })),
   motion: { ...body.motion, mass: body.motion.mass * unit ** 3, centerOfMass: body.motion.centerOfMass.map(x => x * unit),
@@ -75,7 +75,7 @@ export function tensorOf(moments, [x, y, z, w]) {
   return [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]].map(([i, j]) => moments.reduce((sum, m, k) => sum + m * axes[k][i] * axes[k][j], 0));
 }
 
-/** What an engine has as {mass, centerOfMass, inertiaDiagonal, inertiaOrientation} against the file's, to 1e-5. */
+/** Compares the engine's {mass, centerOfMass, inertiaDiagonal, inertiaOrientation} with the file's, to 1e-5. */
 export function massComplaints(body, read, size) {
   const complaints = [], { mass, centerOfMass, inertiaDiagonal, inertiaOrientation } = body.motion;
   const off = (what, a, b, tolerance) => Math.abs(a - b) <= tolerance || complaints.push(`${body.name}: ${what} ${a} in the engine, ${b} in the file`);
@@ -86,7 +86,7 @@ export function massComplaints(body, read, size) {
   return complaints;
 }
 
-/** Does the filter of one let it collide with the other? As the extension defines it; it has to hold both ways. */
+/** Whether the filter of one body lets it collide with the other, as the extension defines it. It must hold both ways. */
 const lets = (a, b) => !a.filter?.notCollideWithSystems?.length || !(b.filter?.collisionSystems ?? []).length ||
   !b.filter.collisionSystems.every(system => a.filter.notCollideWithSystems.includes(system));
 export const collide = (a, b) => lets(a, b) && lets(b, a);

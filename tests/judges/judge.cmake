@@ -1,5 +1,5 @@
-# Lets one judge look at all samples but those whose name matches EXCEPT; one with a FOLDER of its own gets the
-# samples' folder and that one.
+# Lets one judge look at all samples except those whose name matches EXCEPT. If FOLDER is set, the judge gets
+# the samples' folder and FOLDER instead.
 find_program(NODE NAMES node nodejs)
 if(NOT NODE)
   execute_process(COMMAND ${CMAKE_COMMAND} -E echo "skipped: node is not installed")

@@ -1,11 +1,11 @@
-// Judges files that this project wrote by programs that nobody here wrote.   usage: node judge.mjs FILE.glb …
-// 1. The Khronos validator has to report no error and no warning.
-// 2. Manifold has to accept every fragment (vertices merged where their positions are identical, nothing else). Its
-//    volume is not compared: it tidies up surfaces that cross themselves. The volume of the stored triangles has to be
-//    the stated one, up to the rounding of positions (half a step of the lattice, and of the local floats) over the area.
-// 3. Each interior triangle has to have its mirror image, bit for bit in world space, in another fragment, unless the
-//    report says that holes of the source were filled (those faces are interior material without a partner).
-// 4. Fragment ids and node names are unique, and bonds name fragments that exist.
+// Judges files of this project with programs written elsewhere.   usage: node judge.mjs FILE.glb …
+// 1. The Khronos validator must report no error and no warning.
+// 2. Manifold must accept every fragment (vertices merged if their positions are identical, no other change). Its volume is
+//    not compared, because it repairs surfaces that cross themselves. The volume of the stored triangles must equal the
+//    stated one, up to the rounding of positions (half a step of the lattice, and of the local floats) times the area.
+// 3. Each interior triangle must have its mirror image, bit for bit in world space, in another fragment. The exception: the
+//    report says that holes of the source were filled (those faces have interior material without a partner).
+// 4. Fragment ids and node names must be unique, and bonds must name existing fragments.
 import { createRequire } from 'node:module';
 import { accessor, fragmentsOf, installed, judgeAll, parse } from './files.mjs';
 
@@ -13,7 +13,7 @@ const validator = await installed(() => createRequire(import.meta.url)('gltf-val
 const manifold = await (await installed(() => import('manifold-3d'))).default();
 manifold.setup();
 
-/** Vertex -> the first vertex at the identical position. */
+/** Maps each vertex to the first vertex at the identical position. */
 function weld(positions) {
   const first = new Map();
   return Uint32Array.from({ length: positions.length / 3 }, (_, i) => {
@@ -23,7 +23,7 @@ function weld(positions) {
   });
 }
 
-/** What Manifold says: 'NoError' or the name of the error. */
+/** Returns Manifold's answer: 'NoError' or the name of the error. */
 function askManifold(positions, triangles) {
   const to = weld(positions), merged = [...to.keys()].filter(i => to[i] !== i);
   const mesh = new manifold.Mesh({ numProp: 3, vertProperties: positions, triVerts: triangles,
@@ -40,7 +40,7 @@ function askManifold(positions, triangles) {
   }
 }
 
-/** Divergence theorem, about the first vertex. */
+/** The signed volume by the divergence theorem, about the first vertex. */
 function signedVolume(p, triangles) {
   const at = i => [p[3 * i] - p[0], p[3 * i + 1] - p[1], p[3 * i + 2] - p[2]];
   let sum = 0;

@@ -1,5 +1,5 @@
-// Writes the files that the judges look at: one made by hand, and fractures of generated and (where they are)
-// real meshes.   usage: make_samples FOLDER
+// Writes the files that the judges look at: one made by hand, fractures of generated meshes, and fractures of real
+// meshes if they are available.   usage: make_samples FOLDER
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -45,7 +45,7 @@ void write_variants(const std::filesystem::path& folder, const std::string& name
 }
 
 #ifdef FRACTURE_HAS_PIPELINE
-/// Nothing where a stage refuses the mesh. `options` gets the materials of the cuts.
+/// Fractures a mesh. Returns no value if a stage refuses the mesh. `options` gets the materials of the cuts.
 std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters parameters, GltfOptions& options) {
   StageTimings timings;
   const Execution execution;
@@ -69,7 +69,7 @@ bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sit
   return made.has_value();
 }
 
-/// 30 cells, of which the first ten are one fragment: a compound.
+/// 30 cells. The first ten are one fragment: a compound.
 FractureParameters grouped(const Box& box) {
   PointsPattern pattern{random_sites(box, 30, 9)};
   for (std::uint32_t k = 0; k < 30; ++k) pattern.groups.push_back(k < 10 ? 0 : k);
@@ -119,10 +119,10 @@ int run(const std::filesystem::path& folder) {
     expect(made.has_value(), name);
     if (made) write(folder / name, *made);
   }
-  // Every real mesh of dev; only the triangle soup bounds no volume.
+  // Every real mesh of dev. Only the triangle soup has no volume.
   nlohmann::json sources = nlohmann::json::array();
   for (const MeshFile& file : test_meshes()) {
-    // Those of the folder unsound came without their textures, which the judges would miss.
+    // The files of the folder unsound have no textures, and the judges would miss them.
     if (file.path.find("/unsound/") != std::string::npos) continue;
     const Expected<Mesh> mesh = load_mesh(file);
     std::string flat = "dev_" + file.name + ".glb";

@@ -1,5 +1,5 @@
-// manifold-3d's own reader of EXT_mesh_manifold (lib/gltf-io.js, on glTF-Transform) has to find the extension on every
-// fragment, and the Manifold kernel has to accept every mesh as that reader delivers it: nothing is welded here.
+// manifold-3d's own reader of EXT_mesh_manifold (lib/gltf-io.js, on glTF-Transform) must find the extension on every
+// fragment. The Manifold kernel must accept every mesh as that reader returns it. No vertices are welded here.
 //   usage: node manifold_reader.mjs FILE.glb …
 import { fragmentsOf, installed, judgeAll, parse } from './files.mjs';
 
@@ -22,7 +22,7 @@ await judgeAll(async bytes => {
     }
     const { mesh } = readMesh(node.getMesh(), ['POSITION']);
     merges += mesh.mergeFromVert.length;
-    // What a reader that only follows the accessors gets: the merged corners themselves.
+    // A reader that only follows the accessors gets the merged corners themselves.
     const merged = node.getMesh().getExtension('EXT_mesh_manifold').getIndices().getArray(), to = new Map();
     mesh.mergeFromVert.forEach((from, k) => to.set(from, mesh.mergeToVert[k]));
     if (merged.length !== mesh.triVerts.length || mesh.triVerts.some((v, k) => (to.get(v) ?? v) !== merged[k]))

@@ -1,7 +1,7 @@
-// Does the outside of the fragments look as the source does? Headless Chromium opens both with three.js and renders
-// them from four sides; the pictures stay in a folder, to look at. Every texture has to be decoded there, too.
+// Tests whether the outside of the fragments looks as the source does. Headless Chromium opens both with three.js and
+// renders them from four sides. The pictures stay in a folder for inspection. Chromium must also decode every texture.
 //   usage: node pictures.mjs SAMPLES PICTURES      SAMPLES/sources.json: [{file, source}], written by make_samples
-// Exit 0: all good; 1: not; 77: no Chromium, no node_modules, or no meshes.
+// Exit codes: 0 if all is good, 1 if not, 77 without Chromium, node_modules or meshes.
 import { spawn, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import http from 'node:http';
@@ -9,8 +9,8 @@ import os from 'node:os';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const LIMIT = 0.01;                                           // mean absolute difference of a channel, of its range
-const DRAWN = ['FlightHelmet/FlightHelmet.gltf', 'Fox.glb'];  // the other pairs are loaded and counted
+const LIMIT = 0.01;                                           // mean absolute difference of a channel, as a share of its range
+const DRAWN = ['FlightHelmet/FlightHelmet.gltf', 'Fox.glb'];  // the other pairs are only loaded and counted
 const here = path.dirname(fileURLToPath(import.meta.url)),  // Debian's node 18 has no import.meta.dirname
       [samples, pictures] = process.argv.slice(2);
 const skip = why => {
@@ -33,7 +33,7 @@ const TYPES = { html: 'text/html', mjs: 'text/javascript', js: 'text/javascript'
 const complaints = [], results = [];
 const failed = () => pairs.find(p => !results.some(r => r.name === p.name))?.name;
 
-/** The file that a path of the page means, or nothing: only the folders of the test. */
+/** The file that a path of the page names, or undefined. Only the test's folders are served. */
 function fileOf(url) {
   const [, root, ...rest] = decodeURIComponent(url).split('/');
   const inside = (folder, parts) => {
@@ -89,7 +89,7 @@ const server = http.createServer(async (request, response) => {
 let browser, log = '';
 const profile = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-pictures-'));
 let finished = false;
-process.on('exit', () => {  // whatever ends this program ends the browser
+process.on('exit', () => {  // however this program ends, it ends the browser
   try { process.kill(-browser.pid, 'SIGKILL'); } catch {}
 });
 function finish(complaint) {
@@ -97,9 +97,9 @@ function finish(complaint) {
   finished = true;
   if (complaint) complaints.push(complaint);
   if (!complaint && results.length !== pairs.length) complaints.push(`${results.length} of ${pairs.length} pairs were judged`);
-  process.kill(-browser.pid, 'SIGKILL');  // with its renderers
+  process.kill(-browser.pid, 'SIGKILL');  // and its child processes
   browser.once('exit', async () => {
-    for (let tries = 0; tries < 20 && fs.existsSync(profile); ++tries) {  // they may be writing for a moment still
+    for (let tries = 0; tries < 20 && fs.existsSync(profile); ++tries) {  // they may still write for a moment
       await new Promise(resolve => setTimeout(resolve, 100));
       try { fs.rmSync(profile, { recursive: true, force: true }); } catch {}
     }

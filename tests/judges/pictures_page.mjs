@@ -1,5 +1,5 @@
-// In the browser: loads the source and the fragments of each pair with three.js, renders both from four sides, and
-// posts the pictures and what was counted back to pictures.mjs.
+// Runs in the browser. Loads the source and the fragments of each pair with three.js and renders both from four sides. Posts the pictures
+// and the counts back to pictures.mjs.
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';
@@ -8,7 +8,7 @@ import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
 
 const SIZE = 512;
 const SIDES = { front: [0, 0, 1], right: [1, 0, 0], back: [0, 0, -1], left: [-1, 0, 0] };
-// Another side of the source, which the comparison has to find different.
+// For each side, another side of the source. The comparison must find the two different.
 const CONTROL = { front: 'right', right: 'front', back: 'left', left: 'back' };
 const renderer = new THREE.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });
 renderer.setSize(SIZE, SIZE);
@@ -19,11 +19,11 @@ const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder)
 
 const post = (path, body) => fetch(path, { method: 'POST', body });
 
-/** The loaded asset, and its textures: how many the file has, and the sizes of the decoded ones. */
+/** The loaded asset and its textures: their number in the file, and the sizes of the decoded ones. */
 async function load(url) {
   const gltf = await loader.loadAsync(url), { parser } = gltf;
   const textures = await Promise.all((parser.json.textures ?? []).map((_, k) => parser.getDependency('texture', k)));
-  // Skins stay in the pose of the joints' nodes, without animation: the one that the importer bakes.
+  // Skins stay in the pose of the joints' nodes, without animation. That is the pose that the importer bakes.
   const decoded = textures.filter(t => t?.image?.width > 0).map(t => `${t.image.width}x${t.image.height}`);
   const used = new Set();
   gltf.scene.traverse(object => object.isMesh && used.add(object.material.name));
@@ -49,7 +49,7 @@ function render(object, box, side) {
 
 const picture = () => new Promise(resolve => renderer.domElement.toBlob(resolve));
 
-/** Mean absolute difference of each channel (0 to 1): over the whole picture, and over what either object covers. */
+/** The mean absolute difference of each channel (0 to 1), over the whole picture and over the pixels that either object covers. */
 function compare(a, b) {
   const sum = [0, 0, 0, 0];
   let covered = 0, far = 0;
@@ -68,7 +68,7 @@ try {
     if (pictures) {
       before.scene.updateMatrixWorld(true);
       after.scene.updateMatrixWorld(true);
-      // The source's visible extent, in its pose; the fragments have to fill the same.
+      // The source's visible extent in its pose. The fragments must have the same extent.
       const box = new THREE.Box3().setFromObject(before.scene, true), other = new THREE.Box3().setFromObject(after.scene, true);
       sides.boxes = { source: [box.min.toArray(), box.max.toArray()], ours: [other.min.toArray(), other.max.toArray()] };
       for (const side of Object.keys(SIDES)) {

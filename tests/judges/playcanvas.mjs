@@ -1,5 +1,5 @@
-// PlayCanvas has to load the file, with every fragment in the scene: name, id, place, triangles. It runs without a graphics card or a
-// browser, on its null device; textures are decoded by pictures.mjs.   usage: node playcanvas.mjs FILE.glb …
+// PlayCanvas must load the file with every fragment in the scene: name, id, place, triangles. It runs without a graphics
+// card or a browser, on its null device. pictures.mjs decodes the textures.   usage: node playcanvas.mjs FILE.glb …
 import { fragmentsOf, installed, judgeAll, parse } from './files.mjs';
 
 const pc = await installed(() => import('playcanvas'));
@@ -8,7 +8,7 @@ const canvas = { width: 1, height: 1, clientWidth: 1, clientHeight: 1, addEventL
 const app = new pc.AppBase(canvas), device = new pc.NullGraphicsDevice(canvas);
 app.init(Object.assign(new pc.AppOptions(), { graphicsDevice: device, componentSystems: [pc.RenderComponentSystem],
   resourceHandlers: [pc.ContainerHandler, pc.RenderHandler, pc.TextureHandler] }));
-/** In the place of an image. */
+/** A replacement for an image. */
 function noImage(_, done) {
   const asset = new pc.Asset('image', 'texture');
   asset.resource = new pc.Texture(device, { width: 1, height: 1 });
@@ -20,7 +20,7 @@ await judgeAll(async bytes => {
   const complaints = [], { json } = parse(bytes), extras = new Map();
   const kind = bytes[0] === 0x7b ? 'gltf' : 'glb', file = { url: `file.${kind}`, filename: `file.${kind}`, contents: bytes.buffer };
   const asset = new pc.Asset('file', 'container', file, null, { image: { processAsync: noImage },
-    node: { postprocess: ({ extras: { fracture } = {} }, entity) => extras.set(entity.name, fracture) } });  // it keeps no extras itself
+    node: { postprocess: ({ extras: { fracture } = {} }, entity) => extras.set(entity.name, fracture) } });  // PlayCanvas itself does not keep extras
   await new Promise((resolve, reject) => {
     asset.on('load', resolve).on('error', message => reject(new Error(message)));
     app.assets.add(asset);

@@ -1,7 +1,7 @@
 // Rapier's rest test: the hulls at their places, without gravity, for one second. No fragment may move faster than
-// 1 mm/s: hulls that overlap or touch at spawn are pushed apart by the solver. And no two hulls may overlap by separating
-// axes in double, without an engine. Mass, centre and inertia read back equal the file's. The file's collision filters
-// are obeyed, and may concern only fragments of one cell.
+// 1 mm/s, because the solver pushes apart hulls that overlap or touch at the start. In addition, no two hulls may overlap
+// by separating axes in double, without an engine. Mass, centre and inertia read back must equal the file's. The file's
+// collision filters are obeyed, and may concern only fragments of one cell.
 //   usage: node rapier.mjs FILE.glb …
 import { bodiesOf, collide, installed, judgeAll, massComplaints, parse } from './files.mjs';
 import { leastGap } from './separation.mjs';
@@ -15,7 +15,7 @@ const STEPS = 60;    // of 1/60 s
 const vector = ([x, y, z]) => ({ x, y, z }), array = ({ x, y, z }) => [x, y, z];
 const quaternion = ([x, y, z, w]) => ({ x, y, z, w });
 
-/** One second of the bodies. */
+/** Simulates the bodies for one second. */
 function rest(bodies) {
   const complaints = [], world = new RAPIER.World({ x: 0, y: 0, z: 0 });
   const rigid = bodies.map(body => {

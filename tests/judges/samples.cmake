@@ -1,4 +1,4 @@
-# Makes the samples that the judges look at.
+# Makes the samples for the judges.
 file(REMOVE_RECURSE ${SAMPLES})
 execute_process(COMMAND ${MAKE_SAMPLES} ${SAMPLES} RESULT_VARIABLE made)
 if(NOT made EQUAL 0)

@@ -1,4 +1,4 @@
-// Do convex hulls overlap? By the separating axis theorem in double, without any physics engine.
+// Tests whether convex hulls overlap, by the separating axis theorem in double and without a physics engine.
 import { collide } from './files.mjs';
 
 const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -17,7 +17,7 @@ function placed(body, { points, triangles }) {
   return { body, corners, normals, edges, low: AXES.map(k => Math.min(...corners.map(p => p[k]))), high: AXES.map(k => Math.max(...corners.map(p => p[k]))) };
 }
 
-/** The gap along a direction; negative where the projections overlap. */
+/** The gap along a direction. It is negative if the projections overlap. */
 function gapAlong(n, a, b) {
   const length = Math.hypot(...n);
   if (!(length > 1e-30)) return -Infinity;
@@ -34,7 +34,7 @@ function gapAlong(n, a, b) {
   return Math.max(lb - ha, la - hb);
 }
 
-/** The largest gap along a face's normal; only where there is none, along the products of edges. */
+/** The largest gap along a face's normal. If there is none, the largest gap along the products of edges. */
 function gapBetween(a, b) {
   let best = -Infinity;
   for (const n of [...a.normals, ...b.normals]) best = Math.max(best, gapAlong(n, a, b));
@@ -43,7 +43,9 @@ function gapBetween(a, b) {
   return best;
 }
 
-/** Over all pairs of hulls that may collide and whose boxes are no farther apart than the least gap so far. */
+/**
+ * The smallest gap over all pairs of hulls that may collide. Pairs whose boxes are farther apart than the smallest gap so far are skipped.
+ */
 export function leastGap(bodies) {
   const hulls = bodies.flatMap(body => body.hulls.map(hull => placed(body, hull)));
   let gap = Infinity, between = '', pairs = 0;

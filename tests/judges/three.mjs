@@ -1,8 +1,8 @@
-// three.js GLTFLoader has to load the file, with every fragment in the scene: name, id, triangles, place, materials.
-// Textures are decoded by pictures.mjs, in a browser.   usage: node three.mjs FILE.glb …
+// three.js GLTFLoader must load the file with every fragment in the scene: name, id, triangles, place, materials.
+// pictures.mjs decodes the textures in a browser.   usage: node three.mjs FILE.glb …
 import { fragmentsOf, installed, judgeAll, parse } from './files.mjs';
 
-// What the loader expects of a browser.
+// The parts of a browser that the loader expects.
 globalThis.self = globalThis;
 globalThis.ProgressEvent ??= class extends Event {};
 const THREE = await installed(() => import('three'));
@@ -31,7 +31,7 @@ await judgeAll(async bytes => {
     if (object.name !== node.name) complaints.push(`${node.name} is called ${object.name}`);
     const place = object.getWorldPosition(new THREE.Vector3()).toArray();
     if (place.some((x, k) => x !== (node.translation?.[k] ?? 0))) complaints.push(`${node.name} stands at ${place}`);
-    // A mesh of several primitives becomes a group of meshes; colliders and hulls are children of their own.
+    // A mesh of several primitives becomes a group of meshes. Colliders and hulls are separate children.
     const primitives = object.isMesh ? [object] : object.children.filter(c => c.isMesh && !json.nodes.some(n => n.name === c.name));
     const stated = json.meshes[node.mesh].primitives;
     if (primitives.length !== stated.length) complaints.push(`${node.name}: ${primitives.length} primitives`);

@@ -1,4 +1,4 @@
-// Units and axes: lengths scale, z up becomes y up, and the report says where each came from.
+// Units and axes: lengths scale, z up becomes y up, and the report states the source of each.
 #include "common/mesh/frame.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Parts of a scene: what is selected, and that nothing is lost on the other side.
+// Parts of a scene: the selection, and that everything else is still in the rest.
 #include "common/mesh/selection.hpp"
 
 #include <gmock/gmock.h>
@@ -11,8 +11,8 @@
 namespace fracture::test {
 namespace {
 
-/// Three boxes of volume 1, 2, 4: nodes "crate", "wall", "crate"; materials "wood" (0, 2) and "stone" (1);
-/// the last has the second's material on its first triangle.
+/// Three boxes of volume 1, 2, 4 with the nodes "crate", "wall", "crate". The materials are "wood" (0, 2) and
+/// "stone" (1). The first triangle of the last box has the second box's material.
 Mesh scene() {
   Mesh mesh;
   auto library = std::make_shared<MaterialLibrary>();

@@ -1,4 +1,4 @@
-// What is read of an answer, what is refused of what is none, and sinks that want no more.
+// The data read of an answer, the refusals of data that are not an answer, and sinks that stop accepting.
 #include <gmock/gmock.h>
 
 #include "tests/gltf/glb_file.hpp"
@@ -102,7 +102,7 @@ TEST(Answer, EveryTruncationIsRefused) {
     EXPECT_NE(refusal(cut), "it was read") << size;
     if (size < 12) continue;
     for (std::size_t k = 0; k < 4; ++k)
-      cut[8 + k] = static_cast<std::uint8_t>(size >> (8 * k));  // it says its length
+      cut[8 + k] = static_cast<std::uint8_t>(size >> (8 * k));  // the header states the length
     EXPECT_NE(refusal(cut), "it was read") << size;
   }
 }
@@ -140,7 +140,7 @@ TEST(Answer, WhatContradictsItselfIsRefusedAndSaysWhy) {
          d["accessors"][d["meshes"][0]["primitives"][0]["attributes"]["NORMAL"].get<std::size_t>()]["count"] =
              3;
        }},
-      {"refers to a vertex that does not exist",  // positions of one vertex alone
+      {"refers to a vertex that does not exist",  // positions of only one vertex
        [](json& d) {
          for (auto& [name, accessor] : d["meshes"][0]["primitives"][0]["attributes"].items())
            d["accessors"][accessor.get<std::size_t>()]["count"] = 1;

@@ -1,4 +1,4 @@
-// OBJ and MTL: what an answer has of geometry and looks, read back by the tests' own reader.
+// OBJ and MTL: the geometry and looks of an answer, read back by the tests' own reader.
 #include <gmock/gmock.h>
 
 #include "common/mesh/material_library.hpp"
@@ -51,10 +51,11 @@ TEST(Obj, FacesHaveTheirMaterialsNormalsAndTheUvsThatTheMaterialIsPaintedBy) {
         const Point& p = half.triangles[t][static_cast<std::size_t>(k)];
         return Vec3d{p[0], p[1], p[2]};
       };
-      const Vec3d out = cross(at(1) - at(0), at(2) - at(0));  // of length 1: half of a unit square, twice
+      const Vec3d out = cross(at(1) - at(0), at(2) - at(0));  // of length 1: twice half of a unit square
       for (const Point& n : half.normals[t]) EXPECT_EQ((Vec3d{n[0], n[1], n[2]}), out);
       for (const auto& [u, v] : half.uvs[t]) {
-        // The first set is in [0, 1], the second, which shows the texture of wood, in [-1/2, 1/2]; v of an OBJ runs up.
+        // The first set is in [0, 1]. The second set, which shows the texture of wood, is in [-1/2, 1/2]. In
+        // an OBJ, v points up.
         const bool wood = half.materials[t] == "wood";
         EXPECT_EQ(std::abs(u - (wood ? 0 : 0.5f)), 0.5f);
         EXPECT_EQ(std::abs(v - (wood ? 1 : 0.5f)), 0.5f);
@@ -65,7 +66,7 @@ TEST(Obj, FacesHaveTheirMaterialsNormalsAndTheUvsThatTheMaterialIsPaintedBy) {
 
 TEST(Obj, ColorsAreThoseOfScreensOrStayAsTheyCame) {
   const KeptAnswer answer = read(write_glb(two_halves(), {}));
-  // IEC 61966-2-1: 1.055 c^(1/2.4) - 0.055, by hand for 1/2 and 1/4.
+  // IEC 61966-2-1: 1.055 c^(1/2.4) - 0.055, computed by hand for 1/2 and 1/4.
   const ObjFile shown(obj_of(answer)), kept(obj_of(answer, VertexColors::kKeep));
   ASSERT_EQ(shown.colors.size(), 16u);
   ASSERT_EQ(kept.colors.size(), 16u);
@@ -156,9 +157,9 @@ TEST(Mtl, SaysWhatTheMaterialsLookLike) {
 
 TEST(Mtl, EveryMaterialThatAnObjUsesIsThere) {
   FracturedSolid halves = two_halves();
-  halves.set.fragments[0].primitives[1].material = kNoIndex;  // the importer's word for none
+  halves.set.fragments[0].primitives[1].material = kNoIndex;  // the importer's mark for no material
   auto library = std::make_shared<MaterialLibrary>(*halves.set.source->library);
-  library->materials[0]["name"] = "none\nd 0";  // two lines, one of them is not ours
+  library->materials[0]["name"] = "none\nd 0";  // two lines; the second is an attacker's
   library->materials[1]["name"] = "none";
   auto mesh = std::make_shared<Mesh>(*halves.set.source);
   mesh->library = library;

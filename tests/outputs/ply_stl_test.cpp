@@ -129,7 +129,7 @@ TEST(PlyAndStl, FragmentsOfRealMeshesAreClosedInEveryFormat) {
       all.insert(all.end(), triangles.begin(), triangles.end());
     }
     EXPECT_EQ(stl_triangles(stl_of(answer)), all) << name;
-    // The volumes of fragments are exact; here they are sums of products of doubles.
+    // The volumes of fragments are exact. Here they are sums of products of doubles.
     EXPECT_NEAR(volume, made.set.certificate.volume_out, 1e-6 * made.set.certificate.volume_out) << name;
   }
   if (tried == 0) GTEST_SKIP() << "no real meshes: FRACTURE_TEST_MESHES";

@@ -1,4 +1,5 @@
-// The tests' own reading of OBJ, PLY and STL: no more of the formats than outputs.hpp promises, and nothing of its code.
+// The tests' own readers of OBJ, PLY and STL. They read only the parts of the formats that outputs.hpp
+// promises, and use none of its code.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ inline double volume_of(const std::vector<Triangle>& triangles) {
   return six / 6;
 }
 
-/// Directed edges that their reverse does not answer, by whatever stands for a corner.
+/// Counts directed edges without a matching opposite edge. A corner may be represented by any type.
 template <class Corner>
 std::size_t open_edges(const std::vector<std::array<Corner, 3>>& triangles) {
   std::map<std::pair<Corner, Corner>, int> balance;
@@ -128,7 +129,7 @@ struct PlyFile {
   std::vector<std::map<std::string, double>> vertices, faces;
   std::vector<std::array<std::size_t, 3>> corners;
   std::vector<Point> positions;
-  std::size_t left = 0;  ///< bytes behind the last face
+  std::size_t left = 0;  ///< bytes after the last face
 
   explicit PlyFile(const std::string& bytes) {
     const std::size_t end = bytes.find("end_header\n");
@@ -200,7 +201,7 @@ inline std::vector<Triangle> stl_triangles(const std::string& bytes) {
   return triangles;
 }
 
-/// With a member of the options that is not the default.
+/// Options with one member that is not the default.
 template <class Member, class Value>
 GltfOptions with(Member GltfOptions::*member, Value value) {
   GltfOptions options;
@@ -208,7 +209,7 @@ GltfOptions with(Member GltfOptions::*member, Value value) {
   return options;
 }
 
-/// With its bytes.
+/// An answer with its bytes.
 struct KeptAnswer : Answer {
   std::vector<std::uint8_t> bytes;
 

@@ -1,4 +1,4 @@
-// What a material decides, and what may still be given beside it.
+// The parameters that a material decides, and those that may still be given with it.
 #include <gtest/gtest.h>
 
 #include <set>

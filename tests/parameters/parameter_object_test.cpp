@@ -1,4 +1,4 @@
-// Parameters as text: of requests and of what was kept, by one reader with limits.
+// Parameters as text: of requests and of stored parameters. One reader with limits reads both.
 #include "common/parameters/parameter_object.hpp"
 
 #include <gmock/gmock.h>
@@ -63,10 +63,11 @@ TEST(ParameterObject, WhatNoRequestCouldHaveHadWasNotKept) {
   EXPECT_TRUE(are_parameters(json::object()));
 }
 
-/// The limits of requests and of what is kept belong together: numbers that are short in a request are long in what is kept.
+/// The limits of requests and of stored parameters must agree: a number that is short in a request is long
+/// when stored.
 TEST(ParameterObject, WhatARequestMayHaveCanBeKept) {
   std::string text = R"({"pattern": "points", "points": [)";
-  while (text.size() < 900'000) text += "[9e5,1e5,8e5],";  // what they hold is just below kOfRequest.held
+  while (text.size() < 900'000) text += "[9e5,1e5,8e5],";  // their memory is just below kOfRequest.held
   text += "[0,0,0]]}";
   const auto given = read_parameters(text, "body");
   ASSERT_TRUE(given) << given.error().detail;

@@ -1,4 +1,4 @@
-// Parameters as a request gives them, for the tests of the table.
+// Parameters in the form of a request, for the tests of the table.
 #pragma once
 
 #include <string>

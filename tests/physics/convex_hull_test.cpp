@@ -1,4 +1,4 @@
-// The hull against its definition: closed, and no point of the input lies outside any face.
+// Compares the hull with its definition: it is closed, and no point of the input lies outside any face.
 #include "common/physics/convex_hull.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Points = std::vector<Vec3f>;
 
-/// How far, at most, a point lies outside a face; both in units of the box's longest side.
+/// The largest distance of a point outside a face, in units of the box's longest side.
 double farthest_outside(const Points& points, const ConvexHullBuilder::Triangles& triangles) {
   Box box;
   for (const Vec3f& p : points) box.add(to_double(p));
@@ -25,7 +25,7 @@ double farthest_outside(const Points& points, const ConvexHullBuilder::Triangles
   for (const auto& t : triangles) {
     const Vec3d a = to_double(points[t[0]]), b = to_double(points[t[1]]), c = to_double(points[t[2]]);
     const Vec3d n = cross(b - a, c - a);
-    if (length(n) < 1e-4 * box.longest_side() * box.longest_side()) continue;  // no direction to speak of
+    if (length(n) < 1e-4 * box.longest_side() * box.longest_side()) continue;  // only rounding
     for (const Vec3f& p : points) farthest = std::max(farthest, dot(n, to_double(p) - a) / length(n));
   }
   return farthest / box.longest_side();
@@ -92,7 +92,7 @@ TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
   Points grid, prism;
   for (int k = 0; k < 125; ++k)
     grid.push_back({static_cast<float>(k % 5), static_cast<float>(k / 5 % 5), static_cast<float>(k / 25)});
-  // Rings at four heights, with points along the sides and in the lids, the first of which is swept first.
+  // Rings at four heights, with points along the sides and in the lids. The first lid is swept first.
   for (int k = 0; k < 72; ++k) {
     const double turn = 6.283185307179586 * (k / 4) / 18;
     for (const double r : {1.0, 0.5})
@@ -115,7 +115,7 @@ TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
       EXPECT_GT(farthest_outside(others, triangles), 1e-9) << f.name << ", " << corner;
       ++compared;
     }
-    // A prism whose sides and lids have further points has its two outer rings for corners.
+    // A prism whose sides and lids have additional points. Only its two outer rings are corners.
     if (f.name == "prism") {
       EXPECT_EQ(hull.size(), 36u);
     }
@@ -123,8 +123,8 @@ TEST(ConvexHull, EveryCornerSticksOutOfTheHullOfTheOthers) {
   EXPECT_GT(compared, 300);
 }
 
-// A convex body has V >= A r / 3, its inscribed ball r >= w / sqrt(12) for the least width w (Steinhagen 1922): a layer of
-// tolerance x w on all of it is 3 sqrt(12) = 10.4 times the tolerance of the volume, at most.
+// A convex body has V >= A r / 3 and r >= w / sqrt(12) for its inscribed ball and smallest width (Steinhagen
+// 1922). So a layer of tolerance x w on all of it is at most 3 sqrt(12) = 10.4 times the volume's tolerance.
 TEST(ConvexHull, WithAToleranceLittleIsLeftOutHoweverThinTheBody) {
   ConvexHullBuilder builder;
   for (const Family& f : families())
@@ -149,7 +149,7 @@ TEST(ConvexHull, WithAToleranceABallHasAsManyCornersAsItsBendNeeds) {
   ConvexHullBuilder builder;
   const std::size_t all = corners(builder.build(ball, 1u << 20)).size();
   ASSERT_GT(all, 300u) << "the largest family";
-  // A face of the size at which a ball bends away by the tolerance has a third of a cap's area for each of its corners.
+  // If the ball rises above a face by the tolerance, each of its corners has a third of a cap's area.
   const std::size_t few = corners(builder.build(ball, 1u << 20, {}, {}, 0.05)).size();
   EXPECT_LT(few, all / 2);
   EXPECT_GT(few, 20u);
@@ -157,7 +157,7 @@ TEST(ConvexHull, WithAToleranceABallHasAsManyCornersAsItsBendNeeds) {
 
 using Surface = std::vector<std::array<std::uint32_t, 3>>;
 
-/// A surface whose corners are the points.
+/// A surface with the points as its corners.
 class BodyOf {
  public:
   BodyOf(const Points& points, const Surface& surface) : corner_of_(points.size()) {
@@ -174,7 +174,7 @@ ConvexHullBuilder::Triangles hull_of(const Points& points, const Surface& surfac
   return builder.build(points, most, {}, BodyOf(points, surface).surface());
 }
 
-/// A cube whose faces have a further point in their middle, lifted by so much: convex, flat or dented.
+/// A cube whose faces have an additional point in the middle, lifted by `lift`: convex, flat or dented.
 std::pair<Points, Surface> cube_with_middles(float lift, int middles) {
   Points points;
   for (int k = 0; k < 8; ++k)
@@ -216,7 +216,7 @@ TEST(ConvexHull, OfASurfaceThatIsNotConvexLeavesOutWhatDoesNotStickOut) {
   }
 }
 
-/// Closed by fans: rings of `sides` points around the z axis at these radii and heights, between two points on it.
+/// Rings of `sides` points around the z axis at these radii and heights, closed by fans to two points.
 std::pair<Points, Surface> around_axis(std::uint32_t sides,
                                        const std::vector<std::pair<double, double>>& rings, double bottom,
                                        double top) {
@@ -260,7 +260,7 @@ TEST(ConvexHull, OfFineSurfacesKeepsWhatBendsByLessThanRounding) {
 }
 
 TEST(ConvexHull, IsNotDeceivedByANarrowStripInAValley) {
-  // A house whose roof is a shallow valley: 50 steps of the grid wide at its bottom.
+  // A house whose roof is a shallow valley: its bottom is 50 steps of the grid wide.
   const std::array<std::pair<float, float>, 6> outline{
       {{0, 0}, {1, 0}, {1, 1}, {0.50005f, 0.97f}, {0.49995f, 0.97f}, {0, 1}}};
   Points points;
@@ -355,8 +355,8 @@ TEST(ConvexHull, StopsAtTheGivenNumberOfPointsWithoutLeavingASideOut) {
   }
 }
 
-/// On a sphere, on two circles, on a spiral, in a few small clumps at its ends: all of them extreme, or all
-/// near each other.
+/// Points on a sphere, on two circles, on a spiral, and in a few small clumps at its ends. Either all of them
+/// are extreme, or all are close together.
 std::vector<Family> large_families(std::size_t n) {
   std::vector<Family> out(4);
   std::mt19937 random(3);

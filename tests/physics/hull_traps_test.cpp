@@ -1,5 +1,5 @@
-// Bodies whose collision hulls were wrong: corners that rounding makes one, rows of strips that bend a little each, planes
-// that graze faces, sheets far from their pivot.
+// Bodies whose collision hulls were wrong: corners that rounding merges, rows of strips that each bend a
+// little, planes that graze faces, sheets far from their pivot.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,8 +18,9 @@
 namespace fracture::test {
 namespace {
 
-/// No corner twice, each triangle with the middle of the corners beneath it, and a sphere of them. Hulls are made on a
-/// grid of 2^19 steps: what is narrower than two of them may be turned.
+/// Expects that no corner occurs twice, that the centre of the corners is below each triangle, and that the
+/// surface is one sphere. Hulls are made on a grid of 2^19 steps: a triangle narrower than two of them may be
+/// turned over.
 void expect_clean(const CollisionHull& hull) {
   std::set<std::tuple<float, float, float>> distinct;
   Vec3d middle;
@@ -51,7 +52,8 @@ void expect_clean_hulls(const Mesh& mesh, FractureParameters p) {
 }
 
 TEST(HullTraps, CornersOfCellsThatRoundingUnites) {
-  // Eight cells meet at each corner of a lattice; where sites are a little off, a cell has several corners there.
+  // Eight cells meet at each corner of a lattice. If sites are a little off, a cell has several corners
+  // there.
   for (const double off : {1e-10, 1e-9, 1e-7, 1e-6, 1e-5}) {
     SCOPED_TRACE(off);
     std::vector<Vec3d> sites = lattice_sites(box_of(cube()), 4);
@@ -79,8 +81,8 @@ TEST(HullTraps, ChunksOfManyCells) {
   }
 }
 
-/// A block whose top is a groove of n strips along z, lower in the middle by the sagitta; its other faces are larger than
-/// the strips.
+/// A block whose top is a groove of n strips along z. The middle of the groove is lower by the sagitta. The
+/// other faces of the block are larger than the strips.
 Mesh groove(int n, float sagitta) {
   Mesh mesh;
   const auto corner = [&](float x, float y, float z) {
@@ -144,9 +146,9 @@ TEST(HullTraps, AGrooveOfManyStrips) {
   }
 }
 
-/// How far a point is from the triangle (a, b, c).
+/// The distance of a point from the triangle (a, b, c).
 double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  // Over a fine grid of its points: an oracle, not a formula.
+  // Takes the minimum over a fine grid of its points: an oracle, not a formula.
   double least = HUGE_VAL;
   constexpr int kSteps = 200;
   for (int i = 0; i <= kSteps; ++i)
@@ -155,7 +157,7 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
   return least;
 }
 
-// The middle of the box of a tilted triangle is far from the triangle.
+// The centre of a tilted triangle's box is far from the triangle.
 TEST(HullTraps, TheHullOfATiltedFlatBodyIsAtTheBody) {
   const std::vector<Vec3f> points{{0, 0, 0}, {2, 0, 2}, {0, 2, 2}, {1, 1, 2}, {0.5f, 0.5f, 1}};
   HullMaker maker;
@@ -168,7 +170,8 @@ TEST(HullTraps, TheHullOfATiltedFlatBodyIsAtTheBody) {
         << "0.02: a step of the oracle's grid";
 }
 
-// At 1e5 a step of the lattice is 0.016 along x: corners of neighbours stand as far behind each other's cuts.
+// At 1e5, a step of the lattice is 0.016 along x. So corners of neighbours lie up to that far behind each
+// other's cuts.
 TEST(HullTraps, HullsFarFromTheOriginAreApart) {
   FractureParameters p;
   p.sites = 40;
@@ -181,7 +184,7 @@ TEST(HullTraps, HullsFarFromTheOriginAreApart) {
     std::size_t pairs = 0;
     for (const Bond& bond : made.set.bonds) {
       const Fragment &a = made.set.fragments[bond.a], &b = made.set.fragments[bond.b];
-      // Crumbs of a few steps have no shape of their own any more.
+      // Crumbs of a few steps have no shape of their own.
       if (std::min(a.mass.volume / a.mass.area, b.mass.volume / b.mass.area) < 2 * length(step)) continue;
       ++pairs;
       const Tetrahedralization& t = made.diagram.tetrahedralization;

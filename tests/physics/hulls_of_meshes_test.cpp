@@ -1,5 +1,6 @@
-// The hulls of what shapes and real meshes break into, for harmless and adversarial sites: convex, and as large as they
-// must be. Most are the surfaces of their fragments, found convex from a few of their edges or from none.
+// The hulls of fragments of shapes and real meshes, for harmless and adversarial sites. They must be convex,
+// and as large as required. Most hulls are the surfaces of their fragments. Their convexity follows from
+// tests of a few of their edges, or of none.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,9 +17,10 @@ namespace fracture::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261127;
-/// Of the longest side of the hull's box: 64 steps of 2^-19 (SurfaceHull::kMostAbove), and rounding to floats.
+/// A share of the longest side of the hull's box: 64 steps of 2^-19 (SurfaceHull::kMostAbove), and rounding
+/// to floats.
 constexpr double kConvexTo = 2e-4;
-/// A hull may lose 10.4 tolerances of its volume (convex_hull_test).
+/// A hull may lose 10.4 tolerances of its volume (see convex_hull_test).
 constexpr double kLeastOfVolume = 1 - 10.4 * kHullTolerance;
 /// Steps of the lattice.
 constexpr double kWide = 1000;
@@ -30,14 +32,15 @@ void expect_convex(const CollisionHull& hull) {
   for (const auto& t : hull.triangles) {
     const Vec3d a = to_double(hull.points[t[0]]);
     const Vec3d n = cross(to_double(hull.points[t[1]]) - a, to_double(hull.points[t[2]]) - a);
-    // Twice the area times a height: a sliver's own plane says little about what lies above it.
+    // Compares twice the area times a height, because a sliver's own plane says little about the points above
+    // it.
     for (const Vec3f& p : hull.points) most = std::max(most, dot(n, to_double(p) - a));
   }
   const double side = box.longest_side();
   EXPECT_LE(most, kConvexTo * side * side * side);
 }
 
-/// In short tests each family has its turn on some of the inputs.
+/// `input` is the number of has_turn(). In short tests each family runs on some of the inputs.
 void expect_sound_hulls(const Mesh& mesh, const std::vector<SiteFamily>& families, std::size_t input) {
   for (std::size_t turn = 0; turn < families.size(); ++turn) {
     if (!has_turn(input, turn, 4)) continue;
@@ -52,7 +55,7 @@ void expect_sound_hulls(const Mesh& mesh, const std::vector<SiteFamily>& familie
       SCOPED_TRACE("fragment " + std::to_string(k));
       for (const CollisionHull& hull : hulls.of(k)) expect_convex(hull);
       if (hulls.of(k).size() != 1 || hulls.of_fragment[k].flat > 0) continue;
-      // Of crumbs of a few steps of the lattice what rounding leaves is another body.
+      // Rounding changes crumbs of a few lattice steps into other bodies.
       if (2 * fragment.mass.volume < kWide * length(f.set.lattice_step) * fragment.mass.area) continue;
       Mesh body;
       body.positions = hulls.of(k)[0].points;

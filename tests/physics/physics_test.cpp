@@ -20,7 +20,7 @@ FracturedSolid fracture_at(const Mesh& mesh, FractureParameters p) {
   return *fracture(*solid, *make_diagram(*solid, p, {}, timings), p, {}, timings);
 }
 
-/// The tensor back from moments and rotation.
+/// The tensor computed back from moments and rotation.
 std::array<double, 6> tensor_of(const PrincipalAxes& p) {
   const auto [x, y, z, w] = p.rotation;
   const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
@@ -77,7 +77,7 @@ TEST(BodyVolume, IsThatOfAThinSheetWhereThereIsNone) {
   for (const double none : {0.0, -6e-20}) {
     f.mass.volume = none;
     EXPECT_DOUBLE_EQ(body_volume(f), 2 * 2e-6);
-    // What is left of its own tensor is rounding: that of the box of 2 x 1 x 0 and this mass.
+    // Its own tensor is only rounding. The result must be that of a box of 2 x 1 x 0 with this mass.
     f.mass.inertia = {1e-22, 1e-22, 1.5e-22, 0, 0, 0};
     f.mass.center_of_mass = {1, 0.5, 0};
     const auto tensor = tensor_of(body_inertia(f));
@@ -107,7 +107,7 @@ TEST(CollisionHulls, AreClosedConvexAndOutward) {
       const Mesh hull = mesh_of(made.hulls.of(k)[0]);
       EXPECT_LE(hull.positions.size(), kMaxHullPoints);
       EXPECT_EQ(open_directed_edges(hull), 0u);
-      // The hull holds the fragment, less what shrinking takes.
+      // The hull holds the fragment, except for the amount that shrinking takes.
       EXPECT_GT(volume_of(hull), (1 - 3 * kLeastHullShrink) * f.mass.volume - 3 * kHullInset * f.mass.area);
     }
   }
@@ -143,7 +143,7 @@ TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
     shared += hulls.size();
     double volume = 0;
     for (const CollisionHull& h : hulls) volume += volume_of(mesh_of(h));
-    // Cells of a convex body: their hulls fill the group, less what shrinking takes.
+    // Cells of a convex body: their hulls fill the group, except for the amount that shrinking takes.
     EXPECT_LT(volume, f.mass.volume);
     EXPECT_GT(volume, 0.95 * f.mass.volume);
   }
@@ -159,7 +159,7 @@ TEST(CollisionHulls, AreInsetByAFewTenthsOfAMillimetreOrAThousandth) {
     const FracturedSolid made = fracture_at(mesh, p);
     ASSERT_EQ(made.hulls.of(0)[0].points.size(), 8u);
     const Box box = box_of(mesh_of(made.hulls.of(0)[0]));
-    // Of a cube, A / V = 6 / size: its faces move by three times the inset.
+    // For a cube, A / V = 6 / size: its faces move by three times the inset.
     const double expected =
         std::clamp(3 * kHullInset, kLeastHullShrink * size / 2, kMostHullShrink * size / 2);
     for (int a = 0; a < 3; ++a)

@@ -1,5 +1,5 @@
-// Fragments of several cells: of the sizes that were asked for, in one piece, as many as were asked for, small where the
-// pattern makes small cells, and with few hulls that lie within them.
+// Fragments of several cells: their sizes and number are as requested, each is in one piece, they are small
+// where the pattern makes small cells, and they have few hulls, which lie inside them.
 #include "common/pipeline/aggregate.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@
 namespace fracture::test {
 namespace {
 
-/// The preset as a request makes it.
+/// The parameters that a request makes from the preset.
 FractureParameters material(const char* name, std::uint32_t fragments, std::uint64_t seed = 1) {
   FractureParameters p = of_material(*find_material_preset(name), fragments, seed);
   p.roughness = {};
@@ -39,7 +39,8 @@ std::vector<double> volumes_of(const FragmentSet& set) {
   return all;
 }
 
-/// Kolmogorov's distance of volumes (ascending) from Weibull's distribution of the same mean, whose shape is 1 / spread.
+/// Kolmogorov's distance of volumes (ascending) from Weibull's distribution with the same mean and the shape
+/// 1 / spread.
 double distance_from_weibull(const std::vector<double>& volumes, double spread) {
   double mean = 0;
   for (const double v : volumes) mean += v / static_cast<double>(volumes.size());
@@ -62,7 +63,7 @@ TEST(FragmentSizes, AreQuantilesOfWeibullsDistribution) {
     double sum = 0;
     for (const double s : sizes) sum += s;
     EXPECT_NEAR(sum, 1, 1e-12);
-    // Half a step, and what their mean differs by from that of the distribution.
+    // Half a step, plus the difference between their mean and that of the distribution.
     EXPECT_LT(distance_from_weibull(sizes, spread), 0.5 / 400 + 0.005) << spread;
   }
   for (const double s : fragment_sizes(7, 0, pacer)) EXPECT_NEAR(s, 1.0 / 7, 1e-15);
@@ -109,7 +110,7 @@ TEST(Aggregates, AreEvenWithoutSpread) {
   p.aggregation.spread = 0;
   const std::vector<double> volumes = volumes_of(fracture_mesh(sphere_with(2000), p).set);
   ASSERT_GE(volumes.size(), 90u);
-  // Six cells of which the last one may be half too much.
+  // A fragment has six cells, and its last cell may exceed the size by half a cell.
   EXPECT_GT(volumes[volumes.size() / 10], 0.6 * volumes[volumes.size() / 2]);
   EXPECT_LT(volumes[volumes.size() * 9 / 10], 1.5 * volumes[volumes.size() / 2]);
 }
@@ -127,7 +128,7 @@ TEST(Aggregates, AreAsManyAsAskedAndInOnePiece) {
       const Fractured b = fracture_mesh(thing.mesh, p);
       const Certificate& c = b.set.certificate;
       EXPECT_GE(c.cells, fragments);
-      // Groups grow across caps: what falls apart are cells that were in several pieces themselves.
+      // Groups grow across caps. So only cells that were in several pieces themselves can make islands.
       FractureParameters alone = p;
       alone.sites = fragments * p.aggregation.cells;
       alone.aggregation = {};
@@ -183,7 +184,7 @@ TEST(Aggregates, AreSmallNearAnImpactAndLongOnTheWayOut) {
     const Vec3d from = f.mass.center_of_mass - impact;
     (length(from) < 0.5 ? near : far).push_back(f.mass.volume);
     if (f.sites.size() < 4) continue;
-    // Second moments of its sites about their middle, on the way out and across it.
+    // Second moments of the sites about their middle: away from the impact, and across that direction.
     Vec3d middle;
     for (const SiteId s : f.sites)
       middle = middle + (1.0 / static_cast<double>(f.sites.size())) * b.diagram.tetrahedralization.points[s];
@@ -230,7 +231,7 @@ TEST(AggregateHulls, AreFewAndLieWithinTheCellsOfTheirFragment) {
           mesh.triangles = hull.triangles;
           EXPECT_EQ(open_directed_edges(mesh), 0u);
           filled += volume_of(mesh);
-          // Corners and points between them: none in a cell of another fragment.
+          // Corners of the hull, and points between them: none may be in a cell of another fragment.
           for (std::size_t c = 0; c < hull.points.size(); ++c)
             for (std::size_t e = c; e < hull.points.size(); e += 3) {
               const Vec3d x = 0.5 * (to_double(hull.points[c]) + to_double(hull.points[e])) + f.pivot;
@@ -291,7 +292,7 @@ TEST(AggregatesAfterHits, StayWhatTheyWereWhereNothingWasHit) {
     EXPECT_EQ(by_id[f.id]->indices, f.indices);
   }
   EXPECT_GT(far, 50u);
-  // What was broken off has several cells, too.
+  // The fragments that the hit broke off also have several cells.
   std::size_t fragments_of_hit = 0;
   const auto first = before.diagram.tetrahedralization.site_count();
   for (const Fragment& f : after.set.fragments) fragments_of_hit += f.sites[0] >= first && f.sites.size() > 1;

@@ -1,6 +1,6 @@
-// How often memory is asked for in the steady state, when the threads have their scratch: sites and
-// tetrahedra, text and buffers come from what is kept, whatever their number; only what a fragment itself is
-// made of is allocated, a number of arrays for each.
+// The number of allocations in the steady state, when the threads have their scratch memory. Memory for
+// sites, tetrahedra, text and buffers is reused, whatever their number. Only the fragments themselves are
+// allocated, with a few arrays for each.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -39,7 +39,7 @@ struct Counts {
   std::uint64_t diagram, fragments, file;
 };
 
-/// Of one thread's third fracture of the mesh, each with a seed of its own.
+/// Counts the third of three fractures of the mesh on one thread, each with a different seed.
 Counts count(const Solid& solid, std::uint32_t sites, Hulls hulls) {
   const Execution execution;
   StageTimings timings;

@@ -1,4 +1,4 @@
-// The patch of the solid that a barycentric cell is cut from stands for the whole.
+// A barycentric cell that is cut from a patch of the solid equals the cell cut from the whole solid.
 #include "common/pipeline/barycentric.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ Tetrahedralization tetrahedra_of(const std::vector<Vec3d>& sites, const Box& box
   return std::move(*t);
 }
 
-/// Every cell from the whole solid, as fracture_barycentric() says.
+/// Cuts every cell from the whole solid, as the description of fracture_barycentric() says.
 std::vector<Fragment> cut_from_the_whole(const Solid& solid, const VoronoiDiagram& diagram) {
   std::vector<Fragment> all;
   for (const SiteId i : ids<SiteId>(diagram.dual().site_count())) {
@@ -88,7 +88,7 @@ TEST(Barycentric, APatchOfTheSolidGivesTheFragmentsOfTheWhole) {
   shapes.push_back({"cube field", cube_field(3)});
   shapes.push_back({"self-crossing tube", self_crossing_tube()});
   shapes.push_back({"seams", cube_with_seams()});
-  // Parts in each other's layers: what winds around a place comes from several surfaces.
+  // Overlapping parts: the winding number at a point comes from several surfaces.
   shapes.push_back({"overlapping",
                     joined({cube(), translated(cube(2), {0.25, 0.1, 0.3}), scaled(cube(3), {0.5, 2, 0.5})})});
   for (const NamedMesh& shape : shapes) {
@@ -102,8 +102,8 @@ TEST(Barycentric, APatchOfTheSolidGivesTheFragmentsOfTheWhole) {
   }
 }
 
-// Sites on the lattice of the mesh's own vertices: planes of hulls through faces, edges and vertices of it,
-// and Voronoi vertices on its surface. Which side they are on is a matter of the tie rule alone.
+// The sites are on the lattice of the mesh's own vertices. So planes of hulls pass through its faces, edges
+// and vertices, and Voronoi vertices are on its surface. Only the tie rule decides on which side they are.
 TEST(Barycentric, APatchGivesTheFragmentsOfTheWholeWhereEverythingTouches) {
   for (const Mesh& mesh : {cube(4), cube_field(2), menger_sponge(1), nested_spheres(3, 200, 0.25)}) {
     const Solid solid = solid_of(mesh);
@@ -121,7 +121,7 @@ TEST(Barycentric, APatchGivesTheFragmentsOfTheWholeWhereEverythingTouches) {
   }
 }
 
-// The cost was sites x triangles: with both four times as large, sixteen times as much.
+// Formerly the cost was sites x triangles: with four times as many of both, it was sixteen times as high.
 TEST(Barycentric, LooksAtEachTriangleAFewTimesHoweverManyCellsThereAre) {
   std::vector<double> a_triangle_or_cell;
   for (const std::uint32_t size : {1u, 4u, 16u}) {
@@ -142,7 +142,7 @@ TEST(Barycentric, LooksAtEachTriangleAFewTimesHoweverManyCellsThereAre) {
 
 TEST(Barycentric, CanBeInterruptedAnywhere) {
   const Solid solid = solid_of(sphere_with(100'000));
-  // A cell of thousands of neighbours among others: its hull is the largest.
+  // One cell has thousands of neighbours, so its hull is the largest.
   std::vector<Vec3d> sites = *uniform_sites(solid, 100, 5, {});
   for (const Vec3f& p : sphere_with(3000, 0.5).positions) sites.push_back(to_double(p));
   sites.push_back({0, 0, 0});

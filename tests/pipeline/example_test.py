@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""example_test.py EXAMPLE: runs the example of common/README.md on a cube, and holds the page to the file that was compiled."""
+"""example_test.py EXAMPLE: runs the example of common/README.md on a cube, and compares the page with the
+file that was compiled."""
 import json
 import pathlib
 import struct

@@ -1,4 +1,5 @@
-// What the tests of looks measure: sizes and cuts of the fragments of a material, from the file's own positions.
+// Measurements for the tests of appearance: sizes and cuts of a material's fragments, from the positions in
+// the file.
 #pragma once
 
 #include <algorithm>
@@ -34,7 +35,7 @@ inline FractureParameters material(const char* name, std::uint32_t sites, std::u
 
 inline Vec3d world(const Fragment& f, std::uint32_t v) { return to_double(f.positions[v]) + f.pivot; }
 
-/// Calls visit(corner a, b, c) for each triangle of the cuts.
+/// Calls visit(a, b, c) with the corners of each triangle of the cuts.
 template <class Visit>
 void for_each_cut(const FragmentSet& set, const Visit& visit) {
   for (const Fragment& f : set.fragments)
@@ -66,14 +67,14 @@ inline double coefficient_of_variation(const FragmentSet& set) {
   return std::sqrt(square) / mean;
 }
 
-/// Sides of the box around the fragment.
+/// The side lengths of the box around the fragment.
 inline Vec3d extent_of(const Fragment& fragment) {
   Box bounds;
   for (std::uint32_t v = 0; v < fragment.positions.size(); ++v) bounds.add(world(fragment, v));
   return bounds.size();
 }
 
-/// Of all volume, the share of the largest so many.
+/// The share of the total volume that the largest fragments have; `share_of_count` says how many these are.
 inline double share_of_largest(const FragmentSet& set, double share_of_count) {
   const std::vector<double> all = volumes(set);
   const auto count = static_cast<std::size_t>(std::ceil(share_of_count * static_cast<double>(all.size())));

@@ -1,4 +1,4 @@
-// Materials that are told by more than their pattern: torn sheets, vessels, ice that was hit, slabs, prisms.
+// Materials with more than a pattern: torn sheets, vessels, ice that was hit, slabs, prisms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,13 +16,14 @@
 namespace fracture::test {
 namespace {
 
-/// The walls that the material makes of a closed shape.
+/// A closed shape hollowed into walls as the material does it.
 Solid vessel(const Mesh& mesh, const char* name) {
   const MaterialPreset& preset = *find_material_preset(name);
   return hollowed(solid_of(mesh), {.fraction = preset.shell_fraction, .least_ball = kLeastBall}, {});
 }
 
-/// Mean over the area of a plate of its pieces' outline² / area: 16 of a square, about 20 of a Voronoi cell.
+/// Mean of outline² / area over the pieces of a plate, weighted by area: 16 for a square, about 20 for a
+/// Voronoi cell.
 double raggedness(const char* name, std::uint64_t seed) {
   constexpr double kThick = 0.01;
   double sum = 0, all = 0;
@@ -58,8 +59,8 @@ TEST(Vessels, OfGlassPotteryAndSheetMetalAreWallsAndLumpsOfOthersAreNot) {
     if (!walls) continue;
     const Solid ball = vessel(ico_sphere(4), preset.name);
     EXPECT_EQ(ball.report.parts_hollowed, 1u);
-    // On four pi square metres: at least this share of two metres, and not thicker by more than the triangles of the
-    // inner side have it.
+    // The sphere has a surface of four pi square metres. The wall is at least this share of two metres thick,
+    // and exceeds it only as far as the triangles of the inner side require.
     const double mean = ball.parts.at(0).volume / (4 * M_PI), asked = 2 * preset.shell_fraction;
     EXPECT_GT(mean, 0.9 * asked - asked * asked);
     EXPECT_LT(mean, asked + 0.08);
@@ -67,7 +68,7 @@ TEST(Vessels, OfGlassPotteryAndSheetMetalAreWallsAndLumpsOfOthersAreNot) {
   }
 }
 
-/// A top, and four legs that are not thinner than a fifth of their length.
+/// A table top, and four legs whose thickness is at least a fifth of their length.
 Mesh glass_table() {
   std::vector<Mesh> parts{box({0, 1, 0}, {3, 1.05, 2}, 4)};
   for (const double x : {0.1, 2.7})
@@ -130,7 +131,8 @@ TEST(GlassLooks, ShardsOfAVesselRunAwayFromTheHit) {
     FractureParameters p = material("glass", 60, seed);
     std::get<RadialPattern>(p.pattern).impacts = {hit};
     const FragmentSet set = fractured(vessel(ico_sphere(4), "glass"), p).set;
-    // Cracks that go on from the hit are planes through it: most of the cuts, the others are rings around it.
+    // Cracks that run away from the hit lie in planes through it. These are most of the cuts; the others are
+    // rings around the hit.
     double all = 0, through = 0;
     for_each_cut(set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
       const Vec3d n = cross(b - a, c - a), from_hit = (1.0 / 3) * (a + b + c) - hit;
@@ -142,7 +144,7 @@ TEST(GlassLooks, ShardsOfAVesselRunAwayFromTheHit) {
   }
 }
 
-/// Median volume of the fragments nearer to the point than `near`, and of the others.
+/// The median volume of the fragments nearer to the point than `near`, and of the others.
 std::pair<double, double> near_and_far(const FragmentSet& set, const Vec3d& point, double near) {
   std::vector<double> inside, outside;
   for (const Fragment& f : set.fragments)
@@ -185,7 +187,7 @@ TEST(PlasterLooks, CrumblingLumpsLieBetweenLargePieces) {
     }
 }
 
-/// Median extent along y and across it.
+/// The median extent along y and across it.
 std::pair<double, double> along_and_across(const FragmentSet& set) {
   std::vector<double> along, across;
   for (const Fragment& f : set.fragments) {

@@ -1,4 +1,5 @@
-// Where the bricks of a wall part in their joints, and where they break: the area of each, counted by hand.
+// The area in which the bricks of a wall part along their joints, and the area in which bricks break: both
+// computed by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,7 @@ FractureParameters bricks(BrickPattern pattern, std::uint32_t sites = 50) {
   return p;
 }
 
-/// m² of the cuts, both sides of each, by their material.
+/// The area of the cuts in m² by material, counting both sides.
 std::map<std::uint32_t, double> areas_of_cuts(const FragmentSet& set) {
   std::map<std::uint32_t, double> areas;
   for (const Fragment& f : set.fragments)
@@ -40,8 +41,8 @@ std::map<std::uint32_t, double> areas_of_cuts(const FragmentSet& set) {
   return areas;
 }
 
-/// Of all bed joints, the joint between the two wythes, and the head joints: a course has one fewer than bricks, and a
-/// shifted one begins and ends with half a brick.
+/// All bed joints, the joint between the two wythes, and the head joints. A course has one head joint fewer
+/// than bricks; a shifted course begins and ends with half a brick.
 double area_of_joints() {
   const double bed = (kCourses - 1) * kWall.x * kWall.z, wythe = (kDeep - 1) * kWall.x * kWall.y;
   const double head = kDeep * kCourses * ((kLong - 1) + kLong) / 2.0 * kBrick.y * kBrick.z;
@@ -57,7 +58,7 @@ TEST(Mortar, OfAWallOfWholeBricksAllCutsAreJoints) {
 }
 
 TEST(Mortar, ABrickThatIsBrokenInHalvesIsBrokenAcrossItsMiddle) {
-  // Of nine pieces none is a crumb and one a brick in halves: the one in whose middle the hit is.
+  // Nine pieces leave no crumb. One brick is halved: the one with the hit in its middle.
   const Vec3d hit{4.5 * kBrick.x, 8.5 * kBrick.y, 1.5 * kBrick.z};
   const FragmentSet off = fracture_mesh(wall(), bricks({.cell = kBrick, .impacts = {hit}}, 9)).set;
   const FragmentSet on =

@@ -1,5 +1,5 @@
-// Does glass break like glass and wood like wood? The measurable floors of each material, from the file's own
-// positions.
+// Does glass break like glass and wood like wood? Tests lower limits of measurable properties for each
+// material, from the positions in the file.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 namespace fracture::test {
 namespace {
 
-/// Share of the cut area whose normal is within 15 degrees of radial or tangential about the axis z through
-/// the centre.
+/// The share of the cut area whose normal is within 15 degrees of radial or tangential about the z axis
+/// through the centre.
 double radial_share(const FragmentSet& set, const Vec3d& center) {
   double all = 0, good = 0;
   const double limit = std::cos(15 * M_PI / 180);
@@ -89,10 +89,10 @@ TEST(BrickLooks, NoCutIsFartherThanTheJitterFromAMortarPlane) {
     auto& brick = std::get<BrickPattern>(p.pattern);
     brick.cell = Vec3d{0.225, 0.075, 0.1125};
     brick.jitter = jitter;
-    // 9 bricks long, 16 courses, one brick deep: the lattice of bricks begins at the corner of the box.
+    // 9 bricks long, 16 courses high, two wythes deep: the lattice of bricks begins at the corner of the box.
     const Mesh wall = box({0, 0, 0}, {9 * 0.225, 16 * 0.075, 2 * 0.1125}, 3);
     const FragmentSet set = fractured(wall, p).set;
-    // Per course and wythe 9 bricks, or 8 and two halves.
+    // 9 bricks per course and wythe, or 8 and two halves.
     EXPECT_EQ(set.fragments.size(), 2u * 8 * (9 + 10));
     const Vec3d mortar{0.225 / 2, 0.075, 0.1125};  // every second plane along x cuts a course
     double worst = 0;

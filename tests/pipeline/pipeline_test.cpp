@@ -1,4 +1,4 @@
-// The pipeline as a whole: who stops it, what it reports, and that caps cost near-linear time in their
+// The whole pipeline: how it is stopped, what it reports, and that the cost of caps is nearly linear in their
 // boundary.
 #include <gtest/gtest.h>
 
@@ -100,7 +100,7 @@ TEST(Pipeline, InTheSourcesFrameNothingIsMovedNorRoundedOtherwise) {
         seen.insert(at.positions[v]);
         continue;
       }
-      const Vec3d moved = to_double(from.positions[v]) + from.pivot;  // of a cut: exact
+      const Vec3d moved = to_double(from.positions[v]) + from.pivot;  // a vertex of a cut: exact
       EXPECT_EQ(to_double(at.positions[v]), moved);
     }
   }

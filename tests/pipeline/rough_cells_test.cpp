@@ -1,5 +1,5 @@
-// The net under rough cuts: what happens to cells whose fragments are said to be unsound. The judge of these
-// tests says so of its own accord, since no input is known that makes the real one.
+// The safety net for rough cuts: how cells are treated whose fragments are judged unsound. These tests
+// replace the judge, because no input is known for which the real one reports this.
 #include "common/pipeline/rough_cells.hpp"
 
 #include <gtest/gtest.h>
@@ -85,7 +85,8 @@ TEST_F(Net, FirstTakesRoughnessFromTheCellsConcernedAlone) {
   EXPECT_EQ(less.restrained_cells, 1u);
   expect_partitioned(less.set);
   ASSERT_EQ(less.set.fragments.size(), rough.set.fragments.size());
-  // Its own shape changes, and those around it where they share its cuts; all others stay, to the bit.
+  // The shape of the fragment changes, and neighbours change at the cuts that they share with it. All others
+  // stay the same to the bit.
   EXPECT_NE(less.set.fragments[11].positions, rough.set.fragments[11].positions);
   EXPECT_EQ(triangles(less.set, 11), triangles(rough.set, 11)) << "less rough, but as fine";
   const std::set<std::uint32_t> near = neighbors_of(rough.set, 11);
@@ -140,7 +141,7 @@ TEST_F(Net, MakesAllCutsFlatAtOnceWhereNobodyIsConcernedMoreThanOthers) {
   expect_partitioned(flat.set);
 }
 
-// With several groups of cells restrained at a time, what they share with each other and with rough ones.
+// Several groups of cells are restrained at a time, so cuts are shared among them and with rough cells.
 TEST_F(Net, HoldsWhateverCellsAreRestrained) {
   for (std::uint32_t step = 2; step < 6; ++step) {
     SCOPED_TRACE(step);

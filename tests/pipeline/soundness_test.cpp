@@ -1,4 +1,4 @@
-// An answer that does not hold is found out, whatever is wrong with it.
+// An unsound answer is detected, whatever is wrong with it.
 #include "common/pipeline/soundness.hpp"
 #include "common/fragment/file_volume.hpp"
 
@@ -26,7 +26,7 @@ struct Answer : testing::Test {
     answer = fracture_mesh(torus(24, 12), p);
   }
   FragmentSet& set() { return answer.set; }
-  /// As the last stage leaves it, after something was changed.
+  /// Judges the answer after a change, as the last stage of the pipeline would.
   Verdict judged(Promise promise = Promise::kPartition) {
     for (Fragment& f : set().fragments) {
       f.cap_sum = mirror_sum(f);
@@ -63,7 +63,7 @@ TEST_F(Answer, WithATriangleMissingIsOpen) {
 }
 
 TEST_F(Answer, WithACapThatOneSideHasElsewhereHasNoMirrorImage) {
-  // The whole fragment is moved by a few lattice steps: it stays closed, and its volume what it is.
+  // The whole fragment is moved by a few lattice steps. It stays closed and keeps its volume.
   set().fragments[7].pivot.x += 4 * set().lattice_step.x;
   const Verdict verdict = judged();
   ASSERT_FALSE(verdict.sound());
@@ -73,7 +73,7 @@ TEST_F(Answer, WithACapThatOneSideHasElsewhereHasNoMirrorImage) {
   EXPECT_TRUE(judged(Promise::kClosed).sound());
 }
 
-// A sum over edges would cancel here: the outline of the two triangles stays what it was.
+// A sum over edges would cancel here, because the outline of the two triangles is unchanged.
 TEST_F(Answer, WithACapThatIsTriangulatedOtherwiseOnOneSideHasNoMirrorImage) {
   bool flipped = false;
   for (Fragment& f : set().fragments) {
@@ -137,7 +137,7 @@ TEST(MirrorSum, DoesNotDependOnTheCornerATriangleBeginsWith) {
   }
 }
 
-// What the delta alone does not hold is judged by the sums that were kept.
+// The kept sums represent the fragments that the delta leaves out.
 TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   Execution execution;
   StageTimings timings;
@@ -156,7 +156,7 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   EXPECT_EQ(hit->fractured.set.certificate.unmirrored_caps, 0u);
   EXPECT_NEAR(hit->fractured.set.certificate.area_out, solid->report.area, 1e-9 * solid->report.area);
 
-  // Something kept that is not what it was: the answer is made from nothing instead, which is sound.
+  // If kept data is damaged, the answer is computed from scratch instead, which is sound.
   FracturedBase damaged = whole->base;
   damaged.local.value().figures.caps += 1;
   const Expected<KeptAnswer> again = fracture_delta(*solid, damaged, p, only, execution, timings);

@@ -1,5 +1,5 @@
-// What TSan watches: several threads inside one fracture, and several fractures of one shared solid and
-// diagram at once.
+// Tests for TSan: several threads inside a single fracture, and several fractures that share a solid and a
+// diagram at the same time.
 #include <gtest/gtest.h>
 
 #include <optional>

@@ -1,6 +1,6 @@
 // I1, I2, I3 and I7 over every closed shape and mesh, for harmless and adversarial sites. The sites are given
-// as points (distinct ids in the caller's order); the names of the cases contain the seeds. In short tests each family of sites
-// has its turn on some of the inputs.
+// as points (distinct ids in the caller's order). The names of the cases contain the seeds. In short tests
+// each family of sites runs on some of the inputs.
 #include <gtest/gtest.h>
 
 #include "common/pipeline/fracture.hpp"
@@ -24,7 +24,7 @@ FractureParameters at_points(std::vector<Vec3d> points) {
   return p;
 }
 
-/// `input` as of has_turn().
+/// `input` is the number of has_turn().
 void expect_all_invariants(const Mesh& mesh, const std::vector<SiteFamily>& families, bool embedded,
                            std::size_t input) {
   const Mesh traced = with_traced_triangles(mesh);
@@ -77,7 +77,7 @@ TEST(FractureFarFromOrigin, SeamsStayBitIdenticalAtZeroFourHundredAndThousandSiz
   std::size_t input = 0;
   for (const char* shape : {"cube", "uv_sphere", "torus"})
     for (const double distance : {0.0, 4.0, 100.0, 1000.0}) {
-      ++input;  // modulo 3, each distance has another number for each shape
+      ++input;  // modulo 3, so that each distance has different numbers for the shapes
       std::size_t turn = 0;
       for (const Vec3d& direction : {Vec3d{1, 1, 1}, Vec3d{0, 1, 0}, Vec3d{-1, 0, 0}}) {
         if (!has_turn(input, turn++, 3)) continue;
@@ -95,13 +95,13 @@ TEST(FractureFarFromOrigin, SeamsStayBitIdenticalAtZeroFourHundredAndThousandSiz
     }
 }
 
-// ---- it is the Voronoi diagram
+// ---- the fracture is the Voronoi diagram
 
 TEST(FractureIsTheVoronoiDiagram, PointsLieInTheFragmentOfTheirNearestSite) {
   std::size_t input = 0;
   for (const NamedMesh& shape : all_closed_shapes()) {
     ++input;
-    if (shape.name == "thin_plate") continue;  // thinner than what the point test can tell
+    if (shape.name == "thin_plate") continue;  // thinner than the point test can resolve
     SCOPED_TRACE(shape.name);
     std::size_t turn = 0;
     for (const SiteFamily& family : small_site_families(shape.mesh, kSeed)) {
@@ -109,7 +109,8 @@ TEST(FractureIsTheVoronoiDiagram, PointsLieInTheFragmentOfTheirNearestSite) {
       SCOPED_TRACE(family.name);
       if (family.name == "cluster") continue;  // so are its cells
       const Fractured f = fracture_mesh(shape.mesh, at_points(family.sites));
-      // Fragments name sites of the tetrahedralization (duplicates merged): brute force over the same list.
+      // Fragments name sites of the tetrahedralization (duplicates merged). The brute force uses the same
+      // list.
       const std::span<const Vec3d> sites(f.diagram.tetrahedralization.points.data(),
                                          f.diagram.tetrahedralization.site_count());
       expect_voronoi(f.set, shape.mesh, sites, 2000, kSeed);
@@ -195,7 +196,7 @@ TEST(FractureGroups, EveryThirdCellGroupedKeepsAllInvariants) {
 // ---- islands and cavities
 
 TEST(FractureIslands, AShellAroundAFragmentKeepsItsCavity) {
-  // One site: the whole body is one cell, with its uncut cavities.
+  // One site: the whole body is one cell with its uncut cavities.
   const Mesh mesh = nested_spheres(4, 800);  // two parts with a cavity each
   const Fractured f = fracture_mesh(mesh, at_points({{0.1, 0.2, 0.3}}));
   ASSERT_EQ(f.set.fragments.size(), 2u);
@@ -213,8 +214,8 @@ TEST(FractureIslands, AnnularCapsAndNestedShellsAcrossSeveralCells) {
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     EXPECT_EQ(f.set.certificate.crossing_caps, 0u);
   }
-  // Two sites whose bisector passes the centre: an annular cap for the hollow part, a disk for the ball
-  // inside.
+  // Two sites whose bisector passes through the centre: the hollow part gets an annular cap, the ball inside
+  // it a disk.
   const Fractured f = fracture_mesh(mesh, at_points({{-0.5, 0.01, 0}, {0.5, 0, 0.02}}));
   EXPECT_EQ(f.set.fragments.size(), 4u);
   EXPECT_EQ(f.set.bonds.size(), 2u);

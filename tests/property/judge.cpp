@@ -13,8 +13,8 @@
 namespace fracture::test {
 namespace {
 
-/// Signed crossings of the ray from q in direction +x; `doubt` is set when the ray passes an edge, or q a
-/// face, so closely that double arithmetic cannot be trusted.
+/// Signed crossings of the ray from q in direction +x. Sets `doubt` if the ray passes an edge, or q a face,
+/// too closely for double arithmetic.
 int winding(const std::vector<std::array<Vec3d, 3>>& triangles, const Vec3d& q, double scale, bool& doubt) {
   int w = 0;
   for (const auto& t : triangles) {
@@ -71,8 +71,9 @@ namespace {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// Does the segment pq pass through the triangle, farther than the tolerance from its sides on both ends and
-/// inside? By barycentric coordinates from a linear system (Möller & Trumbore 1997).
+/// Whether the segment pq passes through the triangle. Both ends and the crossing must be farther than the
+/// tolerance from its plane and sides. Uses barycentric coordinates from a linear system (Möller & Trumbore
+/// 1997).
 bool pierces(const Vec3d& p, const Vec3d& q, const Corners& t, double tolerance) {
   const Vec3d e = t[1] - t[0], f = t[2] - t[0], d = q - p, n = cross(e, f);
   const double area = length(n), det = -dot(d, n);
@@ -83,13 +84,13 @@ bool pierces(const Vec3d& p, const Vec3d& q, const Corners& t, double tolerance)
   if (!(along > 0 && along < 1)) return false;
   const Vec3d m = cross(p - t[0], d);
   const double u = dot(f, m) / det, v = -dot(e, m) / det;
-  // A barycentric coordinate is the distance from the side over the height of the triangle above it.
+  // A barycentric coordinate is the distance from the side divided by the height of the triangle above it.
   return u * area > tolerance * length(f) && v * area > tolerance * length(e) &&
          (1 - u - v) * area > tolerance * length(f - e);
 }
 
-/// Is the triangle s on both sides of the plane of t, by more than the tolerance? If not, it touches t at
-/// most: moved by the tolerance it would lie on one side.
+/// Whether the triangle s lies on both sides of the plane of t, by more than the tolerance. If not, it only
+/// touches t: moved by the tolerance, it would lie on one side.
 bool on_both_sides(const Corners& s, const Corners& t, double tolerance) {
   const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
   double least = 0, most = 0;
@@ -161,7 +162,7 @@ void expect_voronoi(const FragmentSet& set, const Mesh& mesh, std::span<const Ve
   for (int k = 0; k < count; ++k) {
     Vec3d q;
     for (int a = 0; a < 3; ++a) q[a] = box.min[a] + random.uniform() * (box.max[a] - box.min[a]);
-    // The nearest site, and whether the second is too close to call.
+    // The nearest site, and whether the second is too close to decide.
     double best = HUGE_VAL, second = HUGE_VAL;
     std::vector<std::uint32_t> nearest;
     for (std::uint32_t s = 0; s < sites.size(); ++s) {

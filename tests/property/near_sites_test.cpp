@@ -1,5 +1,5 @@
-// Sites so near to each other that products of their differences underflow: all invariants hold, and cuts lie
-// where the bisectors are.
+// Sites so close together that products of their differences underflow. All invariants must hold, and cuts
+// must lie on the bisectors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,11 +12,11 @@
 namespace fracture::test {
 namespace {
 
-/// A cube none of whose edges has round components.
+/// A turned cube. No edge has round components.
 Mesh turned_cube() {
   Mesh mesh = cube();
   for (Vec3f& p : mesh.positions) {
-    const double c = 0.8253356149096783, s = 0.5646424733950354;  // c² + s² = 1, but for rounding
+    const double c = 0.8253356149096783, s = 0.5646424733950354;  // c² + s² = 1, up to rounding
     const double x = c * p.x - s * p.y, y = s * p.x + c * p.y, z = p.z;
     p = {static_cast<float>(x), static_cast<float>(c * y - s * z), static_cast<float>(s * y + c * z)};
   }
@@ -39,8 +39,8 @@ TEST(NearSites, TwoAreCutAtTheirBisector) {
     const FragmentSet set = fracture_mesh(mesh, p).set;
     ASSERT_EQ(set.fragments.size(), 2u);
     expect_invariants(set, mesh);
-    // The bisector passes the origin as nearly as a double can tell. u has few bits, or is a whole number of
-    // the smallest doubles: 2^k u is exact.
+    // The bisector passes through the origin, as nearly as a double can tell. u has few bits, or is an
+    // integer multiple of the smallest double, so 2^k u is exact.
     Vec3d normal;
     for (int a = 0; a < 3; ++a) normal[a] = std::ldexp(u[a], -std::ilogb(tiny));
     normal = (1 / length(normal)) * normal;

@@ -1,6 +1,6 @@
-// I1, I2 and I3 for every pattern, every material and every limit, region and hit, on closed shapes and
-// meshes, oblique and stretched ones too. FRACTURE_TEST_FULL=1 adds all meshes and more sites. In short tests each request has
-// its turn on some of the inputs.
+// I1, I2 and I3 for every pattern, every material and every limit, region and hit. They run on closed shapes
+// and meshes, including oblique and stretched ones. FRACTURE_TEST_FULL=1 adds all meshes and more sites. In
+// short tests each request runs on some of the inputs.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
 
-/// `input` and `rounds` as of has_turn().
+/// `input` and `rounds` are those of has_turn().
 void expect_all_invariants(const Mesh& mesh, std::uint32_t sites, bool embedded, std::size_t input,
                            std::size_t rounds) {
   const Mesh traced = with_traced_triangles(mesh);
@@ -33,7 +33,7 @@ void expect_all_invariants(const Mesh& mesh, std::uint32_t sites, bool embedded,
     if (!has_turn(input, k, rounds)) continue;
     NamedParameters& request = requests[k];
     SCOPED_TRACE(request.name);
-    request.parameters.roughness = {};  // rough_invariants_test.cpp
+    request.parameters.roughness = {};  // see rough_invariants_test.cpp
     StageTimings timings;
     const Expected<Diagram> diagram = make_diagram(*solid, request.parameters, {}, timings);
     ASSERT_TRUE(diagram) << diagram.error().detail;

@@ -1,5 +1,6 @@
-// I1, I2 and I3 for regular patterns under a stretch: their cells meet in fours and more, along lines and in points that
-// many cells share, and bricks are cells in groups, whose outlines touch themselves and each other there.
+// I1, I2 and I3 for regular patterns under a stretch. Four or more of their cells meet along lines and at
+// points that many cells share. Bricks are groups of cells, so their outlines touch themselves and each other
+// there.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -16,7 +17,7 @@
 namespace fracture::test {
 namespace {
 
-/// A UV sphere about the y axis: the mesh of the answer that was refused.
+/// A UV sphere around the y axis: the mesh of the answer that was refused.
 Mesh upright_sphere(int rings) {
   Mesh sphere = reversed(uv_sphere(rings, 2 * rings));
   for (Vec3f& p : sphere.positions) p = {p.x, p.z, p.y};
@@ -94,7 +95,7 @@ TEST(RegularPatterns, KeepTheInvariantsAtManyStretches) {
     ++input;
     for (int step = 0; step < 8; ++step)
       for (int kind = 0; kind < 5; ++kind) {
-        // From a quarter to four times, and at round numbers.
+        // From a quarter to four times, including round numbers.
         const double stretch =
             step % 4 == 3 ? 0.5 * static_cast<double>(1 + random.below(8)) : 0.25 + 3.75 * random.uniform();
         const auto sites = static_cast<std::uint32_t>(10 + random.below(50));
@@ -114,7 +115,8 @@ TEST(RegularPatterns, KeepTheInvariantsAtManyStretches) {
   }
 }
 
-// Without any stretch: cells of a cubic lattice in a few groups, whose outlines touch at every corner of the lattice.
+// No stretch. The cells of a cubic lattice are in a few groups, whose outlines touch at every corner of the
+// lattice.
 TEST(RegularPatterns, CellsOfALatticeInGroupsKeepTheInvariants) {
   Random random(20261205);
   std::size_t input = 0;

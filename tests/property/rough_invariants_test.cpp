@@ -1,6 +1,6 @@
-// I1, I2 and I3 for rough cuts, and that no fragment passes through itself: on closed shapes and meshes, with
-// the patterns whose cells meet in special ways. FRACTURE_TEST_FULL=1 adds all meshes, patterns and more
-// sites.
+// I1, I2 and I3 for rough cuts, and that no fragment passes through itself. They run on closed shapes and
+// meshes, with the patterns whose cells meet in special ways. FRACTURE_TEST_FULL=1 adds all meshes, patterns
+// and more sites.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ void expect_all_invariants(const Mesh& mesh, const FractureParameters& parameter
   EXPECT_EQ(c.dropped, 0u);
   EXPECT_EQ(c.fragments, c.cells + c.islands - c.united - c.dropped);
   EXPECT_GT(f.report.rough_cuts.value().triangles, 0u);
-  if (!embedded || f.diagram.map) return;  // in an image, rounding may fold thin places, flat ones too
+  if (!embedded || f.diagram.map) return;  // in an image, rounding may fold thin and flat places
   EXPECT_EQ(f.report.rough_cuts->crossing_triangles, 0u);
   expect_no_self_crossing(f.set,
                           16 * std::max({f.set.lattice_step.x, f.set.lattice_step.y, f.set.lattice_step.z}));
@@ -44,8 +44,8 @@ FractureParameters rough(FractureParameters p) {
   return p;
 }
 
-/// All patterns; in the short run uniform sites and, of those whose cells meet in special ways (lattices,
-/// groups, thin cells, an image), the one whose turn it is.
+/// Returns all patterns. In the short run it returns uniform sites and one pattern whose cells meet in
+/// special ways (lattices, groups, thin cells, an image): the one whose turn it is.
 std::vector<NamedParameters> requests(const Box& box, std::size_t turn) {
   const std::array<std::string, 4> special{"brick", "slice_two", "radial", "wood"};
   std::vector<NamedParameters> all = pattern_requests(box, full_tests() ? 60 : 20, kSeed);
@@ -94,8 +94,8 @@ TEST(RoughGroups, KeepLimitsOfSizeAndLocalHitsKeepAllInvariants) {
     expect_all_invariants(mesh, rough(request), true);
 }
 
-// Cells of a lattice that is nearly even have corners that are nearly on one line: triangles without height,
-// which movements open, to the wrong side as well.
+// Cells of a nearly even lattice have corners that nearly lie on one line. That makes triangles without
+// height, which displacement opens, sometimes to the wrong side.
 TEST(RoughSlivers, KeepAllInvariants) {
   const Mesh mesh = nested_spheres(4, 400);
   for (const NamedParameters& request : pattern_requests(box_of(mesh), 60, kSeed)) {

@@ -37,7 +37,8 @@ std::int64_t unbalanced_edges(const Fragment& f, const Name& name) {
   return n;
 }
 
-/// Uses of directed edges between the names of corners that are not the first, and triangles with two corners of one name.
+/// Counts repeated uses of directed edges between the names of corners, and triangles with two corners of one
+/// name.
 template <class Name>
 std::int64_t repeated_uses(const Fragment& f, const Name& name) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
@@ -50,7 +51,8 @@ std::int64_t repeated_uses(const Fragment& f, const Name& name) {
   return n;
 }
 
-/// Sentences, of which only the first dozen are kept: one broken fragment can break thousands of statements.
+/// Sentences about violations. Only the first dozen are kept, because one broken fragment can break thousands
+/// of statements.
 class Sentences {
  public:
   template <class... Figures>
@@ -127,7 +129,8 @@ Violations partition_violations(const FragmentSet& set, const Whole& whole) {
             broken.add("fragment %llu: local + pivot rounds", static_cast<unsigned long long>(f.id));
           t[c] = key(w);
         }
-        // From the first of the least corners on: once as it is, or against one that goes the other way.
+        // Starts at the first of the smallest corners. The triangle then either cancels one that runs the
+        // other way or counts once.
         std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
         const auto mirrored = seams.find({t[0], t[2], t[1]});
         if (mirrored != seams.end() && mirrored->second > 0)

@@ -17,7 +17,7 @@ LatticePoint at(double angle, double radius) {
   return {std::llround(radius * std::cos(angle)), std::llround(radius * std::sin(angle))};
 }
 
-/// Counter-clockwise, `radius(k)` for each corner.
+/// A counter-clockwise loop with `radius(k)` for each corner.
 template <class Radius>
 std::vector<LatticePoint> star(int corners, const Radius& radius) {
   std::vector<LatticePoint> loop;
@@ -34,8 +34,8 @@ std::int64_t twice_area(const test::Loops<LatticePoint>& loops) {
   return sum;
 }
 
-/// Triangles that are counter-clockwise and have the area of what the loops enclose, with each edge of the loops in
-/// one triangle and each other edge in two, cover it once.
+/// Expects that the triangles cover the area between the loops once. They must be counter-clockwise and have
+/// the enclosed area. Each edge of the loops must be in one triangle, and each other edge in two.
 void expect_covered(const test::Loops<LatticePoint>& loops, const Collar& collar) {
   std::int64_t area = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
@@ -55,7 +55,7 @@ void expect_covered(const test::Loops<LatticePoint>& loops, const Collar& collar
     }
 }
 
-/// No fourth corner lies in the circle of a triangle beside it.
+/// Expects that no fourth corner lies in the circle of a neighbouring triangle.
 void expect_delaunay(const test::Loops<LatticePoint>& loops, const Collar& collar) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> opposite;
   for (const auto& t : collar.triangles())
@@ -91,7 +91,7 @@ TEST(Collar, OfARingOfAnyShape) {
   EXPECT_GT(zipped, 150);
 }
 
-// The rim sits in one arm of a long bent shape: no zip goes around it.
+// The rim lies in one arm of a long bent shape: no zip goes around it.
 TEST(Collar, WhereTheZipJams) {
   test::Loops<LatticePoint> loops;
   loops.add(

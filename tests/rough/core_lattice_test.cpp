@@ -39,7 +39,8 @@ double area(const CoreLattice& core) {
   return twice / 2;
 }
 
-/// The rim is the edges that one triangle uses, the other way round, in loops that pass no point twice.
+/// Expects that the rim consists of the edges that only one triangle uses, reversed, in loops that pass no
+/// point twice.
 void expect_simple_rim(const CoreLattice& core) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
   for (const auto& t : core.triangles())
@@ -74,7 +75,7 @@ TEST(CoreLattice, FillsASquareUpToAMargin) {
 
 TEST(CoreLattice, GoesAroundHolesAndInlets) {
   test::Loops<Vec2d> loops;
-  // A square with an inlet from the right as thin as a hair, and a hole.
+  // A square with an extremely thin inlet from the right, and a hole.
   loops.add({{0, 0}, {1, 0}, {1, 0.5}, {0.6, 0.501}, {1, 0.502}, {1, 1}, {0, 1}});
   loops.add({{0.2, 0.2}, {0.2, 0.35}, {0.35, 0.35}, {0.35, 0.2}});
   CoreLattice core;
@@ -97,7 +98,7 @@ TEST(CoreLattice, LeavesNarrowAndEmptyLoopsAlone) {
   core.build(narrow.points, narrow.begin, 0.1, 0.05);
   EXPECT_TRUE(core.triangles().empty());
   EXPECT_EQ(core.rim_begin().size(), 1u);
-  test::Loops<Vec2d> rim;  // a rim of no width around a large box
+  test::Loops<Vec2d> rim;  // a rim of zero width around a large box
   rim.add({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   rim.add({{1e-6, 1e-6}, {1e-6, 1 - 1e-6}, {1 - 1e-6, 1 - 1e-6}, {1 - 1e-6, 1e-6}});
   core.build(rim.points, rim.begin, 1e-3, 4e-6);

@@ -16,7 +16,7 @@ std::array<CutVertexId, 3> triangle(int a, int b, int c) {
   return {CutVertexId{a}, CutVertexId{b}, CutVertexId{c}};
 }
 
-/// Two parallel square caps, and what happens when one corner of the lower is lifted.
+/// Two parallel square caps. The tests lift one corner of the lower cap.
 struct TwoCaps {
   Solid solid = *make_solid(std::make_shared<Mesh>(cube()), {}, {});
   SurfaceTree outside{corners_of(solid)};
@@ -33,7 +33,7 @@ struct TwoCaps {
   std::vector<char> seen = std::vector<char>(4, 1);
   std::vector<std::uint32_t> region_begin{0, 2, 4};
 
-  /// Further caps, of one triangle each.
+  /// Adds caps of one triangle each.
   void add(std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) {
       triangles.push_back(triangle(10, 11, 12));
@@ -53,7 +53,7 @@ struct TwoCaps {
 TEST(CrossingsOfCaps, NamesBothTrianglesOfAPairWithAMovedVertex) {
   TwoCaps caps;
   EXPECT_EQ(caps.find(), 0u);
-  caps.points[1] = {0.2, -0.2, 0.2};  // of triangle 0 alone, through triangle 2
+  caps.points[1] = {0.2, -0.2, 0.2};  // a corner of triangle 0 only, through triangle 2
   EXPECT_EQ(caps.find(), 0u) << "nothing was moved: that is how the input is";
   caps.moved[1] = 1;
   EXPECT_EQ(caps.find(), 1u);
@@ -63,7 +63,7 @@ TEST(CrossingsOfCaps, NamesBothTrianglesOfAPairWithAMovedVertex) {
 TEST(CrossingsOfCaps, NamesThePairs) {
   TwoCaps caps;
   caps.points[1] = {0.2, -0.2, 0.2};  // through triangle 2
-  caps.points[7] = {-0.2, 0.2, 0.6};  // of triangle 3, out of the cube
+  caps.points[7] = {-0.2, 0.2, 0.6};  // a corner of triangle 3, out of the cube
   caps.moved[1] = caps.moved[7] = 1;
   Crossings crossings(caps.surfaces(), caps.outside, 1e-9);
   std::vector<CrossingPair> named;
@@ -124,11 +124,11 @@ TEST(CrossingsOfCaps, GivesUpWhereAllLieInEachOthersBoxes) {
 
 TEST(CrossingsOfCaps, FindsTheSameWhereOnlyFewAreMoved) {
   TwoCaps caps;
-  caps.points[7] = {0.15, -0.05, -0.1};  // of triangle 3, through triangle 0
+  caps.points[7] = {0.15, -0.05, -0.1};  // a corner of triangle 3, through triangle 0
   caps.moved[7] = 1;
-  const std::uint64_t few = caps.find().value();  // of four: all pairs are looked at
+  const std::uint64_t few = caps.find().value();  // of four triangles: all pairs are tested
   ASSERT_TRUE(caps.crossing[0]);
-  caps.add(100);  // as triangle 0, and never moved: triangle 3 alone asks who is in its way
+  caps.add(100);  // like triangle 0, never moved; only triangle 3 looks for crossings
   EXPECT_EQ(caps.find(), few + 100);
 }
 

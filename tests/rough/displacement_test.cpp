@@ -44,14 +44,15 @@ TEST(Displacement, NothingMovesNearerToTheSurfaceThanIsSaid) {
   for (int n = 0; n < 1000; ++n) {
     const Vec3d p = point_in_unit_cube(random);
     EXPECT_EQ(displacement.at(p, 0.1 * random.uniform()), Vec3d{});
-    // Beyond, it fades as it does from a surface that lies there, and is whole where that is far.
+    // Beyond this distance, the displacement fades as if a surface lay there. Far away it is undiminished.
     EXPECT_LT(length(displacement.at(p, 0.1 + 1e-6)), 2e-6);
     EXPECT_EQ(displacement.at(p, 1), Displacement(0.02, 8, 1, 1, {}, 0).at(p, 1));
   }
 }
 
 TEST(Displacement, AMapStretchesTheWavesButShortensNone) {
-  // Across the grain as without it, along it eight times as long; and points move four times as far along it.
+  // The displacement is the same across the grain and eight times as long along it. Points move four times as
+  // far along it.
   const Matrix3 map{{Vec3d{3, 0, 0}, Vec3d{0, 3, 0}, Vec3d{0, 0, 3.0 / 8}}};
   const Displacement plain(0.01, 5, 1, 4, {}, 0), stretched(0.01, 5, 1, 4, map, 0);
   Random random(3);
@@ -81,7 +82,7 @@ TEST(Displacement, WithoutOneGrainItIsTheSameInAllDirections) {
   }
 }
 
-// Fibres move four times as far, along the grain alone.
+// Fibres move points four times as far, but only along the grain.
 TEST(Displacement, NothingMovesFartherThanIsSaidInAnyDirection) {
   const double c = std::cos(0.5), s = std::sin(0.5);
   const Matrix3 turned{{Vec3d{c, s, 0}, Vec3d{-s, c, 0}, Vec3d{0, 0, 1.0 / 8}}},

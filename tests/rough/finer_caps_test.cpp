@@ -1,4 +1,4 @@
-// Pieces with finer caps, from those with flat ones: what is found anew finds the same.
+// Pieces with finer caps, derived from pieces with flat caps: a search from scratch must find the same.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -20,7 +20,8 @@ T made(Expected<T> expected) {
   return std::move(*expected);
 }
 
-/// A solid cut by 60 sites of which `together` that follow one another stay together, with all that refers to each other.
+/// A solid cut by 60 sites, with all objects that refer to each other. Every `together` consecutive sites
+/// stay together.
 struct Cut {
   Cut(const Mesh& mesh, std::uint32_t together)
       : solid(made(make_solid(std::make_shared<Mesh>(mesh), {}, {}))),
@@ -39,7 +40,7 @@ struct Cut {
   Ownership ownership;
 };
 
-/// Of the vertices that flat caps have: those of rough ones in between belong to no cell.
+/// Keeps the vertices that flat caps also have. Vertices in between, from rough caps, belong to no cell.
 std::vector<std::vector<CutVertexId>> of_flat(std::vector<std::vector<CutVertexId>> bodies,
                                               std::size_t vertices) {
   for (std::vector<CutVertexId>& body : bodies)
@@ -49,7 +50,7 @@ std::vector<std::vector<CutVertexId>> of_flat(std::vector<std::vector<CutVertexI
 
 class FinerCaps : public testing::TestWithParam<std::uint32_t> {
  protected:
-  /// How many pieces; 0 where they are to be found anew.
+  /// Returns the number of pieces, or 0 if they must be found from scratch.
   static std::size_t compare(const Mesh& mesh, double amplitude = 0.02) {
     Cut cut(mesh, GetParam());
     const Execution execution;

@@ -1,4 +1,4 @@
-// Closed loops of points in a plane, one behind the other, as rough cuts take them.
+// Closed loops of points in a plane, stored one after another, as rough cuts take them.
 #pragma once
 
 #include <cstdint>

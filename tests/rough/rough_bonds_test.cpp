@@ -1,5 +1,5 @@
-// Bonds of rough cuts: every two fragments that share a cap have one, with the area of the caps across their cut,
-// also where the surface crosses itself and caps face both ways.
+// Bonds of rough cuts. Every two fragments that share a cap have one bond, with the area of the caps across
+// their cut. That also holds if the surface crosses itself and caps face both ways.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261129;
 
-/// A prism along z over a four-sided polygon whose sides cross: ends of 2 at x = -2 and of `end` at x = 2.
+/// A prism along z over a four-sided polygon whose sides cross. Its ends are 2 wide at x = -2 and `end` wide
+/// at x = 2.
 Mesh bowtie(double end) {
   Mesh mesh;
   for (const float z : {0.0f, 4.0f})
@@ -30,14 +31,14 @@ Mesh bowtie(double end) {
   return mesh;
 }
 
-/// Of two fragments: the area of the triangles that stand in both of them, and that across the line between their
-/// sites, for fragments of one cell.
+/// For two fragments: the area of the triangles that both contain, and that area across the line between
+/// their sites (for fragments of one cell).
 struct Shared {
   double area = 0, across = 0;
-  bool counted = true;  ///< no triangle of theirs stands in more than two fragments
+  bool counted = true;  ///< none of their triangles is in more than two fragments
 };
 
-/// By corners in world space alone.
+/// Found only by corners in world space.
 std::map<std::pair<std::uint32_t, std::uint32_t>, Shared> shared_caps(const FragmentSet& set,
                                                                       const std::vector<Vec3d>& sites) {
   using Corner = std::array<double, 3>;
@@ -119,11 +120,12 @@ void expect_a_bond_for_each_shared_cap(const Mesh& mesh, std::vector<Vec3d> site
 }
 
 TEST(RoughBonds, ASurfaceThatCrossesItselfKeepsTheAreaOfItsCuts) {
-  // Sides from (-2, 1) to (2, -end / 2) and mirrored cross: two triangles, one of them inside out.
+  // The sides from (-2, 1) to (2, -end / 2) and their mirror images cross. They make two triangles, one of
+  // them inverted.
   for (const double end : {1.2, 0.4, 1.9}) {
     SCOPED_TRACE(end);
     const double left = 4 * 2 / (2 + end), section = left + (4 - left) * end / 2;
-    double flat = 0;  // triangles that overlap count each, and no more of them when they are divided
+    double flat = 0;  // overlapping triangles count once each, also after they are divided
     for (const double amplitude : {0.0, 1e-3, 0.01, 0.03}) {
       SCOPED_TRACE(amplitude);
       FractureParameters p;

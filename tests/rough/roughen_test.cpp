@@ -1,4 +1,5 @@
-// Rough cuts keep what flat ones promise: closed fragments that add up, mirrored seams, an untouched outside.
+// Rough cuts keep the promises of flat cuts: closed fragments that add up, mirrored seams, an untouched
+// outside.
 #include "common/rough/roughen.hpp"
 
 #include <gtest/gtest.h>
@@ -35,8 +36,8 @@ Corner world(const Fragment& f, std::uint32_t vertex) {
   return {p.x, p.y, p.z};
 }
 
-/// The triangles of primitives whose material is (or is not) the interior, in world space, each beginning at
-/// its least corner.
+/// The triangles of primitives with the interior material (or without it), in world space. Each begins at its
+/// smallest corner.
 std::multiset<std::array<Corner, 3>> triangles_of(const Fragment& f, bool interior, bool mirrored) {
   std::multiset<std::array<Corner, 3>> out;
   for (const FragmentPrimitive& p : f.primitives) {
@@ -78,7 +79,8 @@ TEST(Roughen, VerticesMoveByTheAmplitudeAtMostAndByMuchOfIt) {
   EXPECT_GT(most, 0.01);
 }
 
-// Walls of a fiftieth of the box: there is room for edges of a fortieth of the size, not for those of a quarter.
+// Walls of a fiftieth of the box. They have room for edges of a fortieth of the size, but not for edges of a
+// quarter.
 TEST(Roughen, AcrossAWallThatIsThinnerThanItsEdgesACutStaysFlat) {
   const Mesh walls = joined({cube(), reversed(scaled(cube(), {0.96, 0.96, 0.96}))});
   FractureParameters p = rough(20, 0.01, 5, 1);
@@ -142,7 +144,7 @@ TEST(Roughen, HullsAreThoseOfFlatCuts) {
 }
 
 TEST(Roughen, CutsWithinAGroupStayAwayAndItsSeamsAreSmooth) {
-  // Two rows of cells on each side of x = 0: the wall between the groups is one cut of several facets.
+  // Two rows of cells on each side of x = 0. The wall between the groups is one cut of several facets.
   PointsPattern pattern;
   for (const double x : {-0.2, 0.2})
     for (const double y : {-0.3, 0.0, 0.3}) {
@@ -164,7 +166,7 @@ TEST(Roughen, CutsWithinAGroupStayAwayAndItsSeamsAreSmooth) {
         const std::uint32_t* t = set.fragments[0].indices.data() + k / 3 * 3;
         const auto local = [&](int c) { return to_double(set.fragments[0].positions[t[c]]); };
         if (length(cross(local(1) - local(0), local(2) - local(0))) < 1e-7)
-          continue;  // of a facet no wider than the lattice of positions: four sites on a circle
+          continue;  // from a facet no wider than the position lattice: four sites on a circle
         const Vec3f& n = set.fragments[0].attributes.normals[set.fragments[0].indices[k]];
         at[world(set.fragments[0], set.fragments[0].indices[k])].insert({n.x, n.y, n.z});
       }
@@ -197,7 +199,7 @@ TEST(Roughen, NormalsAreSmoothWithinACutAndPointOutwards) {
   }
 }
 
-// Where a cut is steep the mean of the triangles around a corner may point behind one of them.
+// If a cut is steep, the mean of the triangles around a corner may point behind one of them.
 TEST(Roughen, NoCornerIsLitFromBehindItsTriangle) {
   std::size_t corners = 0;
   for (const std::uint64_t seed : {1, 2}) {

@@ -13,7 +13,7 @@
 namespace fracture::test {
 namespace {
 
-/// A bar of 4 m that is white to x = 1 and black beyond; the white is of the material "weak", too.
+/// A bar of 4 m that is white to x = 1 and black beyond. The white part also has the material "weak".
 Mesh painted_bar() {
   Mesh bar = box({0, 0, 0}, {4, 1, 1}, 16);
   bar.attributes.colors.emplace_back();
@@ -48,7 +48,8 @@ TEST(Density, MostSitesAreAtThePaintedEndOfABar) {
   for (const std::string from : {"COLOR_0", "weak", "1"}) {
     const SitePlan plan = plan_sites(bar, painted(from), {}).value();
     ASSERT_EQ(plan.points.size(), 200u) << from;
-    // A quarter of the volume has 32 times the density: 32 of 35 sites, and those where colours fade.
+    // A quarter of the volume has 32 times the density: 32 of 35 sites, plus those in the zone where colours
+    // fade.
     EXPECT_GT(share_below(plan.points, 1.25), 0.85) << from;
     EXPECT_LT(share_below(plan.points, 1.25), 1) << "what is not painted breaks, too";
     EXPECT_EQ(plan_sites(bar, painted(from), {})->points, plan.points);

@@ -61,7 +61,8 @@ TEST(Grain, LegsOfATableHaveAnotherOneThanItsTop) {
 
 TEST(Grain, PartsOfOneMaterialHaveOne) {
   Mesh mesh = table();
-  // The top is of material 0, the legs of 1, but for one face of each that is painted like the top.
+  // The top has material 0. The legs have material 1, except for one face of each that is painted like the
+  // top.
   mesh.material.assign(mesh.triangles.size(), 1);
   const std::size_t each = mesh.triangles.size() / 5, face = each / 6;
   std::fill_n(mesh.material.begin(), each, 0);
@@ -110,7 +111,7 @@ TEST(CellMap, EachFrameIsFarFromTheOthersAndBackIsBack) {
       EXPECT_EQ(&map.at(at), &map.of_part(solid.part[t]));
       EXPECT_LT(length(map.at(at).place(at) - from), 1e-5);
     }
-  // Of any point of one, all of its own are nearer than any of the other.
+  // For any point of one part, all points of that part are closer than any point of the other part.
   double widest = 0, gap = HUGE_VAL;
   for (const Vec3f& a : image.positions)
     for (const Vec3f& b : image.positions) {

@@ -1,4 +1,4 @@
-// Sites for large meshes, and very many of them.
+// Sites for large meshes, and very large numbers of sites.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,8 @@ namespace {
 
 const Execution kAlone{};  // outlives the samplers
 
-/// A cylinder whose lids are fans: triangles as long as it is wide, and thin, in all directions.
+/// A cylinder whose lids are fans. Their triangles are as long as the cylinder is wide, thin, and point in
+/// all directions.
 Mesh cylinder(int segments) {
   std::vector<Vec2d> outline;
   for (int k = 0; k < segments; ++k) {
@@ -46,7 +47,7 @@ TEST(LargeInputs, EveryPatternCanBeInterruptedAnywhere) {
   }
 }
 
-// The box of a thin triangle across a lid has a twelfth of all columns in it.
+// The box of a thin triangle across a lid contains a twelfth of all columns.
 TEST(LargeInputs, ThinTrianglesAreNotComparedWithEveryColumnInTheirBoxes) {
   std::vector<double> comparisons;
   for (const int size : {1000, 4000}) {
@@ -55,13 +56,15 @@ TEST(LargeInputs, ThinTrianglesAreNotComparedWithEveryColumnInTheirBoxes) {
     EXPECT_EQ(sampler.sample(static_cast<std::uint32_t>(size)).size(), static_cast<std::size_t>(size));
     comparisons.push_back(static_cast<double>(sampler.comparisons()));
   }
-  // Along each of them, not across its box: with both four times as many, eight times and not sixteen.
+  // Columns are compared along each triangle, not across its box. With four times as many triangles and
+  // columns, that is eight times the work and not sixteen.
   EXPECT_LT(comparisons[0], 100 * 1000);
   EXPECT_LT(std::log(comparisons[1] / comparisons[0]) / std::log(4), 1.55);
 }
 
 TEST(LargeInputs, ThinTrianglesHaveTheirShareOfThePoints) {
-  // What is compared is a matter of cost alone: the same sequence, however coarse the grid of a batch.
+  // The number of comparisons affects only the cost: the sequence is the same, however coarse the grid of a
+  // batch is.
   const Solid solid = solid_of(cylinder(700));
   sites_detail::ColumnSampler all(solid, 3, kAlone), few(solid, 3, kAlone);
   const std::vector<Vec3d> many = all.sample(5000);
@@ -85,7 +88,7 @@ TEST(LargeInputs, ThinTrianglesHaveTheirShareOfThePoints) {
 }
 
 TEST(LargeInputs, SpreadPointsAreEvenInThinWallsAndCostLittle) {
-  // A hollow cube and one twice as large.
+  // A hollow cube and one that is twice as large.
   const Mesh small = joined({cube(), reversed(scaled(cube(), {0.96, 0.96, 0.96}))});
   const Solid solid = solid_of(joined({small, translated(scaled(small, {2, 2, 2}), {3, 0, 0})}));
   sites_detail::ColumnSampler spread(solid, 0, kAlone), sampled(solid, 0, kAlone);
@@ -96,7 +99,7 @@ TEST(LargeInputs, SpreadPointsAreEvenInThinWallsAndCostLittle) {
   EXPECT_NEAR(in_small, 100, 30);  // 1 to 8 by volume
   const std::vector<bool> inside = sites_detail::ColumnSampler(solid, 0, kAlone).inside(points);
   EXPECT_EQ(std::count(inside.begin(), inside.end(), false), 0);
-  // Chords that are all of one length: points lie at both of their ends and between.
+  // All chords have one length. Points lie at both ends and in between.
   const Solid whole = solid_of(cube());
   const std::vector<Vec3d> in_cube = sites_detail::ColumnSampler(whole, 0, kAlone).spread(800);
   std::array<int, 8> octants{};
@@ -107,8 +110,8 @@ TEST(LargeInputs, SpreadPointsAreEvenInThinWallsAndCostLittle) {
   EXPECT_LT(4 * spread.comparisons(), sampled.comparisons());
 }
 
-// A thousand boxes, one around the other: columns cross them all, and as many columns as a plain surface
-// allows would hold hundreds of times as many crossings.
+// A thousand nested boxes. Columns cross all of them. As many columns as a plain surface allows would hold
+// hundreds of times as many crossings.
 TEST(LargeInputs, ManyLayersAreLookedThroughInSmallBatches) {
   std::vector<Mesh> boxes;
   for (int k = 0; k < 1000; ++k) {

@@ -1,4 +1,4 @@
-// Courses along the axes of walls, rubble of what is none, and what a hit does to bricks.
+// Courses along the axes of walls, rubble for parts that are not walls, and the effect of a hit on bricks.
 #include "common/sites/masonry.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace fracture::test {
 namespace {
 
-/// About y, then about z.
+/// Turned about y, then about z.
 Vec3d turned(const Vec3d& p, double yaw, double lean) {
   const double c = std::cos(yaw), s = std::sin(yaw);
   const Vec3d q{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
@@ -45,7 +45,7 @@ std::vector<Vec3d> places_of(const SitePlan& plan) {
   return places;
 }
 
-/// How many different coordinates there are along an axis, to a millimetre.
+/// The number of different coordinates along an axis, to a millimetre.
 std::size_t levels(const std::vector<Vec3d>& places, const Vec3d& axis) {
   std::set<long> levels;
   for (const Vec3d& p : places) levels.insert(std::lround(500 * dot(p, axis)));
@@ -121,7 +121,7 @@ TEST(Masonry, EachPartHasItsOwn) {
 
 TEST(BrickPattern, BricksHaveTheirRealSizeAndPiecesAreLumpsOfThem) {
   const SitePlan plan = bricks_of(solid_of(wall()), 100);
-  // 10 bricks of 240 mm are two halves each, 21 courses of 71 mm, two wythes of 120 mm.
+  // 10 bricks of 240 mm have two halves each. There are 21 courses of 71 mm and two wythes of 120 mm.
   EXPECT_EQ(plan.points.size(), 20u * 21 * 2);
   EXPECT_EQ(levels(plan.points, {1, 0, 0}), 20u);
   EXPECT_EQ(levels(plan.points, {0, 1, 0}), 21u);

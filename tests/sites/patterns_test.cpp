@@ -1,4 +1,4 @@
-// The patterns as lists of sites, and what they are made with.
+// The patterns as lists of sites, and the options they use.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -109,7 +109,7 @@ TEST(ImpactPattern, AllOfASmallRadiusIsFilledWithTheAskedDensity) {
         4000);
     ASSERT_EQ(plan.points.size(), 4000u);
     EXPECT_TRUE(plan.remarks.empty());
-    // Within a distance r lies the share (r / radius)^(3 - exponent).
+    // The share (r / radius)^(3 - exponent) lies within a distance r.
     for (const double part : {0.25, 0.5, 0.75}) {
       const auto near = std::count_if(plan.points.begin(), plan.points.end(), [&](const Vec3d& p) {
         return length(p - Vec3d{0.1, 0, 0}) <= part * radius;

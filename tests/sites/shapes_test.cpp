@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMost = CellMap::kMostFrames;
 
-/// A top along x and z, four legs along y, and a ball on it.
+/// A top along x and z, four legs along y, and a ball on the top.
 constexpr std::size_t kTop = 0, kFirstLeg = 1, kBall = 5, kParts = 6;
 Mesh laid_table() {
   std::vector<Mesh> parts{box({0, 1, 0}, {3, 1.1, 1}, 2)};
@@ -44,7 +44,7 @@ SiteParameters by_shape(std::uint32_t sites, std::vector<Vec3d> impacts = {}) {
   return p;
 }
 
-/// The sites, in the frame of the answer, by the number of their frame.
+/// The sites in the frame of the answer, by the number of their frame.
 std::map<std::size_t, std::vector<Vec3d>> sites_by_frame(const SitePlan& plan) {
   std::map<std::size_t, std::vector<Vec3d>> sites;
   for (const Vec3d& site : plan.points)
@@ -121,7 +121,7 @@ TEST(RadialByParts, EachPartHasItsShareByVolumeAndARodIsCutAlongItself) {
     std::vector<double> heights;
     for (const Vec3d& site : of_leg) {
       heights.push_back(site.y);
-      // Less than a fifth of its width beside the axis.
+      // Within a fifth of its width of the axis.
       EXPECT_LT(std::fabs(site.x - shapes.of_part[p].middle.x), 0.02);
       EXPECT_LT(std::fabs(site.z - shapes.of_part[p].middle.z), 0.02);
     }
@@ -132,7 +132,7 @@ TEST(RadialByParts, EachPartHasItsShareByVolumeAndARodIsCutAlongItself) {
       EXPECT_LE(heights[k], static_cast<double>(k + 1) * even);
     }
   }
-  // Rings and spokes around an axis lie in a plane; those around a point do not.
+  // Rings and spokes around an axis lie in a plane. Those around a point do not.
   const auto thickness = [&](std::size_t p) {
     Box box;
     for (const Vec3d& site : sites.at(shapes.frame_of_part[p])) box.add(site);
@@ -143,7 +143,7 @@ TEST(RadialByParts, EachPartHasItsShareByVolumeAndARodIsCutAlongItself) {
 }
 
 TEST(RadialByParts, ARodOfMorePiecesThanLengthsIsNotSliced) {
-  // Of a ball and a bar five times as long as it is wide, which gets about 6 pieces, then 60.
+  // A ball and a bar that is five times as long as wide. The bar gets about 6 pieces, then 60.
   Mesh ball = ico_sphere(3);
   for (Vec3f& p : ball.positions) p.z += 3;
   const Solid solid = solid_of(joined({ball, box({0, 0, 0}, {5, 1, 1}, 2)}));
@@ -170,7 +170,7 @@ TEST(RadialByParts, PiecesOfARodGatherAtTheHit) {
     for (const Vec3d& site : sites.at(shapes.frame_of_part[p])) sum += site.y;
     return sum / static_cast<double>(sites.at(shapes.frame_of_part[p]).size());
   };
-  // The mean of u^1.7 is 1 / 2.7; every leg is nearest to the hit at its foot.
+  // The mean of u^1.7 is 1 / 2.7. Every leg is nearest to the hit at its foot.
   for (std::size_t p = kFirstLeg; p < kBall; ++p) EXPECT_NEAR(mean_height(p), 0.99 / 2.7, 0.04) << p;
 }
 
@@ -233,7 +233,8 @@ TEST(RadialByParts, AWheelHasNoSitesInPartsThatShareItsFrame) {
 }
 
 TEST(RadialByParts, CrumbsAreInThePartThatIsHit) {
-  // At the corner of its box that a tetrahedron is farthest from: nothing of it is crushed.
+  // The hit is at the corner of the box that is farthest from the tetrahedron, so none of the tetrahedron is
+  // crushed.
   const Solid solid =
       solid_of(joined({tetrahedron(), translated(cube(2), {8, 0, 0}), translated(cube(2), {16, 0, 0})}));
   const Shapes shapes = shapes_of(solid, kMost);

@@ -69,7 +69,7 @@ TEST(UniformSites, DependOnTheSeed) {
   EXPECT_NE(sites_of(solid, 20, 1), sites_of(solid, 20, 2));
 }
 
-/// Pearson's statistic against expected counts.
+/// Pearson's statistic of counts compared with expected counts.
 double chi_square(const std::vector<double>& counts, const std::vector<double>& expected) {
   double chi = 0;
   for (std::size_t i = 0; i < counts.size(); ++i)
@@ -86,7 +86,7 @@ TEST(UniformSites, FillTheOctantsAndRadiiOfABallEvenly) {
     const double r = length(p);
     ++radii[std::min<std::size_t>(7, static_cast<std::size_t>(8 * r * r * r))];
   }
-  // 7 degrees of freedom: 24.3 is exceeded by chance once in a thousand (the polyhedron's last shell is
+  // 7 degrees of freedom: chance exceeds 24.3 once in a thousand runs (the polyhedron's last shell is
   // slightly smaller).
   EXPECT_LT(chi_square(octants, std::vector<double>(8, kCount / 8.0)), 24.3);
   EXPECT_LT(chi_square(radii, std::vector<double>(8, kCount / 8.0)), 28);
@@ -117,8 +117,8 @@ TEST(UniformSites, FillASpongeInProportionToItsSubcubes) {
 }
 
 TEST(UniformSites, CountOverlapsOnceAndPartsByVolume) {
-  // Two overlapping boxes [0,2] and [1,3] in x: the union is [0,3], each third gets a third. A third box
-  // apart has volume 1.
+  // Two boxes overlap at [0,2] and [1,3] in x. Their union is [0,3], and each third gets a third of its
+  // sites. A separate third box has volume 1.
   const Solid solid =
       solid_of(joined({box({0, 0, 0}, {2, 1, 1}), box({1, 0, 0}, {3, 1, 1}), box({5, 0, 0}, {6, 1, 1})}));
   constexpr int kCount = 12000;

@@ -25,7 +25,7 @@ Vec3d random_point(Random& random) {
   return {x, y, z};
 }
 
-/// Bricks of a wall across x; they touch when `gap` is 0.
+/// Bricks of a wall across x. They touch if `gap` is 0.
 Mesh wall(int bricks, double gap) {
   const int side = static_cast<int>(std::sqrt(static_cast<double>(bricks)));
   std::vector<Mesh> meshes;
@@ -37,7 +37,7 @@ Mesh wall(int bricks, double gap) {
   return joined(meshes);
 }
 
-/// A cube of cubes that share their faces, every second one inside out.
+/// A cube of cubes that share their faces. Every second cube is inverted.
 Mesh checkerboard(int cubes) {
   const int side = static_cast<int>(std::cbrt(static_cast<double>(cubes)));
   std::vector<Mesh> meshes;
@@ -106,18 +106,18 @@ Mesh soup(int triangles) {
   return finished(mesh);
 }
 
-/// A soup within the weld tolerance of its diagonal, which a far cube makes long.
+/// A soup whose points are all within the weld tolerance, because a far cube makes the box's diagonal long.
 Mesh soup_within_the_tolerance(int triangles) {
   return joined({soup(triangles), translated(cube(), {10'000, 0, 0})});
 }
 
-/// Two clouds of points further from one another than the weld tolerance, whose cells are neighbours.
+/// Two clouds of points in neighbouring cells. Their distance is just over the weld tolerance.
 Mesh soups_just_beyond_the_tolerance(int triangles) {
   const Mesh half = scaled(soup(triangles / 2), {1, 1, 1e-4});
   return joined({half, translated(half, {0, 0, 1.01}), translated(cube(), {10'000, 0, 0})});
 }
 
-/// A wall between two closed curves of n corners each, over one another: two holes of n sides.
+/// A wall between two closed curves of n corners each, one above the other: two holes of n sides.
 template <class Curve>
 Mesh band(int n, Curve&& curve) {
   Mesh mesh;
@@ -154,7 +154,7 @@ Mesh tangle(int n) {
     return std::pair{p, p + Vec3d{0, 0, 1}};
   });
 }
-/// Corners crowd at one place of a curve that is else wide.
+/// Corners crowd at one place of a curve that is otherwise wide.
 Mesh crowded_star(int n) {
   Random random(13);
   return band(n, [&](int i) {
@@ -164,7 +164,7 @@ Mesh crowded_star(int n) {
   });
 }
 
-/// A cube of 12 n² triangles without every fifth.
+/// A cube of 12 n² triangles without every fifth triangle.
 Mesh sieve(int triangles) {
   const Mesh whole = cube(static_cast<int>(std::sqrt(triangles / 12.0)));
   Mesh mesh = whole;
@@ -175,7 +175,7 @@ Mesh sieve(int triangles) {
   return finished(mesh);
 }
 
-/// The same sphere many times, some of them inside out.
+/// The same sphere many times. Some of the copies are inverted.
 Mesh copies(int triangles) {
   const Mesh sphere = sphere_with(2000);
   std::vector<Mesh> meshes;
@@ -183,7 +183,7 @@ Mesh copies(int triangles) {
   return joined(meshes);
 }
 
-/// A sphere, half of whose triangles face inwards.
+/// A sphere with half of its triangles facing inwards.
 Mesh disoriented(int triangles) {
   Mesh mesh = sphere_with(triangles);
   Random random(3);
@@ -205,7 +205,7 @@ Mesh flat_sheet(int n) {
 }
 int side_of(int triangles) { return static_cast<int>(std::sqrt(triangles / 2.0)); }
 
-/// Parts with a cavity each, and bars side by side whose boxes all touch, half of them inside out.
+/// Parts with a cavity each, and parallel bars whose boxes all touch. Half of the bars are inverted.
 Mesh hollow_boxes(int count) {
   std::vector<Mesh> meshes;
   for (int i = 0; i < count; ++i) {
@@ -238,8 +238,8 @@ Mesh diagonal_bars(int count) {
 
 Mesh sheet_with_a_folded_corner(int n) {
   Mesh mesh = flat_sheet(n);
-  // The sheet's side from (1, 0) to (0, 0) gets a triangle with apex v, and this one another, folded over it,
-  // of the same area: nothing else has the vertex v.
+  // The sheet's side from (1, 0) to (0, 0) gets a triangle with apex v. A second triangle of the same area is
+  // folded over it. No other triangle has the vertex v.
   const auto p = mesh.triangles[0][1], q = mesh.triangles[0][0];
   const auto v = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.positions.push_back({1, -1, 0});

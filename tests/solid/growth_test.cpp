@@ -1,4 +1,4 @@
-// make_solid() over families of growing meshes: it can be interrupted at any time, and its work is
+// make_solid() over families of growing meshes. It can be interrupted at any time, and its work is
 // near-linear.
 #include <gtest/gtest.h>
 
@@ -61,9 +61,9 @@ TEST_P(Growth, StopsAtWhicheverPollItIsAskedTo) {
   }
 }
 
-// -- what it makes is counted
+// -- counting of products
 
-/// Bytes that make_solid() says it makes, or why it may not.
+/// The bytes that make_solid() reports, or the reason for its refusal.
 std::uint64_t bytes_made(const Mesh& mesh, const SolidOptions& options, std::uint64_t limit) {
   Allowance allowance(0, limit, [limit](std::uint64_t bytes) {
     return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
@@ -82,7 +82,7 @@ TEST(Products, TheFillOfHolesIsCounted) {
 }
 
 TEST(Products, BacksAndWallsOfSlabsAreCounted) {
-  // The quad's two triangles are closed by two more, which are replaced by a back of 2 and walls of 8.
+  // Two triangles close the quad's two. They are then replaced by a back of 2 triangles and walls of 8.
   EXPECT_EQ(bytes_made(open_quad(), {.thickness = 0.25}, 1 << 20), 12 * bytes_of(Product::kSurfaceTriangles));
 }
 

@@ -15,7 +15,7 @@ std::vector<Part> parts_of(const std::vector<Box>& boxes) {
   return parts;
 }
 
-/// The definition, by all pairs.
+/// The definition, computed over all pairs.
 std::vector<std::uint32_t> greedy_layers(const std::vector<Part>& parts) {
   std::vector<std::uint32_t> order(parts.size()), layer(parts.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -34,7 +34,7 @@ Box box_at(double x, double y, double z, double a, double b, double c) {
   return {{x, y, z}, {x + a, y + b, z + c}};
 }
 
-/// Boxes of many shapes; on a small lattice many of them touch in faces, edges and corners.
+/// Boxes of many shapes. On a small lattice many of them touch in faces, edges and corners.
 std::vector<Box> random_boxes(std::uint64_t seed) {
   Random random(seed);
   const std::uint64_t count = 1 + random.below(120), lattice = 2 + random.below(12),
@@ -78,9 +78,9 @@ TEST(Layers, NoPartsHaveNone) {
   EXPECT_EQ(assign_layers(parts, {}), 0u);
 }
 
-// -- work: polls, each of which stands for some thousand steps
+// -- work, in polls; a poll counts for some thousand steps
 
-/// side × side bricks in a wall across x, so that all of them overlap in x and none touch.
+/// side × side bricks in a wall across x. So all of them overlap in x and none touch.
 std::vector<Box> wall(int side) {
   std::vector<Box> boxes;
   for (int y = 0; y < side; ++y)
@@ -93,7 +93,8 @@ std::vector<Box> bars(int count) {
   for (int i = 0; i < count; ++i) boxes.push_back(box_at(i, -i, i, 1e6, 1e6, 1e6));
   return boxes;
 }
-/// Boxes within boxes, and a small one beside them that comes between: its layer's latest box touches none.
+/// Nested boxes, and a small box next to them that is placed in between: the latest box of its layer touches
+/// no other.
 std::vector<Box> nested_and_small(int count) {
   std::vector<Box> boxes;
   for (int i = 0; i < count; ++i) {

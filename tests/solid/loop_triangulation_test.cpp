@@ -11,7 +11,7 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// Sides once forward, diagonals once in each direction, n - 2 triangles.
+/// Expects n - 2 triangles, with each side used once forward and each diagonal once in each direction.
 void expect_disc(const std::vector<LoopTriangle>& triangles, std::size_t n) {
   ASSERT_EQ(triangles.size(), n - 2);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> directed;
@@ -41,7 +41,7 @@ double area_of(const std::vector<Vec3f>& corners, const std::vector<LoopTriangle
   return area;
 }
 
-/// A star-shaped polygon with n corners in a plane, radii alternating at random.
+/// A star-shaped polygon with n corners in a plane. Its radii vary at random.
 std::vector<Vec3f> star(int n, std::uint64_t seed, int axis) {
   Random random(seed);
   std::vector<Vec3f> corners;
@@ -73,8 +73,8 @@ TEST(TriangulateLoop, CoversPlanarPolygonsOnceForBothMethodsAndAllAxes) {
         if (backward) std::reverse(corners.begin(), corners.end());
         const std::vector<LoopTriangle> triangles = triangulate_loop(corners, {});
         expect_disc(triangles, corners.size());
-        // A triangulation without overlap has exactly the polygon's area. (The plane is at 2; the shoelace of
-        // the other two components does not see it.)
+        // A triangulation without overlap has exactly the polygon's area. (The plane is at 2, and the
+        // shoelace formula of the other two components ignores that.)
         std::vector<Vec3f> flat = corners;
         for (Vec3f& p : flat) (axis == 0 ? p.x : axis == 1 ? p.y : p.z) = 0;
         EXPECT_NEAR(area_of(corners, triangles), shoelace(flat), 1e-5 * shoelace(flat));

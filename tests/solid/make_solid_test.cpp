@@ -93,7 +93,7 @@ TEST(MakeSolid, DropsDegenerateTrianglesWithoutOpeningAnything) {
 }
 
 TEST(MakeSolid, KeepsTrianglesWithThreeCornersOnALineWhereTheyCloseTheSurface) {
-  // An edge of a tetrahedron is split on one side only; a triangle without area closes the gap.
+  // An edge of a tetrahedron is split on one side only. A triangle of zero area closes the gap.
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0, 0}};
   mesh.triangles = {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 1, 4}};
@@ -211,7 +211,7 @@ TEST(SolidValidate, NamesABrokenStatement) {
 }
 
 TEST(Validate, NamesPartsThatTouchInOneLayer) {
-  // Two cubes that overlap among a thousand that do not.
+  // Two overlapping cubes among a thousand that do not overlap.
   Mesh mesh = joined({cube_field(10), box({3.25, 3.25, 3.25}, {3.75, 3.75, 3.75})});
   Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid);

@@ -42,7 +42,8 @@ TEST(Nesting, AnOutwardShellInsideAnotherIsAnOverlappingPart) {
 }
 
 TEST(Nesting, ACavityGoesToTheInnermostShellAroundIt) {
-  // Part of side 8, cavity 6, island 4, cavity of the island 2.
+  // A part of side 8, its cavity of side 6, an island of side 4 in it, and the cavity of the island of side
+  // 2.
   const Expected<Solid> solid = try_solid(joined({hollow(2), centered_cube(4), hollow(6), centered_cube(8)}));
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());

@@ -1,4 +1,4 @@
-// What colour parts have: that of most of their surface.
+// The colour of a part: that of most of its surface.
 #include <gtest/gtest.h>
 
 #include "common/mesh/material_library.hpp"
@@ -12,10 +12,10 @@ namespace {
 constexpr SurfaceColor kRed{{65535, 0, 0}, 1}, kBlue{{0, 0, 65535}, 1}, kDarkBlue{{0, 0, 49152}, 1},
     kUnknown{};
 
-/// A cuboid whose sides have 1, 1, 2, 2, 2 and 2 m²; each in two triangles.
+/// A cuboid with faces of 1, 1, 2, 2, 2 and 2 m², each made of two triangles.
 Mesh cuboid() { return box({0, 0, 0}, {1, 1, 2}); }
 
-/// The color of each triangle by the direction in which it faces.
+/// Colours each triangle by the direction it faces.
 template <class ColorOf>
 Mesh painted(Mesh mesh, const ColorOf& color_of) {
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -27,7 +27,7 @@ Mesh painted(Mesh mesh, const ColorOf& color_of) {
 }
 
 TEST(PartColors, APartHasTheColorOfMostOfItsSurfaceByArea) {
-  // 2 m² of red are a third of the triangles and a fifth of the area.
+  // 2 m² of red: a third of the triangles, but a fifth of the area.
   const Solid solid = solid_of(painted(cuboid(), [](const Vec3d& n) { return n.z != 0 ? kRed : kBlue; }));
   ASSERT_TRUE(solid.parts[0].color);
   EXPECT_EQ(*solid.parts[0].color, kBlue.light) << "not purple";

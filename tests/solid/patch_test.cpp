@@ -13,7 +13,7 @@
 namespace fracture {
 namespace {
 
-/// Each element of the patch is the one of the whole that it says it is.
+/// Expects that each element of the patch is the element of the whole that it names.
 void expect_part_of(const Solid& whole, const SolidPatch& patch) {
   const Solid& s = patch.solid;
   EXPECT_TRUE(std::is_sorted(patch.vertices.begin(), patch.vertices.end()));

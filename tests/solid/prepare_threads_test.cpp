@@ -1,5 +1,5 @@
-// Solids are prepared by several threads, each with its own vertices, tables or blocks of triangles: none of
-// it shows in the solid.
+// Several threads prepare solids, each with its own vertices, tables or blocks of triangles. The solid does
+// not depend on that.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -172,10 +172,10 @@ TEST(FirstOfSame, AllAtOnePlaceAreNoMoreWorkThanOthers) {
   EXPECT_LT(polls(std::vector<Vec3f>(kCount, {1, 2, 3})), 2 * polls(apart));
 }
 
-// -- what is counted, and what is not a manifold
+// -- counts, and surfaces that are not manifold
 
 TEST(WeldExact, OnlyWedgesThatTrianglesUseAreCounted) {
-  Mesh mesh;  // wedges 0 and 5 stand where 1 and 2 do and are not used; 6 is where 3 is
+  Mesh mesh;  // wedges 0 and 5 are unused, at the places of 1 and 2; 6 is at 3
   mesh.positions = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.triangles = {{1, 2, 3}, {2, 1, 4}, {6, 2, 4}, {1, 6, 4}};
   for (const bool first_too : {false, true}) {

@@ -1,5 +1,5 @@
-// Whatever is done to a closed mesh, make_solid() ends with a valid solid or a typed refusal, and the same
-// one every time.
+// Random damage to closed meshes. make_solid() must always end with a valid solid or a typed refusal, and
+// with the same one every time.
 #include <gtest/gtest.h>
 
 #include "common/base/random.hpp"
@@ -12,7 +12,7 @@
 namespace fracture::test {
 namespace {
 
-/// Removes, reverses, copies and re-wires random triangles.
+/// Removes, reverses, copies and reconnects random triangles.
 Mesh damaged(Mesh mesh, Random& random, int blows) {
   for (int i = 0; i < blows && !mesh.triangles.empty(); ++i) {
     const std::size_t t = random.below(mesh.triangles.size());
@@ -65,7 +65,7 @@ TEST(RandomDamage, EndsAsAValidSolidOrATypedRefusal) {
     }
     ++solids;
     ASSERT_NO_THROW(solid->validate());
-    // The solid as a mesh of its own is closed and stands as it is.
+    // The solid's surface as a mesh is closed and needs no repair.
     const Mesh again = surface_mesh(*solid);
     EXPECT_EQ(open_directed_edges(again), 0u);
     EXPECT_NEAR(volume_of(again), solid->report.volume, 1e-9 * solid->report.volume + 1e-12);

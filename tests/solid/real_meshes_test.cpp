@@ -9,8 +9,8 @@
 namespace fracture::test {
 namespace {
 
-/// What the source says about the outside: every source triangle that was kept stands in the solid with its
-/// corners' positions.
+/// Checks the source's outside: the solid has every source triangle that was kept, with its corners'
+/// positions.
 void expect_source_kept(const Solid& solid) {
   std::size_t from_source = 0;
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {

@@ -36,7 +36,7 @@ TEST(Holes, TwoNeighbouringFacesMakeOneBentHoleThatIsFilledAlongTheEdge) {
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.holes_filled, 1u);
-  EXPECT_EQ(solid->report.volume, 1);  // the triangulation of least area follows the missing edge
+  EXPECT_EQ(solid->report.volume, 1);  // the triangulation of smallest area follows the missing edge
 }
 
 TEST(Holes, StrictRefusesWithCountsAndASampleEdge) {
@@ -48,8 +48,7 @@ TEST(Holes, StrictRefusesWithCountsAndASampleEdge) {
 }
 
 TEST(Holes, ALargePlanarHoleIsFilledWithItsExactArea) {
-  // A cube whose subdivided top is missing: a square loop of 4 n edges, far over the limit of the small
-  // method.
+  // A cube without its subdivided top: a square loop of 4 n edges, far over the limit of the small method.
   constexpr int kN = 50;
   Mesh mesh = cube(kN);
   std::erase_if(mesh.triangles, [&](const auto& t) {
@@ -67,7 +66,7 @@ TEST(Holes, ALargePlanarHoleIsFilledWithItsExactArea) {
 }
 
 TEST(Holes, AHoleThatTouchesItselfInAVertexIsFilledAsTwo) {
-  // Two diagonally opposite quads of the middle vertex of a face of cube(2) are missing.
+  // A face of cube(2) lacks two diagonally opposite quads at its middle vertex.
   Mesh mesh = cube(2);
   std::erase_if(mesh.triangles, [&](const auto& t) {
     bool top = true, positive = true, negative = true;
@@ -262,7 +261,7 @@ TEST(Nonmanifold, CubesThatShareAnEdgeOrAVertexComeApart) {
 }
 
 TEST(Nonmanifold, WedgesOfMaterialAroundAnEdgeArePairedWithoutCrossing) {
-  // A pinwheel of n tetrahedra around one edge: 2 n triangles meet there; each wedge is a part of its own.
+  // A pinwheel of n tetrahedra around one edge. 2 n triangles meet there, and each wedge is a separate part.
   for (int n = 2; n <= 9; ++n) {
     std::vector<Mesh> wedges;
     for (int i = 0; i < n; ++i) {
@@ -298,7 +297,8 @@ TEST(TolerantWeld, ClosesASurfaceWhoseVerticesDifferInTheLastBits) {
 }
 
 TEST(TolerantWeld, LeavesVerticesApartThatCloseNothing) {
-  // A closed cube of size 1 with a closed one of 1e-7 beside it: no open edges, nothing to weld.
+  // A closed cube of size 1 next to a closed cube of size 1e-7. There are no open edges, so there is nothing
+  // to weld.
   const Expected<Solid> solid =
       try_solid(joined({cube(), translated(scaled(cube(), {0x1p-24, 0x1p-24, 0x1p-24}), {0, 0, 0})}));
   ASSERT_TRUE(solid);

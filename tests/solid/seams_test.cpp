@@ -1,4 +1,4 @@
-// Faces that were subdivided while their neighbours were not: their edges have no vertices in common but the ends.
+// Subdivided faces next to faces that are not subdivided. Their edges have only the end vertices in common.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace fracture::test {
 namespace {
 
-/// The unit cube; face k (-x +x -y +y -z +z) in divisions[k] x divisions[k] squares.
+/// The unit cube. Face k (-x +x -y +y -z +z) has divisions[k] x divisions[k] squares.
 Mesh cube_of_faces(const std::vector<int>& divisions) {
   std::vector<Mesh> faces;
   for (int k = 0; k < 6; ++k) {
@@ -33,7 +33,7 @@ Mesh cube_of_faces(const std::vector<int>& divisions) {
   return mesh;
 }
 
-/// About a skew axis, so that nothing is exactly on a line any more.
+/// Turns the mesh about a skew axis, so that no point lies exactly on a line.
 Mesh turned(Mesh mesh) {
   const CirclePoint a = circle_point(1, 17), b = circle_point(2, 23);
   for (Vec3f& p : mesh.positions) {
@@ -45,7 +45,7 @@ Mesh turned(Mesh mesh) {
   return mesh;
 }
 
-/// Every source triangle is in the solid, and what fills the seams has no area to speak of.
+/// Expects every source triangle in the solid, and almost zero area in the triangles that fill the seams.
 void expect_whole(const Mesh& mesh, double tolerance) {
   const Expected<Solid> solid = try_solid(mesh);
   ASSERT_TRUE(solid) << solid.error().detail;
@@ -98,7 +98,7 @@ TEST(Seams, StrictRepairRefusesThem) {
   EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
 }
 
-// The lid is not only subdivided but a hair off: beyond the weld tolerance it is a sheet of its own, as before.
+// The lid is not only subdivided but also slightly off. Beyond the weld tolerance it stays a separate sheet.
 TEST(Seams, WhatIsFartherThanTheToleranceIsNoSeam) {
   Mesh mesh = cube_of_faces({1, 1, 1, 1, 1, 4});
   for (Vec3f& p : mesh.positions)
@@ -109,7 +109,7 @@ TEST(Seams, WhatIsFartherThanTheToleranceIsNoSeam) {
   EXPECT_GT(solid->report.filled_area, 0.01);
 }
 
-// Many open edges along one line, none of which closes: the search must end.
+// Many open edges along one line, none of which can be closed. The search must end.
 TEST(Seams, ACombOfOverlappingEdgesEnds) {
   Mesh mesh;
   const int n = 3000;

@@ -1,4 +1,4 @@
-// Open sheets that became slabs, fractured: the fragments are closed and add up to the solid.
+// Open sheets that became slabs and were fractured. The fragments must be closed and add up to the solid.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace fracture::test {
 namespace {
 
-/// The smallest mesh of those that were found: a triangle and its other side over the same three wedges, with
+/// The smallest of the meshes that failed: a triangle and its reverse over the same three wedges, with
 /// normals.
 Mesh two_sided_triangle() {
   Mesh mesh;
@@ -65,7 +65,8 @@ TEST(SlabFragments, EveryFileIsSoundWithEveryThickness) {
   if (seen == 0) GTEST_SKIP() << "no test meshes";
 }
 
-// 23 thick slabs in one another: a group of pieces whose surfaces cancel has no face, and is no fragment.
+// 23 thick slabs inside one another. If the surfaces of a group of pieces cancel, the group has no face and
+// is not a fragment.
 TEST(SlabFragments, UnitedPiecesThatCancelAreNoFragment) {
   for (const MeshFile& file : test_meshes()) {
     if (file.name != "kk_wall.glb") continue;

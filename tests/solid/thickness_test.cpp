@@ -24,7 +24,7 @@ std::size_t warnings_on_thickness(const Solid& solid) {
                     [](const std::string& warning) { return warning.starts_with("'thickness'"); }));
 }
 
-/// n × n squares in the plane z = 0, facing +z, over the unit square.
+/// n × n squares over the unit square in the plane z = 0, facing +z.
 Mesh sheet(int n) {
   Mesh mesh = cube(n);
   std::erase_if(mesh.triangles, [&](const auto& t) {
@@ -129,7 +129,7 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
   ASSERT_TRUE(solid) << solid.error().detail;
   EXPECT_EQ(solid->report.sheets_thickened, 0u);
   ASSERT_EQ(warnings_on_thickness(*solid), 1u);
-  // 2/3 pi of a slab of 2 pi x 0.01: 33 times, of polygons a little less.
+  // 2/3 pi is 33 times a slab of 2 pi x 0.01. For polygons the factor is slightly smaller.
   const std::string times = "has 3";
   EXPECT_NE(solid->report.remarks.warnings[0].find(times), std::string::npos)
       << solid->report.remarks.warnings[0];
@@ -143,14 +143,15 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
 }
 
 TEST(Thickness, SaysWhereAFoldIsThinnerThanAsked) {
-  // Three squares like a Z. At its folds the slab is thinner by the cosine of half of the angle by which they turn.
+  // Three squares in the shape of a Z. At its folds the slab is thinner by the cosine of half the turning
+  // angle.
   const auto folded = [](double turn_cos, double turn_sin) {
     Mesh mesh;
     for (const auto& [x, z] :
          {std::pair(-1.0, 0.0), {0.0, 0.0}, {turn_cos, turn_sin}, {turn_cos + 1, turn_sin}})
       for (const float y : {0.0f, 1.0f})
         mesh.positions.push_back({static_cast<float>(x), y, static_cast<float>(z)});
-    // At each corner of a fold as many triangles on both of its sides.
+    // Each corner of a fold has equally many triangles on both sides of the fold.
     mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 3}, {4, 5, 3}, {4, 6, 7}, {4, 7, 5}};
     return mesh;
   };
@@ -188,8 +189,8 @@ TEST(Thickness, ABentSheetFollowsItsNormals) {
   EXPECT_NEAR(solid->report.volume, exact, 0.01 * exact);
 }
 
-// Float32 has 1/256 here: the back of a large triangle's corner u falls on the corner v of a narrow
-// neighbour, one thickness behind u, and the wall on their edge u -> v needs its other diagonal.
+// Float32 has steps of 1/256 here. The back of corner u of a large triangle falls on corner v of a narrow
+// neighbour, one thickness behind u. The wall on their edge u -> v then needs its other diagonal.
 TEST(Thickness, AWallWhoseDiagonalRoundsToAPointTakesTheOther) {
   constexpr float kFar = 32768;
   Mesh mesh;

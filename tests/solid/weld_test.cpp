@@ -26,8 +26,9 @@ Mesh triangles_of(std::vector<Vec3f> positions) {
   return mesh;
 }
 
-/// Positions in the plane z = 0 that a fixed mixing of the coordinates' bits, x | y << 32 times
-/// 0x9e3779b97f4a7c15, put into one slot of a table of up to 2^30: its steps are undone from the hash.
+/// Positions in the plane z = 0 that collide in one slot of a table of up to 2^30. The hash is a fixed mix of
+/// the coordinates' bits, x | y << 32 times 0x9e3779b97f4a7c15. The positions are computed by undoing its
+/// steps.
 std::vector<Vec3f> colliding_positions(std::size_t count) {
   const auto inverse = [](std::uint64_t odd) {  // modulo 2^64 (Newton)
     std::uint64_t x = odd;
@@ -72,7 +73,7 @@ TEST(WeldExact, NumbersVerticesInTheOrderOfTheirFirstUse) {
   EXPECT_EQ(report.welded, 2u);
 }
 
-// -- points nearer than a tolerance
+// -- points closer than a tolerance
 
 std::vector<std::uint32_t> roots(DisjointSets sets) {
   std::vector<std::uint32_t> all(sets.size());

@@ -1,4 +1,4 @@
-// Nesting against its definition, and the work it takes.
+// Compares nesting with its definition, and measures the work it takes.
 #include "common/solid/winding.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 using test::PollGaps;
 
-/// The mesh as a surface of closed shells, each of which keeps its own vertices.
+/// The mesh as a surface of closed shells. Each shell keeps its own vertices.
 Surface surface_of(const Mesh& mesh) {
   Surface surface;
   surface.positions = mesh.positions;
@@ -31,7 +31,8 @@ Surface surface_of(const Mesh& mesh) {
   return surface;
 }
 
-/// Rays against all triangles, one by one: what WindingNumbers::around() says of shell i.
+/// The expected result of WindingNumbers::around() for shell `self`, by rays tested against all triangles one
+/// by one.
 std::map<std::uint32_t, int> winds_by_definition(const Surface& surface, const Shells& shells,
                                                  std::uint32_t self) {
   const auto side = [](const Vec3f& a, const Vec3f& b, const Vec3f& p) {
@@ -53,7 +54,7 @@ std::map<std::uint32_t, int> winds_by_definition(const Surface& surface, const S
                     &c = surface.positions[surface.triangles[t][2]];
         const int ab = side(a, b, p);
         if (ab != side(b, c, p) || ab != side(c, a, p)) continue;
-        // A piece of a parallel of x counts only where p lies on it.
+        // A segment parallel to x counts only if p lies on it.
         if (ab == 0 &&
             (a.y != p.y || a.z != p.z || std::max({a.x, b.x, c.x}) < p.x || std::min({a.x, b.x, c.x}) > p.x))
           continue;
@@ -68,7 +69,7 @@ std::map<std::uint32_t, int> winds_by_definition(const Surface& surface, const S
   return winds;
 }
 
-/// Boxes and tetrahedra on a small lattice, half of them inside out: many touch, cross, contain or repeat one
+/// Boxes and tetrahedra on a small lattice, half of them inverted. Many touch, cross, contain or repeat one
 /// another.
 Mesh lattice_shells(std::uint64_t seed) {
   Random random(seed);
@@ -113,7 +114,7 @@ TEST(WindingNumbers, AreThoseOfRaysAgainstAllTriangles) {
 }
 
 TEST(WindingNumbers, AreTheSameHoweverOftenALargeShellIsAsked) {
-  // The first questions look at its triangles one by one, later ones at a tree.
+  // The first queries test its triangles one by one. Later queries use a tree.
   std::vector<Mesh> meshes{test::sphere_with(2000, 10)};
   for (int i = 0; i < 20; ++i) meshes.push_back(test::translated(test::cube(), {i - 10 + 0.25, 0, 0}));
   const Surface surface = surface_of(test::joined(meshes));
@@ -130,8 +131,8 @@ TEST(WindingNumbers, AreTheSameHoweverOftenALargeShellIsAsked) {
 
 // -- the forest of shells that do not touch
 
-/// Boxes and spheres within boxes, at random: `depth` generations, each box with up to three in it. Every
-/// shell faces either way.
+/// Random boxes and spheres within boxes: `depth` generations, with up to three in each box. Every shell
+/// faces in or out at random.
 void add_nest(std::vector<Mesh>& shells, const Vec3d& low, double side, int depth, Random& random) {
   Mesh shell = random.below(3) == 0
                    ? test::translated(test::sphere_with(100, 0.499 * side),
@@ -139,7 +140,7 @@ void add_nest(std::vector<Mesh>& shells, const Vec3d& low, double side, int dept
                    : test::box(low, low + Vec3d{side, side, side}, static_cast<int>(1 + random.below(3)));
   shells.push_back(random.below(2) == 0 ? shell : test::reversed(shell));
   if (depth == 0) return;
-  // A cube of this side, in the middle, is in the ball as well; its octants keep apart.
+  // A central cube of this side also fits into the ball. Its octants do not touch.
   const double inner = 0.2 * side;
   for (std::uint64_t k = random.below(4); k > 0; --k) {
     const std::uint64_t octant = 2 * k + random.below(2);
@@ -202,9 +203,9 @@ TEST(NestingForest, DeepNestsBecomePartsWithOneCavityEach) {
   }
 }
 
-// -- work: polls, each of which stands for some thousand steps
+// -- work, in polls; a poll counts for some thousand steps
 
-/// A box over three edge vectors.
+/// A parallelepiped with three edge vectors.
 Mesh slanted_box(const Vec3d& origin, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   Mesh mesh = test::box({0, 0, 0}, {1, 1, 1});
   for (Vec3f& p : mesh.positions) {
@@ -216,8 +217,8 @@ Mesh slanted_box(const Vec3d& origin, const Vec3d& a, const Vec3d& b, const Vec3
 }
 Mesh inside_out_cube_apart() { return test::translated(test::inside_out_cube(), {-5, -5, -5}); }
 
-/// Thin boxes along a diagonal whose boxes contain one another's corners; every second one inside out if so
-/// asked.
+/// Thin bars along a diagonal. Their boxes contain one another's corners. If `half_reversed`, every second
+/// bar is inverted.
 Mesh diagonal_bars(int count, const Vec3d& along, bool half_reversed) {
   const Vec3d up = std::fabs(along.x) > 0 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
   Vec3d across = cross(along, up);

@@ -9,7 +9,7 @@
 namespace fracture::test {
 namespace {
 
-/// A tower of five cubes along y, fragment k from y = k to y = k + 1.
+/// A tower of five cubes along y. Fragment k reaches from y = k to y = k + 1.
 FragmentSet tower() {
   FractureParameters p;
   PointsPattern pattern;
@@ -32,7 +32,7 @@ TEST(Anchors, PlaneHoldsWhatReachesIntoItsHalfSpace) {
   ASSERT_EQ(set.fragments.size(), 5u);
   const auto on_ground = std::vector<bool>{true, false, false, false, false};
   EXPECT_EQ(held(set, {{{{0, 1, 0}, 0}}, {}, {}}), on_ground);
-  EXPECT_EQ(held(set, {{{{0, 7, 0}, 0.5}}, {}, {}}), on_ground);  // the normal's length does not matter
+  EXPECT_EQ(held(set, {{{{0, 7, 0}, 0.5}}, {}, {}}), on_ground);  // the length of the normal does not matter
   EXPECT_EQ(held(set, {{{{0, 1, 0}, 1.5}}, {}, {}}), (std::vector<bool>{true, true, false, false, false}));
   EXPECT_EQ(held(set, {{{{0, -1, 0}, -5}}, {}, {}}), (std::vector<bool>{false, false, false, false, true}));
   EXPECT_EQ(held(set, {{{{0, 1, 0}, -0.1}}, {}, {}}), std::vector<bool>(5, false));
@@ -43,7 +43,7 @@ TEST(Anchors, BoxHoldsWhatItOverlapsEvenWithoutAVertexInside) {
   EXPECT_EQ(held(set, {{}, {Box{{0.4, 1.4, 0.9}, {0.6, 1.6, 1.1}}}, {}}),
             (std::vector<bool>{false, true, false, false, false}));  // through the middle of a face
   EXPECT_EQ(held(set, {{}, {Box{{0.4, 2.4, 0.4}, {0.6, 2.6, 0.6}}}, {}}),
-            (std::vector<bool>{false, false, true, false, false}));  // wholly within
+            (std::vector<bool>{false, false, true, false, false}));  // completely inside
   EXPECT_EQ(held(set, {{}, {Box{{0.4, 0.5, 0.4}, {0.6, 3.5, 0.6}}}, {}}),
             (std::vector<bool>{true, true, true, true, false}));
   EXPECT_EQ(held(set, {{}, {Box{{1.1, 0, 0}, {2, 5, 1}}}, {}}), std::vector<bool>(5, false));

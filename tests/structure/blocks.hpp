@@ -1,4 +1,4 @@
-// Sets of unit cubes that have places, but no shapes, and bonds that are added by hand.
+// Sets of unit cubes with positions but without shapes; tests add the bonds by hand.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Bonds across parts by hand: boxes whose contacts are rectangles.
+// Bonds across parts, computed by hand: boxes whose contacts are rectangles.
 #include "common/structure/contact_bonds.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ void expect_bond(const std::optional<Bond>& bond, double area, const Vec3d& cent
   EXPECT_NEAR(length(bond->normal - normal), 0, 1e-12);
 }
 
-// A box of 2 x 1 x 1 on another one. The plane x = 1 cuts both.
+// Two boxes of 2 x 1 x 1, one on top of the other. The plane x = 1 cuts both.
 const std::vector<Mesh> kStacked{box({0, 0, 0}, {2, 1, 1}), box({0, 1, 0}, {2, 2, 1})};
 const std::vector<Vec3d> kLeftAndRight{{0.5, 1, 0.5}, {1.5, 1, 0.5}};
 
@@ -34,14 +34,15 @@ TEST(ContactBonds, OfTwoBoxesStacked) {
   for (const double x : {0.5, 1.5})
     expect_bond(bond_of(set, fragment_at(set, 0, {x, 0.5, 0.5}), fragment_at(set, 1, {x, 1.5, 0.5})), 1,
                 {x, 1, 0.5}, {0, 1, 0});
-  for (const std::uint32_t part : {0u, 1u})  // shared caps, as without contacts
+  for (const std::uint32_t part : {0u, 1u})  // bonds over shared caps, as without contacts
     expect_bond(bond_of(set, fragment_at(set, part, {0.5, part + 0.5, 0.5}),
                         fragment_at(set, part, {1.5, part + 0.5, 0.5})),
                 1, {1, part + 0.5, 0.5}, {1, 0, 0});
   for (const Bond& bond : set.bonds) EXPECT_EQ(bond.strength, 1);
 }
 
-// Bricks in a bond: the upper one lies on halves of two lower ones, of which each has a quarter of the whole width cut off.
+// Bricks in a bond: the upper brick lies on half of each of two lower bricks. The cut at x = 0.75 leaves a
+// quarter of the width on one side.
 TEST(ContactBonds, OfAPartOnTwoOthersAreWhatEachFragmentCarries) {
   const Fractured made = fracture_solid(
       solid_in_contact({box({0, 0, 0}, {1, 1, 1}), box({1, 0, 0}, {2, 1, 1}), box({0.5, 1, 0}, {1.5, 2, 1})}),
@@ -60,7 +61,8 @@ TEST(ContactBonds, OfAPartOnTwoOthersAreWhatEachFragmentCarries) {
   expect_bond(bond_of(set, second, third), 1, {1, 0.5, 0.5}, {1, 0, 0});
 }
 
-// A leg of 1/4 x 1/4 sticks 1/8 into a table top of 1/4: the contact is the square of the top's lower face in the leg.
+// A leg of 1/4 x 1/4 reaches 1/8 into a table top that is 1/4 thick. The contact is the square of the top's
+// lower face inside the leg.
 const std::vector<Mesh> kTable{box({-1, 0, -1}, {1, 0.25, 1}),
                                box({-0.125, -1, -0.125}, {0.125, 0.125, 0.125})};
 
@@ -75,7 +77,8 @@ TEST(ContactBonds, OfALegInATableTop) {
         0.25 * 0.125, {side / 16, 0, 0}, {0, -1, 0});
 }
 
-// The cut at y = 1/16 parts both within the depth of the leg. The upper half of the top has no outer surface in the leg.
+// The cut at y = 1/16 divides both parts within the depth of the leg. The upper half of the top has no outer
+// surface inside the leg.
 TEST(ContactBonds, AreOfOuterSurfaceAlone) {
   const Fractured made = fracture_solid(solid_in_contact(kTable), cut_by({{0, 0, 0}, {0, 0.125, 0}}));
   const FragmentSet& set = made.set;
@@ -85,7 +88,8 @@ TEST(ContactBonds, AreOfOuterSurfaceAlone) {
               {0, 0, 0}, {0, -1, 0});
 }
 
-// A cube of 1 in the middle of one of 4: its surface is the contact, and halves have half of it.
+// A cube of side 1 in the middle of one of side 4. The surface of the inner cube is the contact; each half
+// has half of it.
 TEST(ContactBonds, OfAPartInsideAnother) {
   const Fractured made = fracture_solid(solid_in_contact({box({-2, -2, -2}, {2, 2, 2}), cube()}),
                                         cut_by({{-1, 0, 0}, {1, 0, 0}}));
@@ -95,7 +99,8 @@ TEST(ContactBonds, OfAPartInsideAnother) {
     const auto bond = bond_of(set, fragment_at(set, 0, {side, 0, 0}), fragment_at(set, 1, {side / 4, 0, 0}));
     ASSERT_TRUE(bond);
     EXPECT_NEAR(bond->area, 3, 1e-12);  // 1 + 4 / 2
-    // The face of 1 at 1/2, and four of 1/2 at 1/4. Its outward normal remains of the five.
+    // A face of area 1 at distance 1/2, and four of area 1/2 at 1/4. The normals of the four cancel, so the
+    // face's outward normal remains.
     EXPECT_NEAR(length(bond->centroid - Vec3d{side * (0.5 + 4 * 0.5 * 0.25) / 3, 0, 0}), 0, 1e-12);
     EXPECT_NEAR(length(bond->normal - Vec3d{-side, 0, 0}), 0, 1e-12);
   }
@@ -116,7 +121,7 @@ TEST(ContactBonds, NeedAGapWithinTheLimit) {
 
 const std::vector<Mesh> kRow{box({0, 0, 0}, {1, 1, 1}), box({1, 0, 0}, {2, 1, 1}), box({2, 0, 0}, {3, 1, 1})};
 
-// Three planks in a row, of which a wall holds the first.
+// Three planks in a row. A wall holds the first one.
 TEST(ContactBonds, HoldWhatIsNotAnchored) {
   FractureParameters p = cut_by({{1.5, 0.5, 0.5}});
   p.anchors.planes = {{{1, 0, 0}, 0}};
@@ -165,7 +170,7 @@ TEST(ContactBonds, HaveAStrengthOfTheirOwn) {
   for (std::size_t k = 0; k < set.bonds.size(); ++k)
     EXPECT_NEAR(bonds["strength"][k].get<double>(), is_across(set, set.bonds[k]) ? 0.25e5 : 1e5, 1);
 
-  // The load is the same; what it is to the strength is not.
+  // The loads are the same, but they differ relative to the strength.
   FragmentSet whole = set;
   for (Bond& bond : whole.bonds) bond.strength = 1;
   AnchoredFragments held{std::vector<char>(4, 0), 1};
@@ -185,7 +190,7 @@ TEST(ContactBonds, HaveAStrengthOfTheirOwn) {
   }
 }
 
-// 4 m² of caps at 1, 1 m² of a contact at 1/2: 4.5 over 5.
+// 4 m² of caps with strength 1 and 1 m² of a contact with strength 1/2: (4 + 0.5) / 5 = 0.9.
 TEST(ContactBonds, OfClustersHaveTheMeanStrength) {
   const std::vector<Bond> bonds{{0, 2, 4, {}, {1, 0, 0}}, {1, 2, 1, {}, {1, 0, 0}, 0.5}};
   const std::vector<Bond> sums = bonds_between(bonds, {0, 0, 1});

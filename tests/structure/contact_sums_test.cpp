@@ -1,4 +1,4 @@
-// The bonds of a contact add up to it, whatever cuts its parts.
+// The bonds of a contact add up to its area, however its parts are cut.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -11,7 +11,8 @@
 namespace fracture::test {
 namespace {
 
-/// By a rotation through rational angles (3-4-5 and 5-12-13), so that no face is along an axis.
+/// Rotates by angles with rational sines and cosines (3-4-5 and 5-12-13), so that no face is parallel to an
+/// axis.
 Mesh askew(Mesh mesh) {
   for (Vec3f& p : mesh.positions) {
     const Vec3d q{p.x * 3 / 5.0 - p.y * 4 / 5.0, p.x * 4 / 5.0 + p.y * 3 / 5.0, p.z};
@@ -24,8 +25,8 @@ Mesh askew(Mesh mesh) {
 struct Assembly {
   std::string name;
   std::vector<Mesh> parts;
-  /// m², if the graph's area is not to be trusted: flush faces that are turned lie on each other but for rounding, and the graph
-  /// counts some of them as inside.
+  /// The area in m² if the graph's area cannot be trusted: rounding separates flush faces that are rotated,
+  /// and the graph counts some of them as inside.
   double area = 0;
 };
 

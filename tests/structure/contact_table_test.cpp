@@ -22,7 +22,7 @@ TEST(ContactTable, IsTheGraphWithItsNodesMerged) {
     for (std::uint32_t k = 0; k < edges; ++k) {
       const std::uint32_t a = below(nodes), b = below(nodes);
       if (a == b) continue;
-      table.add(a, b, k);  // whole numbers, whose sums do not hang on their order
+      table.add(a, b, k);  // integers, whose sums do not depend on the order
       expected[a][b] += k;
       expected[b][a] += k;
     }

@@ -1,4 +1,4 @@
-// `fragments`: as many as were asked for, of every pattern and material, shared among the parts of a mesh.
+// `fragments`: every pattern and material makes as many as requested, divided among the parts of a mesh.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,13 +55,13 @@ TEST(FragmentNumber, EveryPatternAndMaterialGivesAsManyAsWereAsked) {
       expect_sound(made.set, mesh);
       const std::size_t n = made.set.fragments.size();
       EXPECT_LE(n, 44u);
-      // Cells of a size of their own may be fewer.
+      // A material with a fixed cell size may make fewer fragments.
       EXPECT_EQ(warns(made.report, "40 fragments were asked for"), n < 36) << n;
     }
   }
 }
 
-// Where `sites` gave other numbers: 102 of a barrel for 50, 283 of a helmet for 40.
+// `sites` gave other numbers: 102 fragments of a barrel instead of 50, 283 of a helmet instead of 40.
 TEST(FragmentNumber, OfRealAssetsOfManyPartsIsWhatWasAskedOrTheirParts) {
   std::size_t input = 0;
   for (const auto& [file, asked] : {std::pair{"kk_barrel_large.glb", 50u},
@@ -84,7 +84,7 @@ TEST(FragmentNumber, OfRealAssetsOfManyPartsIsWhatWasAskedOrTheirParts) {
       const FracturedSolid made = fracture(solid, diagram, p, {}, timings).value();
       const auto n = static_cast<double>(made.set.fragments.size());
       const auto parts = static_cast<double>(solid.parts.size());
-      // Every part is at least one, and the largest breaks all the same (MorePartsThanFragments...).
+      // Every part is at least one fragment, and the largest part still breaks (MorePartsThanFragments...).
       if (parts < asked)
         EXPECT_NEAR(n, asked, 0.1 * asked);
       else
@@ -94,7 +94,7 @@ TEST(FragmentNumber, OfRealAssetsOfManyPartsIsWhatWasAskedOrTheirParts) {
 }
 
 TEST(FragmentNumber, GridsAndBricksAreDividedUntilTheSolidHasEnough) {
-  // A frame fills a sixth of its box.
+  // A ring fills a sixth of its box.
   const Mesh mesh = with_traced_triangles(torus(48, 12, 1, 0.15));
   for (const SitePattern& pattern :
        {SitePattern(GridPattern{}), SitePattern(BrickPattern{}), SitePattern(RadialPattern{})}) {
@@ -153,7 +153,7 @@ TEST(FragmentNumber, FewerBecauseOfMaxFragmentsAreANoteAndBecauseOfTheCellsAWarn
   EXPECT_TRUE(warns(fracture_mesh(two, asking_for(1)).report, "1 fragment was asked for, and 2 were made"));
 }
 
-// The sites are kept under a key that no limit of size but the number of fragments is part of.
+// The sites are cached under a key that includes the number of fragments but no other size limit.
 TEST(FragmentNumber, OfTheLimitsOnlyTheNumberDecidesTheSites) {
   const Solid solid = *make_solid(std::make_shared<const Mesh>(ico_sphere(3)), {}, {});
   StageTimings timings;
@@ -168,7 +168,7 @@ TEST(FragmentNumber, OfTheLimitsOnlyTheNumberDecidesTheSites) {
               .max_triangles = 1000};
     p.roughness.amplitude = 0.02;
     EXPECT_EQ(make_diagram(solid, p, {}, timings)->sites, sites);
-    // What another server may make decides whether there are any, not which.
+    // The limit of another server decides whether there are sites, but not which.
     p.most_sites = 45;
     const Expected<Diagram> narrow = make_diagram(solid, p, {}, timings);
     if (narrow) {
@@ -197,7 +197,7 @@ TEST(FragmentNumber, ABudgetOfTrianglesThatDoesNotBindChangesNothing) {
 }
 
 TEST(FragmentNumber, WhatCrumbsLeaveOfOnePartsShareOthersHave) {
-  // The hit is on a small part, most of whose cells are crumbs beside the mean.
+  // The hit is on a small part, and most of its cells are crumbs compared with the mean.
   const Mesh mesh =
       with_traced_triangles(joined({box({0, 0, 0}, {10, 10, 10}), box({12, 0, 0}, {13, 1, 0.5})}));
   FractureParameters p =
@@ -220,7 +220,7 @@ TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
   expect_sound(after.set, mesh);
   EXPECT_EQ(before.set.fragments.size(), 30u);
   EXPECT_EQ(after.set.fragments.size(), 55u);
-  // Of a thing that is large beside the hit.
+  // The object is large compared with the hit.
   p.size.min_of_mean = kLeastOfMean;
   p.hits[0].radius = 0.06;
   EXPECT_GE(fracture_mesh(mesh, p).set.fragments.size(), 45u);
@@ -280,7 +280,7 @@ TEST(FragmentNumber, HoldsForRealMeshesOfAnyMaterial) {
       const Expected<Diagram> diagram = make_diagram(*solid, p, {}, timings);
       if (!diagram) continue;
       const Expected<FracturedSolid> made = fracture(*solid, *diagram, p, {}, timings);
-      if (!made) continue;  // refused by name: another test's matter
+      if (!made) continue;  // A refusal is the subject of another test.
       const std::size_t n = made->set.fragments.size();
       EXPECT_EQ(warns(made->report, "50 fragments were asked for"), n < 45 || n > 55) << n;
       const bool dirty =

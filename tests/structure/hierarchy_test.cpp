@@ -1,4 +1,5 @@
-// Levels of clusters: each a partition of the next, connected and compact, with bonds that add up.
+// Levels of clusters: each level is a partition of the next one. Clusters are connected and compact, and
+// their bonds add up.
 #include "common/structure/hierarchy.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@
 namespace fracture::test {
 namespace {
 
-/// Sets of nodes of one cluster that bonds do not join: 0 when all are connected.
+/// Number of additional pieces of clusters that bonds do not connect: 0 if every cluster is connected.
 std::size_t torn_clusters(std::size_t nodes, const std::vector<Bond>& bonds,
                           const std::vector<std::uint32_t>& cluster) {
   DisjointSets sets(nodes);
@@ -55,7 +56,7 @@ TEST(Clusters, RowOfEightInFourIsPairsOfNeighbors) {
 TEST(Clusters, MorePartsThanClustersArePutTogetherByPlace) {
   FractureParameters p;
   p.pattern = PointsPattern{{{0, 0, 0}}};
-  const FragmentSet set = fracture_mesh(cube_field(3), p).set;  // 27 cubes that touch nobody
+  const FragmentSet set = fracture_mesh(cube_field(3), p).set;  // 27 cubes that touch no other
   ASSERT_EQ(set.fragments.size(), 27u);
   const auto cluster = find_clusters(BondGraph::of_fragments(set), 3, {});
   std::map<std::uint32_t, int> size;
@@ -76,7 +77,7 @@ TEST(Hierarchy, EachLevelIsAPartitionOfTheNextAndItsClustersAreConnected) {
     const std::vector<std::uint32_t> component = BondGraph::of_fragments(set).components();
     const std::size_t parts = std::set<std::uint32_t>(component.begin(), component.end()).size();
     ASSERT_EQ(h.cluster_of_fragment.size(), set.fragments.size());
-    std::vector<std::uint32_t> group = h.cluster_of_fragment;  // of the fragments, level by level upwards
+    std::vector<std::uint32_t> group = h.cluster_of_fragment;  // each fragment's cluster, finest level first
     const std::vector<std::uint32_t> counts{5, 20, 60};
     for (std::size_t level = 3; level-- > 0;) {
       const ClusterLevel& here = h.levels[level];
@@ -118,7 +119,8 @@ TEST(Hierarchy, ClustersAreCompactAndOfSimilarVolume) {
     EXPECT_GT(c.volume, 0.4 / 8);
     EXPECT_LT(c.volume, 2.0 / 8);
   }
-  // The mean distance of a cluster's volume from its centre: 0.24 in a half-size cube; 0.48 in the whole one.
+  // The mean distance of a cluster's volume from its centre: 0.24 in a cube of half the size, 0.48 in the
+  // whole cube.
   double moment = 0, volume = 0;
   for (std::size_t f = 0; f < set.fragments.size(); ++f) {
     const MassProperties& m = set.fragments[f].mass;

@@ -1,4 +1,5 @@
-// Meshes of several parts, fractured with the contacts of their parts, and the bonds between these.
+// Meshes of several parts, fractured together with the contacts of their parts, and the bonds between the
+// parts.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,7 @@ inline Solid solid_in_contact(const std::vector<Mesh>& parts, std::optional<doub
   return solid;
 }
 
-/// Cut by the Voronoi diagram of the points.
+/// Parameters that cut by the Voronoi diagram of the points.
 inline FractureParameters cut_by(std::vector<Vec3d> points) {
   FractureParameters p;
   p.pattern = PointsPattern{std::move(points)};
@@ -37,7 +38,7 @@ inline std::vector<Bond> bonds_across(const FragmentSet& set) {
   return across;
 }
 
-/// The fragment of a part whose centre of mass is nearest to a place.
+/// The fragment of a part whose centre of mass is nearest to `place`.
 inline std::uint32_t fragment_at(const FragmentSet& set, std::uint32_t part, const Vec3d& place) {
   std::uint32_t nearest = kNoIndex;
   const auto off = [&](std::uint32_t k) { return length(set.fragments[k].mass.center_of_mass - place); };
@@ -46,7 +47,7 @@ inline std::uint32_t fragment_at(const FragmentSet& set, std::uint32_t part, con
   return nearest;
 }
 
-/// The bond of two fragments; its normal leads from `a` to `b`.
+/// The bond between two fragments; its normal points from `a` to `b`.
 inline std::optional<Bond> bond_of(const FragmentSet& set, std::uint32_t a, std::uint32_t b) {
   for (Bond bond : set.bonds)
     if (bond.a == std::min(a, b) && bond.b == std::max(a, b)) {

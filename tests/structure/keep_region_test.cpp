@@ -1,4 +1,4 @@
-// A region that never breaks: no cut runs through it, and the rest is what it was.
+// A region that never breaks: no cut runs through it, and all other invariants hold.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace fracture::test {
 namespace {
 
-/// Calls visit(a, b, c) for each triangle of the cuts, by its corners.
+/// Calls visit(a, b, c) with the corners of each triangle of the cuts.
 template <class Visit>
 void each_cut(const FragmentSet& set, const Visit& visit) {
   for (const Fragment& f : set.fragments)
@@ -31,7 +31,7 @@ void each_cut(const FragmentSet& set, const Visit& visit) {
     }
 }
 
-/// By brute force over points of the region: cells that hold one of them must be among `found`.
+/// Checks by brute force: a cell that contains a sampled point of the region must be among `found`.
 void expect_holds_every_cell(const Region& region, const std::vector<SiteId>& found,
                              const std::vector<Vec3d>& sites, const Box& bounds) {
   Box box = region.box;
@@ -78,7 +78,8 @@ TEST(KeepRegion, HoldsEveryCellThatMeetsItAndNoneThatIsFarAway) {
       box.box = {center - Vec3d{size, size / 2, size / 4}, center + Vec3d{size, size / 2, size / 4}};
       const auto in_box = cells_meeting(box, voronoi, bounds);
       expect_holds_every_cell(box, in_box, sites, bounds);
-      // A cell's distance to the region is at least its site's distance less the reach of a cell of 300.
+      // The distance of a cell to the region is at least the distance of its site minus the extent of a cell
+      // (one of 300).
       for (const SiteId s : in_ball) EXPECT_LE(length(sites[s] - center), size + 0.3);
     }
   }

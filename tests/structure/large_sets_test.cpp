@@ -1,5 +1,5 @@
-// What is made of a hundred thousand bonds, thousands of anchors and cells with thousands of neighbours: it
-// grows no faster than these, and it can be interrupted anywhere.
+// Work on a hundred thousand bonds, thousands of anchors, and cells with thousands of neighbours. It grows no
+// faster than its input, and it can be interrupted anywhere.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 namespace fracture::test {
 namespace {
 
-/// n x n x n unit cubes without shapes, each bound to those beside it.
+/// n x n x n unit cubes without shapes, each bonded to its neighbours.
 FragmentSet wall(std::uint32_t n) {
   FragmentSet set;
   for (std::uint32_t k = 0; k < n * n * n; ++k)
@@ -38,7 +38,8 @@ FragmentSet wall(std::uint32_t n) {
   return set;
 }
 
-/// One block in the middle of a ring of n, bound to all of them, and each of these to the next.
+/// A block in the middle of a ring of n blocks, bonded to all of them. Each block of the ring is bonded to
+/// the next.
 FragmentSet wheel(std::uint32_t n) {
   FragmentSet set;
   Random random(1);
@@ -53,7 +54,7 @@ FragmentSet wheel(std::uint32_t n) {
   return set;
 }
 
-/// The growth of the work where the input grows from `small` to `large`, as an exponent.
+/// The exponent with which the work grows when the input grows by the factor `growth`.
 double exponent(std::uint64_t small_work, std::uint64_t large_work, double growth) {
   return std::log(static_cast<double>(large_work) / static_cast<double>(small_work)) / std::log(growth);
 }
@@ -77,7 +78,7 @@ TEST(LargeSets, SupportCanBeInterruptedAnywhere) {
   for (std::uint32_t k = 0; k < kSide; ++k) anchored.held[k] = 1;
   SupportOptions options;
   options.density = 100;
-  // The iterations take a while: they are stopped, the rest is measured with few of them.
+  // The iterations take a while, so this run is stopped. The rest is measured with few iterations.
   const Polled stopped = polled([&](const Execution& watched) {
     std::stop_source source;
     Execution execution = watched;
@@ -135,7 +136,7 @@ TEST(LargeSets, KeepingWhatChangedCanBeInterruptedAnywhere) {
   }));
 }
 
-// Each block of the ring that was taken summed all bonds of the one in the middle.
+// Formerly, each block of the ring that joined a cluster summed all bonds of the middle block.
 TEST(LargeSets, ABlockWithManyBondsIsNotSummedAgainForEachOfThem) {
   std::vector<std::uint64_t> polls;
   for (const std::uint32_t n : {4000u, 16'000u}) {
@@ -146,7 +147,7 @@ TEST(LargeSets, ABlockWithManyBondsIsNotSummedAgainForEachOfThem) {
         polled([&](const Execution& execution) { cluster = find_clusters(graph, 10, execution); });
     polls.push_back(found.polls);
     EXPECT_LT(found.longest_ms, kMostPollGapMs);
-    // As many as asked for, each connected.
+    // There are as many clusters as requested, and each is connected.
     std::vector<Bond> within;
     for (const Bond& b : set.bonds)
       if (cluster[b.a] == cluster[b.b]) within.push_back(b);
@@ -168,7 +169,7 @@ Fragment shape(const Mesh& mesh) {
   return f;
 }
 
-constexpr double kRingSide = 2.8;  ///< of torus()
+constexpr double kRingSide = 2.8;  ///< the longest side of torus()
 
 TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
   const Mesh ring = torus(40, 20);
@@ -177,7 +178,7 @@ TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
     return Vec3d{3 * random.uniform() - 1.5, 3 * random.uniform() - 1.5, random.uniform() - 0.5};
   };
   for (int run = 0; run < sized(15, 60); ++run) {
-    // Points outside, so many that they are looked up in a tree, and behind them one that decides.
+    // There are enough outside points for a search in a tree. The last point decides the result.
     Anchors anchors;
     while (anchors.points.size() < 30)
       if (const Vec3d p = place(); winding_number(ring, p) < 0.5) anchors.points.push_back(p);
@@ -187,7 +188,7 @@ TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
     const Vec3d last = place();
     anchors.points.push_back(last);
     EXPECT_EQ(find_anchored(set, anchors, kRingSide).count, winding_number(ring, last) > 0.5 ? 1u : 0u);
-    // On a face, an edge, a corner.
+    // On a corner, an edge, a face.
     const auto& t = ring.triangles[static_cast<std::size_t>(random.uniform() * 1600)];
     const Vec3d a = to_double(ring.positions[t[0]]), b = to_double(ring.positions[t[1]]),
                 c = to_double(ring.positions[t[2]]);
@@ -198,7 +199,7 @@ TEST(LargeSets, AnchorsHoldWhatTheyLieInOrOnHoweverManyThereAre) {
   }
 }
 
-// Points in the hole of a ring: each looked at all its triangles.
+// Points in the hole of a ring. Formerly each was compared with all triangles of the ring.
 TEST(LargeSets, AnchorsAreNotComparedWithEveryTriangle) {
   std::vector<std::uint64_t> polls;
   for (const int size : {1, 4}) {
@@ -230,7 +231,7 @@ TEST(LargeSets, AnchorsOfManyVerticesCanBeInterruptedAnywhere) {
   EXPECT_LT(found.longest_ms, kMostPollGapMs);
 }
 
-/// A site in the middle of others on a sphere around it, whose cells all meet the region.
+/// The cells of a site and of the sites on a sphere around it, which all meet the region.
 std::vector<SiteId> cells_around(int others, std::uint64_t& polls, double& gap) {
   std::vector<Vec3d> sites{{0, 0, 0}};
   for (const Vec3f& p : sphere_with(2 * others).positions) sites.push_back(to_double(p));
@@ -249,7 +250,7 @@ std::vector<SiteId> cells_around(int others, std::uint64_t& polls, double& gap) 
   return found;
 }
 
-// Each facet of a cell was cut by all bisectors of the cell.
+// Formerly each facet of a cell was cut by all bisectors of the cell.
 TEST(LargeSets, ACellWithManyNeighborsCutsEachFacetByThoseAroundIt) {
   std::uint64_t small = 0, large = 0;
   double gap = 0;

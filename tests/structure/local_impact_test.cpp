@@ -1,4 +1,4 @@
-// A hit breaks what is near it and nothing else; a fragment is fractured again by its id.
+// A hit breaks only its surroundings. A fragment is fractured again by its id.
 #include "common/pipeline/local_impact.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,8 @@ TEST(LocalImpact, RestStaysOnePieceAndAllInvariantsHold) {
     expect_closed(f.set);
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     expect_outside_untouched(f.set, mesh);
-    // Whoever has a site outside of the sphere has all of them; one such fragment for each part and island.
+    // A fragment with a site outside the sphere contains all such sites. There is one such fragment for each
+    // part and island.
     const auto& points = f.diagram.tetrahedralization.points;
     for (const Fragment& fragment : f.set.fragments) {
       const auto far = std::count_if(fragment.sites.begin(), fragment.sites.end(), [&](std::uint32_t s) {
@@ -91,7 +92,7 @@ TEST(LocalImpact, ASecondHitAtTheSamePlaceBreaksFurther) {
   EXPECT_GT(fracture_mesh(mesh, p).set.fragments.size(), once + 5);
 }
 
-// The limit holds for what there is of all sites, not for each hit.
+// The limit applies to the total number of sites, not to each hit.
 TEST(LocalImpact, HitsTogetherKeepToTheMostSites) {
   const Mesh mesh = torus(24, 12);
   FractureParameters p = hit(mesh, LocalRest::kFractured);

@@ -1,4 +1,4 @@
-// A fragment fractured again: its parts are a partition of it, and its cut faces stay cut faces.
+// A fragment is fractured again: its pieces are a partition of it, and its old cut faces stay cut faces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,14 +44,14 @@ void expect_partition_of(const Mesh& fragment) {
   ASSERT_EQ(open_directed_edges(fragment), 0u);
   FractureParameters p;
   p.pattern = PointsPattern{random_sites(box_of(fragment), 12, kSeed + 1)};
-  // Once with traced triangles, for the outside (old cut faces are part of it) ...
+  // First with traced triangles, to check the outside (old cut faces are part of it) ...
   const Mesh traced = with_traced_triangles(fragment);
   const Fractured f = fracture_mesh(traced, p);
   EXPECT_EQ(f.solid.report.open_edges, 0u);
   expect_closed(f.set);
   expect_partition(f.set, volume_of(fragment), area_of(fragment));
   expect_outside_untouched(f.set, traced);
-  // ... and as it is, for the material of the cut faces: old ones and both sides of the new ones.
+  // ... then unchanged, to check the material of the cut faces: the old ones and both sides of the new ones.
   const FragmentSet set = fracture_mesh(fragment, p).set;
   double interior = 0, bonds = 0, exterior = 0;
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
@@ -71,7 +71,7 @@ TEST(Refracture, PartsAreAPartitionOfTheFragment) {
     if (!has_turn(input++, 0, 3)) continue;
     SCOPED_TRACE(shape.name);
     if (shape.name == "thin_plate") continue;  // areas in float32 are too coarse there
-    if (shape.name == "cube_field") continue;  // its parts are smaller than a cell: uncut
+    if (shape.name == "cube_field") continue;  // its parts are smaller than a cell, so they stay uncut
     expect_partition_of(largest_fragment(shape.mesh, 8));
   }
 }
@@ -83,7 +83,7 @@ TEST(Refracture, OldCutFacesKeepTheirAttributes) {
   p.pattern = PointsPattern{random_sites(box_of(mesh), 5, kSeed)};
   p.pivot = Pivot::kSource;
   const FragmentSet set = fracture_mesh(mesh, p).set;
-  // Every corner of an old cut face is found with its very normal and UV at its very place.
+  // Every corner of an old cut face is found again with exactly the same position, normal and UV.
   std::size_t corners = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.material[t] != kInteriorMaterial) continue;
@@ -107,7 +107,7 @@ TEST_P(RefractureOfMesh, FragmentsCanBeFracturedAgain) { expect_partition_of(lar
 
 INSTANTIATE_TEST_SUITE_P(Dev, RefractureOfMesh, every_closed_mesh(), name_of_mesh);
 
-// Their cuts look like those of the part of the mesh that the fragment is of.
+// Their cuts look like those of the mesh part from which the fragment comes.
 TEST(Refracture, PiecesKnowTheirPartOfTheMesh) {
   const Mesh mesh = joined({cube(), box({3, 0, 0}, {4, 1, 1})});
   FractureParameters p;

@@ -1,4 +1,4 @@
-// What the random inputs of these tests are made from.
+// The seed of the random inputs of these tests.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Fragments united because they are small: an exact union that keeps every invariant, and budgets that hold.
+// Fragments united because they are small: the union is exact and keeps every invariant, and budgets are
+// kept.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,7 +49,7 @@ TEST(SizeLimits, WithoutAnyNothingIsUnited) {
 }
 
 TEST(SizeLimits, CrumbsThatTouchNothingAreReported) {
-  // A screw beside a block, smaller than a 500th of the mean piece.
+  // A screw next to a block, smaller than a 500th of the mean piece.
   const Mesh mesh = joined({box({0, 0, 0}, {1, 1, 1}), box({2, 0, 0}, {2.01, 0.01, 0.01})});
   FractureParameters p;
   p.sites = 20;
@@ -61,7 +62,7 @@ TEST(SizeLimits, CrumbsThatTouchNothingAreReported) {
   EXPECT_FALSE(warns(made.report, "no other piece"));
 }
 
-// What is small beside the mean is known when nothing is united any more: fewer fragments have a larger mean.
+// The mean is known only after the last union, because fewer fragments have a larger mean.
 TEST(SizeLimits, CrumbsBesideTheMeanOfWhatIsLeftAreReported) {
   std::vector<Mesh> boxes;
   double x = 0;
@@ -111,14 +112,15 @@ TEST(SizeLimits, AFractionOfTheMeanHoldsForTheMeanOfWhatIsLeft) {
 }
 
 TEST(SizeLimits, SmallFragmentJoinsTheNeighborOfLargestSharedArea) {
-  // A bar along x in pieces of 1, 0.52 and 0.7.
+  // A bar along x in pieces of length 1, 0.52 and 0.7.
   const Mesh mesh = box({0, 0, 0}, {2.22, 1, 1});
   FractureParameters p;
   p.pattern = PointsPattern{{{0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}, {1.54, 0.5, 0.5}}};  // cuts at x = 1, 1.52
   p.size.min_volume = 0.6;
   const FragmentSet set = fracture_mesh(with_traced_triangles(mesh), p).set;
   expect_invariants(set, with_traced_triangles(mesh));
-  // The middle piece (0.52) has two neighbours with the same area of 1: the lower one takes it.
+  // The middle piece (0.52) shares the same area of 1 with both neighbours. The one with the lower number
+  // takes it.
   ASSERT_EQ(set.fragments.size(), 2u);
   EXPECT_EQ(set.size.united, 1u);
   std::vector<double> volumes;
@@ -144,7 +146,7 @@ TEST(SizeLimits, MinimalVolumeHoldsForAllButTheLonely) {
         std::count_if(f.set.fragments.begin(), f.set.fragments.end(),
                       [&](const Fragment& x) { return x.mass.volume < least * (1 - 1e-9); }));
     EXPECT_LE(small, f.set.size.alone);
-    // A lonely one touches nobody.
+    // A fragment that is still too small touches no other.
     for (const Bond& b : f.set.bonds)
       for (const std::uint32_t k : {b.a, b.b}) EXPECT_GE(f.set.fragments[k].mass.volume, least * (1 - 1e-9));
   }

@@ -1,4 +1,4 @@
-// Support by hand: blocks of known weight, bonds of known section.
+// Support, computed by hand: blocks of known weight, bonds with known cross-sections.
 #include "common/structure/support.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ SupportOptions options() {
   return o;
 }
 
-/// Unit cubes with their centres at the given places; bonds between neighbours are added by hand.
+/// Unit cubes with their centres at the given positions; tests add the bonds between neighbours by hand.
 struct Blocks : FragmentSet {
   AnchoredFragments anchored;
 };
@@ -48,7 +48,7 @@ TEST(Support, TowerCarriesTheWeightAboveEachBond) {
     EXPECT_NEAR(s.loads[k].tension, -kDensity * kG * static_cast<double>(3 - k), 1e-4);
     EXPECT_NEAR(s.loads[k].shear, 0, 1e-4);
     EXPECT_NEAR(s.loads[k].bending, 0, 1e-4);
-    EXPECT_NEAR(s.loads[k].stress, 0, 1e-4);  // pressed together
+    EXPECT_NEAR(s.loads[k].stress, 0, 1e-4);  // under compression
   }
 }
 
@@ -77,7 +77,8 @@ TEST(Support, CantileverBendsByWeightTimesArm) {
     EXPECT_NEAR(s.loads[k].shear, w * static_cast<double>(3 - k), 1e-4);
     EXPECT_NEAR(s.loads[k].bending, moments[k], 1e-4);
     EXPECT_NEAR(s.loads[k].tension, 0, 1e-4);
-    // A disc of area 1: rim stress M r / I = 4 sqrt(π) M; shear V; Rankine's principal stress of both.
+    // A disc of area 1: the rim stress is M r / I = 4 sqrt(π) M, the shear is V, and Rankine's principal
+    // stress combines both.
     const double sigma = 4 * std::sqrt(kPi) * moments[k], tau = w * static_cast<double>(3 - k);
     EXPECT_NEAR(s.loads[k].stress, sigma / 2 + std::sqrt(sigma * sigma / 4 + tau * tau), 1e-2);
   }
@@ -96,7 +97,8 @@ TEST(Support, BridgeSharesItsWeightBetweenItsEnds) {
 }
 
 TEST(Support, WhatHasNoWayToAnAnchorFalls) {
-  // A bridge on two piers; when its middle goes nothing falls, when a pier goes the half hangs on.
+  // A bridge on two piers. If its middle breaks, nothing falls. If one pier breaks, the bridge hangs on the
+  // other.
   Blocks set = blocks({{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {2, 0, 0}}, {0, 4});
   for (std::uint32_t k = 0; k < 4; ++k) bind(set, k, k + 1);
   SupportOptions o = options();
@@ -132,8 +134,8 @@ TEST(Support, AllTheWeightOfAFracturedPillarGoesThroughItsFoot) {
   const Support s = analyze_support(set, made.anchored, options(), {});
   EXPECT_LE(s.residual, 1e-8);
   EXPECT_TRUE(s.falling.empty());
-  // The vertical pulls across the bonds of the anchored fragments are what the others weigh. Only tension
-  // along the normal and shear's length are given, so the sum is bounded from both sides.
+  // The vertical forces across the bonds of the anchored fragments equal the weight of the others. Only the
+  // tension along the normal and the length of the shear are given, so the sum is bounded from both sides.
   double weight = 0, most = 0;
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     weight += made.anchored.contains(k) ? 0 : kDensity * kG * set.fragments[k].mass.volume;

@@ -1,4 +1,4 @@
-// Pieces that become one fragment, in number: what the tables behind it say, and what they cost.
+// Many pieces that become one fragment: the tables that this uses, and its cost.
 #include "common/fragment/unite.hpp"
 #include "common/fragment/file_volume.hpp"
 
@@ -22,9 +22,9 @@
 namespace fracture::test {
 namespace {
 
-const Execution kAlone{};  // outlives what borrows it
+const Execution kAlone{};  // outlives the objects that refer to it
 
-/// A solid cut by sites, with all that refers to each other kept alive.
+/// A solid cut by sites. It keeps everything alive that refers to other members.
 struct Cut {
   Cut(const Mesh& mesh, const std::vector<Vec3d>& given, std::uint32_t uniform)
       : solid(made(make_solid(std::make_shared<Mesh>(mesh), {}, {}))),
@@ -50,8 +50,8 @@ struct Cut {
   Pieces pieces;
 };
 
-/// A prism whose outline crosses itself: the winding number is 1 in the large loop and -1 in the small one,
-/// so that pieces within the small one have negative volumes.
+/// A prism whose outline crosses itself. The winding number is 1 in the large loop and -1 in the small one,
+/// so pieces inside the small loop have negative volumes.
 Mesh bow_tie(double small) { return prism_over({{-1, -1}, {small, small}, {small, -small}, {-1, 1}}); }
 
 TEST(PieceGroups, PollsWhileAUnionMovesManyPieces) {
@@ -115,14 +115,14 @@ TEST(GroupContacts, AreThoseOfAllCapsAfterAnyUnions) {
       const auto same = [&](const Neighbor& x) { return x.group == c.with; };
       if (std::none_of(of.begin(), of.end(), same)) of.push_back({c.with, c.area});
     }
-    // Groups that were never asked about, that were, and that were united with either.
+    // Some of these groups were never queried, some were, and some were united with others.
     for (std::uint32_t g = 0; g < n; g += 1 + static_cast<std::uint32_t>(step) % 3) {
       if (!groups.is_group(g)) continue;
       const std::vector<Neighbor> found = contacts.neighbors(g);
       ASSERT_EQ(found.size(), expected[g].size()) << g;
       for (std::size_t k = 0; k < found.size(); ++k) {
         EXPECT_EQ(found[k].group, expected[g][k].group);
-        EXPECT_EQ(found[k].area, expected[g][k].area);  // to the bit: it decides
+        EXPECT_EQ(found[k].area, expected[g][k].area);  // equal to the bit, because the area decides unions
       }
     }
     const PieceContact& pick =
@@ -164,7 +164,7 @@ TEST(VolumeSigns, AreThoseOfTheJoinedPiecesInTheFileWhereTheyAreKnown) {
   EXPECT_LT(unknown, 5);
 }
 
-/// How much is done, in steps of a Pacer: a poll stands for thousands of them.
+/// The work in polls of a Pacer. Each poll counts for thousands of steps.
 std::uint64_t polls_of_make_fragments(const Cut& cut, const SizeLimits& limits, FragmentSet& set) {
   const Polled made = polled([&](const Execution& execution) {
     set = make_fragments(cut.restricted, cut.ownership, Pivot::kCenterOfMass, limits, execution);
@@ -173,8 +173,9 @@ std::uint64_t polls_of_make_fragments(const Cut& cut, const SizeLimits& limits, 
   return made.polls;
 }
 
-// All pieces within the small loop become one group of negative volume, which grows by one piece a round. Its
-// faces were joined and assembled in each round, and the caps of everything were searched for neighbours.
+// All pieces inside the small loop become a single group of negative volume, which grows by one piece per
+// round. Formerly its faces were joined and assembled in each round, and all caps were searched for
+// neighbours.
 TEST(Unite, AGroupThatGrowsForThousandsOfRoundsIsJoinedOnce) {
   std::vector<double> polls, pieces;
   for (const std::uint32_t sites : {2000u, 8000u}) {
@@ -189,8 +190,8 @@ TEST(Unite, AGroupThatGrowsForThousandsOfRoundsIsJoinedOnce) {
   EXPECT_LT(std::log(polls[1] / polls[0]), 1.15 * std::log(pieces[1] / pieces[0]));
 }
 
-// A cell with all others around it, and a name behind theirs: whoever united with it gave its own, lower name
-// to all of the large cell's contacts.
+// A cell that is surrounded by all others and has a higher name than they. Formerly a cell that united with
+// it gave its own lower name to all contacts of the large cell.
 TEST(Unite, AGroupWithManyNeighborsKeepsItsContactsWhenASmallOneJoins) {
   std::vector<double> polls, pieces;
   for (const int around : {1000, 4000}) {

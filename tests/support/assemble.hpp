@@ -1,4 +1,4 @@
-// How the generated meshes are put together.
+// Helpers that build the generated meshes.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ inline void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t
   mesh.triangles.push_back({a, c, d});
 }
 
-/// One node, no material.
+/// Gives all triangles one node and no material.
 inline void finish(Mesh& mesh, std::string node = "shape") {
   mesh.material.assign(mesh.triangles.size(), kNoIndex);
   mesh.node.assign(mesh.triangles.size(), 0);

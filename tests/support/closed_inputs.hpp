@@ -34,7 +34,7 @@ inline std::string name_of_shape(const testing::TestParamInfo<std::size_t>& info
   return all_closed_shapes()[info.param].name;
 }
 
-/// Loads the mesh before the test; the test is skipped where there is no such file.
+/// Loads the mesh before the test. If the file does not exist, the test is skipped.
 class OnClosedMesh : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
@@ -44,19 +44,19 @@ class OnClosedMesh : public testing::TestWithParam<std::string> {
     ASSERT_TRUE(loaded) << loaded.error().detail;
     mesh = std::move(*loaded);
   }
-  /// Of those that cross themselves caps may cross.
+  /// Whether the mesh does not cross itself. If it does, its caps may cross too.
   static bool embedded() {
     return GetParam().find("brick") == std::string::npos &&
            GetParam().find("spot_quads") == std::string::npos;
   }
-  /// For has_turn().
+  /// The input's number for has_turn().
   static std::size_t number() {
     const std::vector<std::string>& all = closed_test_meshes();
     return static_cast<std::size_t>(std::find(all.begin(), all.end(), GetParam()) - all.begin());
   }
   Mesh mesh;
 };
-/// The same where the test is long: three small ones, and all of them with FRACTURE_TEST_FULL.
+/// The same for long tests: three small meshes, or all of them with FRACTURE_TEST_FULL.
 class OnClosedMeshAtLength : public OnClosedMesh {
  protected:
   void SetUp() override {

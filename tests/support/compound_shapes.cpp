@@ -7,7 +7,8 @@
 namespace fracture::test {
 namespace {
 
-/// A grid of i × j points, closed both ways, as triangles; `turn` identifies (major, j) with (0, turn(j)).
+/// A grid of i × j points, closed in both directions, as triangles. `turn` identifies (major, j) with (0,
+/// turn(j)).
 template <class Point, class Turn>
 Mesh closed_grid(int major, int minor, Point&& point, Turn&& turn) {
   Mesh mesh;
@@ -73,7 +74,7 @@ Mesh self_crossing_tube(int major, int minor) {
 }
 
 Mesh klein_bottle(int major, int minor) {
-  // Figure-8 immersion: x = (2 + cos(u/2) sin v - sin(u/2) sin 2v) cos u, …; going once around maps v to -v.
+  // Figure-8 immersion: x = (2 + cos(u/2) sin v - sin(u/2) sin 2v) cos u, …. One turn maps v to -v.
   return closed_grid(
       major, minor,
       [=](int i, int j) {
@@ -137,7 +138,7 @@ Mesh sphere_with_seams(int rings, int segments) {
       if (r + 1 < rings) mesh.triangles.push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
       if (r > 0) mesh.triangles.push_back({at(r, s), at(r + 1, s + 1), at(r, s + 1)});
     }
-  // The first row's triangles use the pole of their own segment, the last row's likewise.
+  // The first row's triangles use the pole of their own segment, and so do the last row's.
   finish(mesh);
   return mesh;
 }

@@ -1,5 +1,5 @@
-// Waits that end: a test asks again and again whether something has happened, and fails by name when it has
-// not happened within a limit.
+// Waits with a limit. A test asks repeatedly whether an event has happened. If it has not happened within the
+// limit, the test fails and names it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,13 +12,13 @@
 
 namespace fracture::test {
 
-/// The limit where a test needs no other: at least ten times what a busy machine takes for any step of ours.
+/// The default limit: at least ten times what a busy machine takes for any of our steps.
 inline constexpr std::chrono::seconds kPatience{120};
 
-/// Calls predicate() until it is true: at first without a pause, so that a test which waits for something
-/// quick goes on at once, then every few milliseconds. It is called at least once, and once more after
-/// the limit, so that a test whose process was stopped for long does not fail for that alone. A failure says
-/// what was waited for and for how long: `what` completes "waited ... for".
+/// Calls predicate() until it is true. At first it calls without a pause, so that a test which waits for a quick
+/// event continues at once. Then it calls every few milliseconds. It calls at least once, and once more after
+/// the limit, so that a test does not fail only because its process was stopped for long. A failure states the
+/// event and the waiting time: `what` completes "waited ... for".
 ///
 ///     EXPECT_TRUE(eventually(kPatience, "the first answer", [&] { return answered > 0; }));
 template <class Predicate>
@@ -38,7 +38,7 @@ testing::AssertionResult eventually(std::chrono::milliseconds limit, const std::
   }
 }
 
-/// The same for helpers of a test that cannot go on without it: throws std::runtime_error.
+/// The same for helpers of a test that cannot continue without the event: throws std::runtime_error.
 template <class Predicate>
 void require_eventually(std::chrono::milliseconds limit, const std::string& what, Predicate&& predicate) {
   if (const testing::AssertionResult happened = eventually(limit, what, std::forward<Predicate>(predicate));

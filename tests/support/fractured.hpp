@@ -1,4 +1,4 @@
-// A mesh fractured with given parameters, for the tests of what comes after the cells.
+// A mesh fractured with given parameters, for tests of the stages after the cells.
 #pragma once
 
 #include <algorithm>
@@ -29,14 +29,14 @@ inline Fractured fracture_solid(Solid solid, const FractureParameters& parameter
   if (!made) throw std::runtime_error(made.error().detail);
   return {std::move(*made), std::move(solid), std::move(*diagram)};
 }
-/// Without a contact graph, so without bonds across parts.
+/// Uses no contact graph, so there are no bonds across parts.
 inline Fractured fracture_mesh(const Mesh& mesh, const FractureParameters& parameters, int threads = 1) {
   Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, {.threads = threads});
   if (!solid) throw std::runtime_error(solid.error().detail);
   return fracture_solid(std::move(*solid), parameters, threads);
 }
 
-/// The parts of one fragment of the answer. Throws as fracture_mesh().
+/// The parts of one fragment of the answer. Throws in the same cases as fracture_mesh().
 inline FracturedSolid fracture_mesh_again(const Mesh& mesh, const FractureParameters& parameters,
                                           const Refracture& again) {
   const Fractured whole = fracture_mesh(mesh, parameters);
@@ -50,11 +50,11 @@ inline bool any_has(const std::vector<std::string>& sentences, std::string_view 
   return std::any_of(sentences.begin(), sentences.end(),
                      [&](const std::string& sentence) { return sentence.find(text) != std::string::npos; });
 }
-/// Does one of the report's warnings, or of its notes, say so?
+/// Whether one of the report's warnings, or one of its notes, contains this text.
 inline bool warns(const Report& report, std::string_view of) { return any_has(report.remarks.warnings, of); }
 inline bool has_note(const Report& report, std::string_view of) { return any_has(report.remarks.notes, of); }
 
-/// The sites of a row of n cells of the same length along x within the box.
+/// The sites of a row of n equally long cells along x in the box.
 inline std::vector<Vec3d> row_of_sites(const Box& box, int n) {
   std::vector<Vec3d> sites;
   for (int k = 0; k < n; ++k) {

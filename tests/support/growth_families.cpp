@@ -37,11 +37,12 @@ std::vector<Vec3d> cut_once(const Vec3d& middle, const Vec3d& normal) {
 // A thin pane of 12 triangles: every cell cuts the same two faces.
 GrowthInput pane(std::uint32_t n, std::uint64_t) { return {box({0, 0, 0}, {1, 1, 0.001}), {}, n}; }
 
-// One closed comb, a bar with n teeth; one plane cuts all teeth, in n regions of one cap.
+// One closed comb, a bar with n teeth. One plane cuts all teeth, in n regions of one cap.
 GrowthInput comb(std::uint32_t n, std::uint64_t) {
   Mesh mesh;
   const auto teeth = static_cast<int>(std::max(n, 1u));
-  // For each x: the bottom of the bar, its top, and the end of a tooth, each in front (z = 0) and behind.
+  // The points for each x: the bottom of the bar, its top, and the end of a tooth. Each occurs in front (z =
+  // 0) and behind.
   const int columns = 2 * teeth;
   const double pitch = 10.0 / columns;
   for (int c = 0; c < columns; ++c)
@@ -53,7 +54,7 @@ GrowthInput comb(std::uint32_t n, std::uint64_t) {
     add_quad(mesh, at(c, 0, low), at(c, 0, high), at(c + 1, 0, high), at(c + 1, 0, low));
   };
   const auto wall = [&](int c, int y, int d,
-                        int w) {  // the outline's edge from (c, y) to (d, w), inside at its left
+                        int w) {  // the edge from (c, y) to (d, w), inside at its left
     add_quad(mesh, at(c, 0, y), at(d, 0, w), at(d, 1, w), at(c, 1, y));
   };
   for (int c = 0; c + 1 < columns; ++c) {
@@ -74,7 +75,7 @@ GrowthInput comb(std::uint32_t n, std::uint64_t) {
   return {mesh, cut_once({5, 2, 0.5}, {0, 1, 0}), 0};
 }
 
-// A wall of n bricks that do not touch; it faces x, where the boxes of all of them overlap.
+// A wall of n bricks that do not touch. It faces x, so the boxes of all bricks overlap along x.
 GrowthInput bricks(std::uint32_t n, std::uint64_t) {
   const int columns = root_of(n);
   std::vector<Mesh> all;
@@ -86,8 +87,8 @@ GrowthInput bricks(std::uint32_t n, std::uint64_t) {
   return {joined(all), {}, 100};
 }
 
-// n long bars along the diagonal, all of whose boxes overlap, and ten sites for each in one plane across
-// them, so that each bar meets a few cells, however many there are.
+// n long bars along the diagonal, with boxes that all overlap. There are ten sites for each bar in one plane
+// across them. So each bar meets a few cells, however many there are.
 GrowthInput bars(std::uint32_t n, std::uint64_t seed) {
   Random random(seed);
   const Vec3d u{1 / std::sqrt(2.0), -1 / std::sqrt(2.0), 0},
@@ -108,12 +109,12 @@ GrowthInput bars(std::uint32_t n, std::uint64_t seed) {
   return input;
 }
 
-// A sphere of 10 n triangles, one site in its middle and n around it, of whose bisectors each cuts a small
-// cap off.
+// A sphere of 10 n triangles with one site in its middle and n around it. Each of their bisectors cuts off a
+// small cap.
 GrowthInput hub(std::uint32_t n, std::uint64_t seed) {
   Random random(seed);
   GrowthInput input{sphere_with(static_cast<int>(std::max(10 * n, 60u))), {{0, 0, 0}}, 0};
-  // A cap of height 1/n has half the area that is there for each of n.
+  // A cap of height 1/n has half the area available to each of n caps.
   const double distance = 2 * (1 - 1.0 / std::max(n, 4u));
   while (input.sites.size() <= n) {
     const Vec3d p = point_in(random, {-1, -1, -1}, {1, 1, 1});
@@ -123,8 +124,8 @@ GrowthInput hub(std::uint32_t n, std::uint64_t seed) {
   return input;
 }
 
-// A prism over a Lissajous curve of n points, cut across: the loop of the cap crosses itself some dozens of
-// times. A circle is added, since the figure alone turns as much inside out as not.
+// A prism over a Lissajous curve of n points, cut across. The loop of the cap crosses itself dozens of times.
+// A circle is added, because the curve alone turns equally often in both directions.
 GrowthInput lissajous(std::uint32_t n, std::uint64_t) {
   std::vector<Vec2d> polygon;
   const auto count = static_cast<std::int64_t>(std::max(n, 8u));
@@ -136,7 +137,7 @@ GrowthInput lissajous(std::uint32_t n, std::uint64_t) {
   return {prism_over(polygon), cut_once({0, 0, 0.5}, {0, 0, 1}), 0};
 }
 
-// The same over a polygon with random corners, each of whose edges crosses a third of the others.
+// The same over a polygon with random corners. Each of its edges crosses a third of the others.
 GrowthInput scribble(std::uint32_t n, std::uint64_t seed) {
   Random random(seed);
   std::vector<Vec2d> polygon;
@@ -147,7 +148,7 @@ GrowthInput scribble(std::uint32_t n, std::uint64_t seed) {
   return {prism_over(polygon), cut_once({0.5, 0.5, 0.5}, {0, 0, 1}), 0};
 }
 
-// n thin boxes along (0, 1, 1), whose projections along any axis overlap, and one cube that is inside out.
+// n thin boxes along (0, 1, 1), whose projections along any axis overlap, and one inverted cube.
 GrowthInput thin_boxes(std::uint32_t n, std::uint64_t) {
   std::vector<Mesh> all{translated(inside_out_cube(), {-2, 0.5, 0.5})};
   const double pitch = 1.0 / std::max(n, 1u), width = 0.25 * pitch;
@@ -156,7 +157,7 @@ GrowthInput thin_boxes(std::uint32_t n, std::uint64_t) {
   return {joined(all), {}, 2};
 }
 
-// n nested boxes, outward and inward in turn: n / 2 parts with a cavity each, cut through the middle.
+// n nested boxes, alternately outward and inward: n / 2 parts with a cavity each, cut through the middle.
 GrowthInput matryoshka(std::uint32_t n, std::uint64_t) {
   std::vector<Mesh> all;
   for (std::uint32_t k = 0; k < std::max(n, 1u); ++k) {
@@ -181,11 +182,11 @@ GrowthInput fan(std::uint32_t n, std::uint64_t) {
   return {mesh, {}, 20};
 }
 
-// A cube of 24 n squares, of which n are missing, no two of them side by side.
+// A cube of 24 n squares. n squares are missing, and no two of these are neighbours.
 GrowthInput holes(std::uint32_t n, std::uint64_t) {
   const int side = std::max(2 * root_of(std::max(n / 6, 1u)), 2);
   Mesh mesh = box({0, 0, 0}, {1, 1, 1}, side);
-  // box() adds two triangles a square, row by row, face by face.
+  // box() adds two triangles per square, row by row and face by face.
   std::vector<std::array<std::uint32_t, 3>> kept;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::size_t square = t / 2 % static_cast<std::size_t>(side * side),
@@ -198,7 +199,7 @@ GrowthInput holes(std::uint32_t n, std::uint64_t) {
   return {mesh, {}, 20};
 }
 
-// A box with n cavities, most of which no cut meets.
+// A box with n cavities. Cuts meet few of them.
 GrowthInput cavities(std::uint32_t n, std::uint64_t) {
   int side = 1;
   while (static_cast<std::uint32_t>(side * side * side) < n) ++side;
@@ -229,7 +230,7 @@ GrowthInput umbrella(std::uint32_t n, std::uint64_t) {
   return {mesh, {}, 10};
 }
 
-// A long prism with n sides, all of whose triangles are as long as it is, cut fifty times.
+// A long prism with n sides, cut fifty times. All its triangles are as long as the prism.
 GrowthInput needles(std::uint32_t n, std::uint64_t seed) {
   Random random(seed);
   std::vector<Vec2d> polygon;
@@ -246,8 +247,8 @@ GrowthInput needles(std::uint32_t n, std::uint64_t seed) {
   return input;
 }
 
-// n boxes, each a little further along than the one before: faces in common planes, each point in many of
-// them.
+// n boxes, each shifted a little from the one before. Faces lie in common planes, and each point lies in many
+// boxes.
 GrowthInput overlaps(std::uint32_t n, std::uint64_t) {
   std::vector<Mesh> all;
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -257,7 +258,7 @@ GrowthInput overlaps(std::uint32_t n, std::uint64_t) {
   return {joined(all), {}, 20};
 }
 
-// n copies of one sphere, each a node of its own.
+// n copies of one sphere, each with its own node.
 GrowthInput instances(std::uint32_t n, std::uint64_t) {
   const Mesh one = sphere_with(500, 0.4);
   const auto side = static_cast<std::uint32_t>(root_of(n));

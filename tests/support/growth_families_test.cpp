@@ -1,5 +1,5 @@
-// The families are what they say: closed where they should be, as large as was asked, the same for the same
-// seed.
+// Proves that the families are as described: closed if they should be, as large as requested, the same for
+// the same seed.
 #include "tests/support/growth_families.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace fracture::test {
 namespace {
 
-/// Edges that are not used as often in one direction as in the other.
+/// Edges that are not used equally often in both directions.
 std::size_t unbalanced_edges(const Mesh& mesh) {
   std::map<std::array<std::uint32_t, 2>, int> balance;
   for (const auto& t : mesh.triangles)
@@ -40,7 +40,7 @@ TEST_P(EveryGrowthFamily, IsClosedAndOutwardExceptTheOneWithHoles) {
       continue;
     }
     EXPECT_EQ(unbalanced_edges(input.mesh), 0u) << size;
-    // What crosses itself may turn inside out, and one family holds a cube that is.
+    // A shape that crosses itself may turn inside out, and one family contains an inverted cube.
     const std::string name = family().name;
     if (name == "scribble" || name == "lissajous" || name == "thin_boxes") continue;
     EXPECT_GT(volume_of(input.mesh), 0) << size;
@@ -52,7 +52,8 @@ TEST_P(EveryGrowthFamily, GrowsInProportion) {
     const GrowthInput input = family().make(size, 3);
     return static_cast<double>(input.mesh.triangles.size() + input.sites.size() + input.uniform);
   };
-  // A part that does not grow is allowed; more than eight times as much for eight times the size is not.
+  // A fixed part is allowed, so the weight may grow less than the size. It may grow at most 8.8 times for
+  // eight times the size.
   const double small = weight(240), large = weight(8 * 240);
   EXPECT_LE(large, 8.8 * small);
   EXPECT_GE(large, 1.5 * small);

@@ -1,6 +1,6 @@
-// The real meshes: files of the folders that FRACTURE_TEST_MESHES names, separated by ':' (default:
-// ../shared/meshes/dev and unsound beside the source directory; the latter are those that fragments were once
-// found open on). Where they are absent, tests skip; they never pass on nothing.
+// The real meshes: files of the folders in FRACTURE_TEST_MESHES, separated by ':'. The default is
+// ../shared/meshes/dev and ../shared/meshes/unsound, next to the source directory. On the files of the
+// second, fragments were once open. If the folders are absent, tests skip; they never pass without data.
 #pragma once
 
 #include <optional>
@@ -17,21 +17,23 @@ struct MeshFile {
   std::string path;
 };
 
-/// The mesh files (glb gltf obj stl ply off fbx dae 3ds blend) of all folders, sorted by name; where two
-/// folders have the same name, that of the first one alone. Empty where the folders are absent.
+/// The mesh files (glb gltf obj stl ply off fbx dae 3ds blend) of all folders, sorted by name. If two folders
+/// contain a file of the same name, only that of the first folder is returned. Empty if the folders are
+/// absent.
 std::vector<MeshFile> test_meshes();
 std::optional<MeshFile> find_test_mesh(const std::string& name);
-/// Single closed files of the folder dev: edges all paired, consistently oriented, nothing to repair.
+/// Single closed files of the folder dev: all edges are paired, the orientation is consistent, and nothing
+/// needs repair.
 const std::vector<std::string>& closed_test_meshes();
-/// Debian's assimp-testmodels, e.g. assimp_model("BLEND/Suzanne_248.blend"); nothing where the package is
-/// absent.
+/// A file of Debian's assimp-testmodels, e.g. assimp_model("BLEND/Suzanne_248.blend"). No value if the
+/// package is absent.
 std::optional<MeshFile> assimp_model(const std::string& name);
 
-/// Loads through common/import. Without that library (early builds) OBJ files are read by a minimal reader of
-/// our own and everything else is kUnknownFormat. The files it names beside itself are given to the importer.
+/// Loads a file through common/import. Without that library (early builds) our own minimal reader reads OBJ
+/// files, and all other files are kUnknownFormat. The importer also gets the files that the mesh names.
 Expected<Mesh> load_mesh(const MeshFile& file);
 
-/// The minimal OBJ reader: positions and polygons (fans) only. The benchmark uses it so that it times no
+/// The minimal OBJ reader: only positions and polygons (fans). The benchmark uses it so that it times no
 /// importer.
 Expected<Mesh> read_obj_positions(const std::string& path);
 

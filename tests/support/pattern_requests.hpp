@@ -1,4 +1,4 @@
-// One request for every pattern and every material, for a given box: what the invariants must hold for.
+// One request for every pattern and every material, for a given box. The invariants must hold for each.
 #pragma once
 
 #include <algorithm>
@@ -92,7 +92,7 @@ inline std::vector<NamedParameters> pattern_requests(const Box& box, std::uint32
   add_aggregates("aggregates_grain", UniformPattern{}, {.stretch = 3, .grain_of = GrainOf::kPart}, {3, 0});
   add_aggregates("aggregates_impact", ImpactPattern{.impacts = {corner, box.center()}}, {}, {8, 2});
   add_aggregates("aggregates_clustered", ClusteredPattern{}, {}, {12, 0.5});
-  // A pattern that nothing is said of here: as it comes. (Points are the caller's own.)
+  // Adds a pattern without an entry above, with its defaults. (Points are given by the caller.)
   const auto add_if_missing = [&](const auto& pattern, const PatternTraits& traits) {
     const SitePattern missing = pattern;
     if (!std::holds_alternative<PointsPattern>(missing) &&

@@ -1,4 +1,4 @@
-// How much more memory than before this process has had resident at its peak.
+// Measures how far the peak of this process's resident memory grew.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,11 +12,11 @@ namespace fracture::test {
 class PeakMemory {
  public:
   PeakMemory() {
-    std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins anew (proc(5))
+    std::ofstream("/proc/self/clear_refs") << 5;  // resets the peak (proc(5))
     before_ = status("VmRSS:");
   }
 
-  /// A sanitizer keeps what is freed, and shadows of all: under it everything passes.
+  /// A sanitizer keeps freed memory, and shadows of all memory. So under it this check always passes.
   testing::AssertionResult grew_by_less_than(std::int64_t bytes) const {
 #ifdef FRACTURE_SANITIZED
     return testing::AssertionSuccess() << bytes << " bytes are not measured under a sanitizer";

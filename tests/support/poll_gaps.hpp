@@ -1,4 +1,4 @@
-// How long a computation goes on without a poll: what an interruption may have to wait for.
+// The time that a computation runs without a poll: an interruption may have to wait that long.
 #pragma once
 
 #include <sys/mman.h>
@@ -12,8 +12,9 @@
 
 namespace fracture::test {
 
-/// One thread's own processor time, without what the system takes to hand out memory, which says nothing of the code:
-/// on a virtual machine a page was seen to cost 15 to 45 µs, and 0.3 elsewhere. For the thread that made it.
+/// The processor time of the thread that made the clock, without the time that the system takes to hand out
+/// memory. That time does not depend on the code: a page took 15 to 45 µs on a virtual machine, and 0.3 µs
+/// elsewhere.
 class WorkClock {
  public:
   WorkClock() : page_ms_(kMostPageCost * cost_of_page_ms()) {}
@@ -23,12 +24,12 @@ class WorkClock {
   }
 
  private:
-  /// It varies.
+  /// The cost of a page varies by this factor.
   static constexpr double kMostPageCost = 1.5;
 
   struct Moment {
     double cpu_ms;
-    double pages;  ///< that this thread was handed out so far
+    double pages;  ///< pages that the system gave to this thread so far
   };
   static Moment now() {
     timespec t{};
@@ -52,8 +53,8 @@ class WorkClock {
   double page_ms_;
 };
 
-/// Measures the work of one thread between the polls of an Execution, and from the last one to longest_ms(). The
-/// computation must run in the thread that made this.
+/// Measures the work of one thread between the polls of an Execution, and from the last poll to longest_ms().
+/// The computation must run in the thread that made this object.
 class PollGaps {
  public:
   PollGaps() : last_(clock_.ms()) {
@@ -66,7 +67,7 @@ class PollGaps {
   PollGaps& operator=(const PollGaps&) = delete;
 
   const Execution& execution() const { return execution_; }
-  /// Forgets everything: what was made ready until here is not part of the computation.
+  /// Starts anew: work done so far is preparation and not part of the computation.
   void start() {
     last_ = clock_.ms();
     longest_ = 0;
@@ -91,7 +92,7 @@ class PollGaps {
   std::uint64_t polls_ = 0;
 };
 
-/// What is promised of an optimized build. The others are slower by about as much.
+/// The limit promised for an optimized build. The other builds are slower by about these factors.
 #if defined(FRACTURE_SANITIZED)
 inline constexpr double kMostPollGapMs = 50 * 20;
 #elif !defined(NDEBUG)
@@ -100,9 +101,9 @@ inline constexpr double kMostPollGapMs = 50 * 10;
 inline constexpr double kMostPollGapMs = 50;
 #endif
 
-/// The longest gap of `run(execution)`, and how many polls there were. What is longer than it may be is measured again, a few times:
-/// the pauses of a busy machine come elsewhere each time, those of the code do not. The computation must not depend on
-/// how often it runs.
+/// The longest gap of `run(execution)`, and the number of polls. If a gap is too long, the run is repeated a
+/// few times: a busy machine pauses at another place each time, but the code does not. The computation must
+/// not depend on how often it runs.
 struct Polled {
   double longest_ms = 0;
   std::uint64_t polls = 0;

@@ -15,7 +15,7 @@ Vec3d lerp(const Box& box, double x, double y, double z) {
   return {box.min.x + x * s.x, box.min.y + y * s.y, box.min.z + z * s.z};
 }
 
-/// Indices 0 … total - 1, at most count of them, evenly spread.
+/// Indices from 0 to total - 1, at most `count` of them, evenly spread.
 std::vector<std::size_t> spread(std::size_t total, std::size_t count) {
   std::vector<std::size_t> picked;
   const std::size_t n = std::min(total, count);
@@ -127,7 +127,7 @@ std::vector<Vec3d> sites_on_faces(const Mesh& mesh, std::uint32_t count) {
   std::vector<Vec3d> sites;
   for (const std::size_t t : spread(mesh.triangles.size(), count)) {
     const auto& [a, b, c] = mesh.triangles[t];
-    // Weights 1/2, 1/4, 1/4 keep the point on the plane exactly where the plane is axis-aligned.
+    // Weights 1/2, 1/4, 1/4 keep the point exactly on the plane if the plane is parallel to two axes.
     sites.push_back(0.25 * (2.0 * to_double(mesh.positions[a]) + to_double(mesh.positions[b]) +
                             to_double(mesh.positions[c])));
   }

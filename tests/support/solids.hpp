@@ -9,12 +9,12 @@
 
 namespace fracture::test {
 
-/// What make_solid says of a mesh: a solid, or the error.
+/// The result of make_solid: a solid, or the error.
 inline Expected<Solid> try_solid(Mesh mesh, const SolidOptions& options = {}) {
   return make_solid(std::make_shared<const Mesh>(std::move(mesh)), options, {});
 }
 
-/// The solid of a mesh that must have one; throws where it has none.
+/// The solid of a mesh that must have one. Throws if it has none.
 inline Solid solid_of(Mesh mesh, const SolidOptions& options = {}) {
   return try_solid(std::move(mesh), options).value();
 }

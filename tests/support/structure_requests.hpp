@@ -1,5 +1,5 @@
-// One request for every way to bound, join, keep, hold and hit, for a given solid: what the invariants must
-// hold for.
+// One request for every way to bound, join, keep, hold and hit, for a given solid. The invariants must hold
+// for each.
 #pragma once
 
 #include "common/solid/solid.hpp"

@@ -1,4 +1,4 @@
-// The surface of a solid as a mesh of its own: positions and triangles alone.
+// The surface of a solid as a separate mesh: only positions and triangles.
 #pragma once
 
 #include "common/solid/solid.hpp"

@@ -86,7 +86,7 @@ TEST(BaseColor, TransformScalesThenTurnsThenMoves) {
                                      0);
   ASSERT_TRUE(color.texture);
   EXPECT_EQ(color.texture->uv_set, 2u);
-  // (1, 0) becomes (2, 0); turned counter-clockwise where v points down, (0, -2).
+  // (1, 0) becomes (2, 0). Turned counter-clockwise, with v pointing down, it becomes (0, -2).
   EXPECT_EQ(color.texture->place({1, 0}), (std::array{0.5, -2.0}));
   EXPECT_EQ(color.texture->place({0, 1}), (std::array{3.5, 0.0}));
 }

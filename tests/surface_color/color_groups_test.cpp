@@ -49,7 +49,7 @@ TEST(ColorGroups, OfNothingThereAreNoneAndClearedIsNothing) {
   EXPECT_TRUE(colors.empty());
   EXPECT_TRUE(colors.groups(16, 0).means.empty());
   colors.add({40000, 50000, 60000}, 2);
-  colors.add({1, 2, 3}, 1);                                                                 // as before
+  colors.add({1, 2, 3}, 1);                                                                 // as first added
   EXPECT_EQ(colors.groups(1, 0).means, (std::vector<LinearColor>{{26667, 33334, 40001}}));  // (2 a + b) / 3
 }
 

@@ -21,7 +21,7 @@ TEST(Pixels, ADamagedOrForeignImageGivesNothing) {
   EXPECT_EQ(pixels.width(), 3u);
   EXPECT_EQ(pixels.at(1, 1), (std::array<std::uint8_t, 4>{1, 1, 7, 255}));
   EXPECT_FALSE(decode_image(std::span(good).first(good.size() / 2)));
-  // What libstb could read as well, with parsers that nobody needs here.
+  // Formats that libstb could also read, with parsers that are not needed here.
   const std::string gif("GIF89a\x01\0\x01\0\0\0\0;", 14),
       hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n....";
   for (const std::string& foreign : {gif, hdr, std::string("RIFF"), std::string()}) {
@@ -34,13 +34,13 @@ TEST(Pixels, ADamagedOrForeignImageGivesNothing) {
 TEST(Pixels, APngThatInflatesToMoreThanItsRowsIsNotRead) {
   std::vector<std::uint8_t> bomb = png(512, 512, [](int, int) { return std::array{0, 0, 0, 255}; });
   ASSERT_TRUE(decode_image(bomb));
-  bomb[18] = bomb[22] = 0;  // 512 becomes 0: the low bytes say one pixel
+  bomb[18] = bomb[22] = 0;  // 512 becomes 0: the low bytes state one pixel
   bomb[19] = bomb[23] = 1;
   EXPECT_EQ(pixel_count(bomb), 1u);
   EXPECT_FALSE(decode_image(bomb));
 }
 
-// IEC 61966-2-1: the ends, the straight part, and half the light at 188.
+// IEC 61966-2-1: the ends, the linear part, and half the light at 188.
 TEST(MeanPyramid, LightIsLinear) {
   EXPECT_EQ(linear_light(0), 0);
   EXPECT_EQ(linear_light(255), 65535);

@@ -9,7 +9,7 @@
 
 namespace fracture::test {
 
-/// A PNG; `pixel(x, y)` is its red, green, blue and opacity.
+/// A PNG. `pixel(x, y)` returns its red, green, blue and opacity.
 template <class Pixel>
 std::vector<std::uint8_t> png(int width, int height, const Pixel& pixel) {
   std::vector<std::uint8_t> rgba, file;

@@ -24,7 +24,7 @@ std::vector<SurfaceColor> colors_of(const Mesh& mesh, const PixelLimits& limits 
   return surface_colors(mesh, remarks, limits);
 }
 
-/// Squares, two triangles each, whose UVs are the given rectangles (u, v, width, height).
+/// Squares of two triangles each. Their UVs are the given rectangles (u, v, width, height).
 Mesh squares(const std::vector<std::array<float, 4>>& rectangles) {
   Mesh mesh;
   auto& uvs = mesh.attributes.uvs.emplace_back();
@@ -43,7 +43,7 @@ Mesh squares(const std::vector<std::array<float, 4>>& rectangles) {
   return mesh;
 }
 
-/// One material with that image as its base colour.
+/// Gives the mesh one material with that image as its base colour.
 void paint(Mesh& mesh, std::vector<std::uint8_t> image, json factor = {1, 1, 1, 1}) {
   auto library = std::make_shared<MaterialLibrary>();
   library->materials = {
@@ -74,7 +74,7 @@ TEST(SurfaceColors, APaletteGivesEachTriangleItsOwn) {
 
 TEST(SurfaceColors, ATriangleOverManyPixelsHasTheirMean) {
   Mesh mesh = squares({{0, 0, 1, 1}, {0, 0, 8, 8}});
-  // Fine stripes, of which few places alone would be a matter of luck.
+  // Fine stripes: a few samples alone would depend on chance.
   paint(mesh, png(256, 256, [](int x, int) {
           const int v = x % 4 == 0 ? 255 : 0;
           return std::array{v, v, v, 255};
@@ -106,7 +106,7 @@ TEST(SurfaceColors, OfAnImageThatCannotBeReadNothingIsKnown) {
   EXPECT_TRUE(remarks.warnings.empty());
   ASSERT_EQ(remarks.notes.size(), 1u) << "once for each image";
   EXPECT_NE(remarks.notes[0].find("neither PNG nor JPEG"), std::string::npos);
-  // A triangle without a material beside one whose colour is known.
+  // A triangle without a material next to one with a known colour.
   paint(mesh, png(1, 1, [](int, int) { return std::array{255, 0, 0, 255}; }));
   mesh.material[3] = kNoIndex;
   EXPECT_EQ(colors_of(mesh)[0], of(65535, 0, 0));
@@ -127,7 +127,7 @@ TEST(SurfaceColors, ASwatchIsNotMixedWithWhatIsBesideIt) {
 
 TEST(SurfaceColors, MorePixelsThanMayBeAreNotLookedAt) {
   Mesh mesh = squares({{0, 0, 1, 1}});
-  mesh.triangles.push_back(mesh.triangles[0]);  // something of which the colour is known
+  mesh.triangles.push_back(mesh.triangles[0]);  // a triangle with a known colour
   mesh.material.push_back(kNoIndex);
   mesh.attributes.colors.push_back({4, {1, 1, 1, 1}});
   paint(mesh, png(16, 16, [](int, int) { return std::array{0, 0, 0, 255}; }));

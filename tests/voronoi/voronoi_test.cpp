@@ -31,7 +31,7 @@ TEST(VoronoiDiagram, NearestIsTheExactNearestOfAllSites) {
     Random random(2);
     SiteId start{0};
     for (int k = 0; k < 2000; ++k) {
-      // Every other point on the lattice itself: ties everywhere.
+      // Every second point lies on the lattice itself: ties everywhere.
       Vec3d q;
       for (int a = 0; a < 3; ++a) q[a] = k % 2 ? random.uniform() : static_cast<double>(random.below(9)) / 8;
       SiteId best{0};
@@ -43,8 +43,8 @@ TEST(VoronoiDiagram, NearestIsTheExactNearestOfAllSites) {
   }
 }
 
-// Sites so close that every product of their difference underflows: 2.45 + 2.45 - 4.6 steps of 2^-1074 are
-// more than zero, but each product is rounded to whole steps, and 2 + 2 - 5 is less.
+// Sites so close together that every product of their difference underflows. 2.45 + 2.45 - 4.6 steps of
+// 2^-1074 are more than zero. But each product is rounded to whole steps, and 2 + 2 - 5 is less than zero.
 TEST(VoronoiDiagram, SideIsExactWhereABisectorsProductsUnderflow) {
   const double tiny = 0x8p-1074;
   const Vec3d i{0, 0, 0}, j{tiny, tiny, -tiny}, q{0.30625, 0.30625, 0.575};
@@ -96,7 +96,8 @@ TEST(VoronoiDiagram, FindFacetFindsEveryFacetOfEveryTetrahedron) {
   expect_all_facets_found(t, diagram);
 }
 
-/// One site among n others on a sphere; on a lattice sphere where ties are everywhere, or anywhere.
+/// One site inside n sites on a sphere. The sphere is either a lattice sphere with ties everywhere, or a
+/// general one.
 std::vector<Vec3d> hub_sites(int n, bool lattice) {
   std::vector<Vec3d> sites{{0.5, 0.5, 0.5}};
   Random random(7);
@@ -125,7 +126,7 @@ TEST(VoronoiDiagram, CellsOfManyNeighborsHaveTheSameNearestSites) {
     VoronoiDiagram::Walk walk;
     SiteId start{0};
     for (int k = 0; k < 3000; ++k) {
-      // Some in the middle between the hub and a neighbour, or between two neighbours and it.
+      // Some points are half-way between the hub and a neighbour, or between two neighbours and the hub.
       const Vec3d& p = t.points[random.below(t.site_count())];
       const Vec3d& r = t.points[random.below(t.site_count())];
       Vec3d q;
@@ -144,7 +145,7 @@ TEST(VoronoiDiagram, APointInACellOfManyNeighborsIsFoundByLookingAtFew) {
   for (const int n : {500, 2000, 8000}) {
     const Tetrahedralization t = tetrahedra_of(hub_sites(n, false));
     const VoronoiDiagram diagram(t, unit_box());
-    // Along a spiral that stays near the facets.
+    // Points along a spiral that stays near the facets.
     VoronoiDiagram::Walk walk;
     constexpr int kPoints = 4000;
     for (int k = 0; k < kPoints; ++k) {
@@ -157,7 +158,7 @@ TEST(VoronoiDiagram, APointInACellOfManyNeighborsIsFoundByLookingAtFew) {
 }
 
 TEST(VoronoiDiagram, ALongWalkIsCutShort) {
-  // Sites in a row: from one end to the other a walk meets all of them.
+  // Sites in a row: a walk from one end to the other meets all of them.
   std::vector<Vec3d> sites;
   constexpr int kSites = 4000;
   for (int k = 0; k < kSites; ++k) sites.push_back({(k + 0.5) / kSites, 0.5, 0.5});
@@ -194,7 +195,8 @@ TEST(BarycentricCell, IsTheHullOfTheBarycentres) {
     const auto sites = barycentric_cell(diagram, i);
     if (!sites) continue;
     ++made;
-    // Every barycentre is on the near side of every mirror plane (they span the hull), up to rounding.
+    // Every barycentre is on the near side of every mirror plane (these planes bound the hull), up to
+    // rounding.
     for (const TetId tet : diagram.tetrahedra(i)) {
       Vec3d b;
       for (const SiteId v : t.tets[tet].v) b = b + 0.25 * t.points[v];

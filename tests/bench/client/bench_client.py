@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""What a frame of the game costs, and what waiting for the server adds to that.
+"""Measures the cost of a frame of the game, and what waiting for the server adds to it.
 
     bench_client.py BUILD [--runs 5]      BUILD: a build folder with fracture-server and fracture-client
 
-No pixel is rasterized (Mesa's GALLIUM_NOOP takes every call and draws nothing), so a frame is simulation and submission.
-Wall-clock: on a machine with other work the least of several runs is nearest to the truth, and that is what is judged.
+No pixel is rasterized (Mesa's GALLIUM_NOOP accepts every call and draws nothing), so a frame consists of
+simulation and submission. The times are wall-clock. On a busy machine the least of several runs is closest to
+the truth, so that is judged.
 
-1. Waiting: a proxy holds each answer back for two seconds. The worst frame while a request is open: at most 1.5 times
-   the median frame of the run, which goes on until the pieces rest. Beside it the same frames of a run in which nothing
-   is asked (the motion is the same until the answer comes): what waiting itself costs.
-2. The frame that adopts about 200 fragments, and the one after it: at most 2 times the median frame, of the run and of
-   the three seconds that follow, in which the pieces move.
-3. Submission: every scene; fragments, draw calls (at most 20), milliseconds to submit a frame (at most 2).
+1. Waiting: a proxy holds each answer back for two seconds. The worst frame while a request is open may take
+   at most 1.5 times the median frame of the run, which lasts until the pieces rest. For comparison, the same
+   frames of a run without requests show the cost of waiting itself (the motion is the same until the answer
+   arrives).
+2. The frame that adopts about 200 fragments and the one after it may take at most 2 times the median frame,
+   both of the run and of the following three seconds, in which the pieces move.
+3. Submission, in every scene: fragments, draw calls (at most 20), and milliseconds to submit a frame (at most
+   2).
 """
 import argparse
 import json
@@ -46,7 +49,7 @@ def pump(source, sink, hold):
 
 
 def watch(source, sink, hold):
-    """Client to server; the answer to a fracture is held."""
+    """Passes bytes between client and server. The answer to a fracture request is held back."""
     try:
         while chunk := source.recv(1 << 16):
             if b"/fracture HTTP" in chunk:
@@ -98,7 +101,8 @@ def main():
         port = int(ports.group(1))
         slow = proxy(port)
         print(f"load of the machine {os.getloadavg()[0]:.1f}; times in ms")
-        # Until the answer comes every run moves alike, frame by frame: the least of each frame is what it takes.
+        # Until the answer arrives, every run moves alike frame by frame, so the least time of each frame is
+        # its cost.
         waits, controls, swaps, medians, moving = [], [], [], [], []
         for _ in range(options.runs):
             run = play(options.build, slow, "monkey", *FALL)

@@ -1,9 +1,11 @@
-// npm manifold-3d as a fracturer: for each site, hull(its Voronoi cell's vertices) ∩ mesh, on the workloads that
-// `bench_fracture --out FOLDER` wrote; one thread (WASM). The mesh is built once per run, and its time counts; the cells come for free.
+// npm manifold-3d as a fracturer: for each site, hull(vertices of its Voronoi cell) ∩ mesh, on the workloads
+// that `bench_fracture --out FOLDER` wrote, with one thread (WASM). The mesh is built once per run, which is
+// timed; the cells cost it nothing.
 //
 //   npm ci && node fracture.mjs FOLDER [filter [runs]]
 //
-// Prints milliseconds of both programs and the ratio, and checks that the peer's pieces have the solid's volume.
+// Prints the milliseconds of both programs and their ratio, and checks that the peer's pieces have the
+// solid's volume.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import Module from 'manifold-3d';

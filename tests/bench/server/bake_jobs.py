@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""A night's bake: many jobs on two workers, the same bytes however it is divided, through a server, and after SIGKILL.
+"""A bake of many jobs on two workers. It writes the same bytes however it is divided, through a server, and
+after SIGKILL.
 
     bake_jobs.py BUILD/server/fracture-server [--jobs 500] [--meshes FOLDER] [--rounds 3]
 
-Meshes: FOLDER, else the first folder of $FRACTURE_TEST_MESHES, else generated ones, times parameters; three poisoned ones are refused in every run.
-Prints the wall and processor times of one and of two workers (the least of the rounds, taken in turn, since other work on
-the machine only adds) and fails where bytes, reports or exit codes are not what they should be. With --rounds 0 nothing is
-timed.
+The jobs combine meshes with parameters. The meshes are those of FOLDER, otherwise of the first folder of
+$FRACTURE_TEST_MESHES, otherwise generated. Three invalid meshes are refused in every run. Prints the wall and
+processor times of one and of two workers: the least of the rounds, taken in turn because other work on the
+machine can only add time. Fails if bytes, reports or exit codes are wrong. With --rounds 0 nothing is timed.
 """
 import argparse, hashlib, itertools, json, math, os, pathlib, resource, signal, subprocess, sys, tempfile, time
 
@@ -16,7 +17,7 @@ CHOICES = [{}, {"material": "wood"}, {"material": "glass"}, {"lloyd": 2}, {"patt
 
 
 def generated(folder):
-    """Tori of different thickness as OBJ: closed, 3,200 triangles each."""
+    """Writes tori of different thickness as OBJ: closed, 3,200 triangles each."""
     rings, sides, meshes = 80, 20, []
     for k in range(8):
         path = folder / f"torus{k}.obj"
@@ -39,7 +40,7 @@ class Bake:
         if meshes:
             found = [p for p in sorted(pathlib.Path(meshes).iterdir())
                      if p.suffix in (".obj", ".glb", ".ply", ".stl", ".STL") and p.stat().st_size < 3_000_000]
-            # Those that can be broken: the poison is to be ours alone.
+            # Only meshes that can be fractured, so that all refused meshes are our own.
             found = [p for p in found if subprocess.run([self.program, "inspect", p], capture_output=True).returncode < 2]
         else:
             found = generated(folder)
@@ -49,7 +50,7 @@ class Bake:
         poison[2].write_bytes(bytes(80) + (10**9).to_bytes(4, "little"))
         self.jobs = []
         for k in range(self.count):
-            # Every poisoned mesh stands among good ones, the first one at the beginning.
+            # The invalid meshes are spread among the good ones, the first one at the beginning.
             if k % (self.count // POISON + 1) == 0:
                 self.jobs.append((poison[len(self.jobs) * POISON // self.count], {}))
                 continue
@@ -59,7 +60,7 @@ class Bake:
             self.jobs.append((found[k % len(found)], parameters))
 
     def tree(self, name):
-        """A folder of its own with the manifest."""
+        """Makes a new folder with the manifest."""
         folder = self.folder / name
         folder.mkdir()
         with (folder / "night.ndjson").open("w") as out:
@@ -80,7 +81,7 @@ class Bake:
                 for p in (folder / "out").rglob("*") if p.is_file()}
 
     def report(self, folder, shard=""):
-        """Without what differs from run to run."""
+        """Reads the report without the members that differ from run to run."""
         lines = [json.loads(line) for line in (folder / f"night.ndjson{shard}.report").read_text().splitlines()]
         for line in lines:
             line.pop("seconds", None)

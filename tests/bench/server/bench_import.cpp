@@ -1,10 +1,10 @@
-// What the import workers cost: the same file read in this process and by a worker of a pool.
+// Measures the cost of import workers: the same file is read in this process and by a worker of a pool.
 //
 //   bench_import [--repeat N] [--workers N] [FILE...]
 //
-// Files, or a sphere of 1k triangles as OBJ and as GLB. The least and the median of N imports (default 300),
-// one after the other: `at once` without a pause, so that the pool has to make its next worker meanwhile;
-// `rested` with 5 ms between two of them, as a server has that also fractures what it reads.
+// Without files it uses a sphere of 1k triangles as OBJ and as GLB. Prints the least and the median of N
+// imports (default 300), one after the other. `at once` has no pause, so the pool must make its next worker
+// meanwhile. `rested` pauses for 5 ms between imports, like a server that also fractures the meshes.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

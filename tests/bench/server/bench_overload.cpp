@@ -1,6 +1,5 @@
-// Runs the server as a process of its own and writes a report of its timed bounds to standard output, as
-// Markdown. Bounds that are missed are marked; the exit code is 0 whenever every answer was what it had to
-// be.
+// Runs the server as a separate process and writes a report of its timed bounds to standard output, as
+// Markdown. Missed bounds are marked. The exit code is 0 if every answer was right.
 //
 // Usage: bench_overload [quick]
 #include <sys/resource.h>
@@ -24,7 +23,7 @@ const std::string kCube =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
     "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
-/// A request that nobody has asked before: every one is computed.
+/// A new request each time, so that every one is computed.
 std::string fracture(std::size_t sites, std::size_t seed, const std::string& fields = "") {
   return "POST /fracture?sites=" + std::to_string(sites) + "&seed=" + std::to_string(seed) +
          " HTTP/1.1\r\nHost: a\r\nContent-Type: model/obj\r\n" + fields +
@@ -97,7 +96,7 @@ void overload(std::chrono::milliseconds duration) {
   ServeProcess server({"--max-connections-per-address", "1000", "--max-queue", "10000"});
   std::atomic<std::size_t> seed{1};
   const MakeRequest make = [&](std::size_t) { return fracture(kSites, seed++, with_deadline); };
-  closed_loop(server.port, 4, std::chrono::milliseconds(2000), make);  // warm
+  closed_loop(server.port, 4, std::chrono::milliseconds(2000), make);  // warm-up
   const Load peak = closed_loop(server.port, 4, duration, make);
   const double capacity = peak.rate(200);
 
@@ -176,7 +175,7 @@ void slow_clients() {
 }
 
 void resets() {
-  // Nothing may be refused: every client is to have work that waits or runs.
+  // Nothing may be refused: every client must have work that waits or runs.
   ServeProcess server({"--max-connections-per-address", "1000", "--max-queue", "1000", "--deadline", "36000",
                        "--max-working", "1023GiB"});
   std::vector<std::unique_ptr<test::RawClient>> clients;
@@ -206,7 +205,7 @@ void resets() {
 }
 
 void memory(std::size_t requests) {
-  // Caches fill up to their budgets: that is no leak, so they are small and the warm-up is long.
+  // Caches fill up to their budgets, which is not a leak. So the caches are small and the warm-up is long.
   ServeProcess server({"--max-connections-per-address", "1000", "--mesh-cache", "4MiB", "--diagram-cache",
                        "4MiB", "--result-cache", "4MiB"});
   const MakeRequest mixed = [](std::size_t n) -> std::string {

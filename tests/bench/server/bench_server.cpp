@@ -1,14 +1,14 @@
-// How fast the server is, as a report: the path of a collision, cached results beside nginx, the cold start,
-// a Redis that hangs. Everything on 127.0.0.1, bounded in count and time.
+// Reports how fast the server is: the requests of a collision, cached results compared with nginx, the cold
+// start, and a Redis that hangs. Everything runs on 127.0.0.1, with limits on count and time.
 //
 //   bench_server [--collision MEMBERS [--requests N]] [FILE]
 //
-// FILE: the mesh, Suzanne_248.blend of assimp-testmodels by default. --collision: only the path of a
-// collision, with these members of the request, e.g. '"sites": 50, "material": "stone"'. FRACTURE_TEST_SERVER
-// names another build of the server to ask.
+// FILE is the mesh; default: Suzanne_248.blend of assimp-testmodels. --collision measures only the requests
+// of a collision, with these members in the request, e.g. '"sites": 50, "material": "stone"'.
+// FRACTURE_TEST_SERVER names another build of the server to measure.
 //
-// Both ends run on this machine. Figures of a machine that does other work too are upper bounds: the report
-// says how busy it was.
+// Both ends run on this machine. On a machine that also does other work the results are upper bounds; the
+// report says how busy it was.
 #include <poll.h>
 #include <sys/stat.h>
 
@@ -53,10 +53,10 @@ double percentile(std::vector<double> values, double p) {
 }
 
 void check(bool good, const std::string& what) {
-  if (!good) throw std::runtime_error(what);  // no exit(): servers have to be stopped
+  if (!good) throw std::runtime_error(what);  // no exit(), because servers must be stopped
 }
 
-/// A server whose log is read (and thrown away), so that writing it costs what it costs.
+/// A server whose log is read and discarded, so that writing the log has its normal cost.
 struct Server {
   explicit Server(std::vector<std::string> flags = {}) : process(std::move(flags)) {
     reader = std::thread([this] {
@@ -73,7 +73,7 @@ struct Server {
   std::thread reader;
 };
 
-/// Milliseconds from a thread taking up the request to its result being there, as Server-Timing says.
+/// Milliseconds from the moment a thread takes up the request until its result exists, from Server-Timing.
 double computed(std::string_view head) {
   const std::size_t begin = head.find("\r\nServer-Timing: "), at = head.find("work;dur=", begin);
   check(begin != std::string_view::npos && at != std::string_view::npos, "an answer without Server-Timing");
@@ -95,7 +95,7 @@ Reply converse(RawClient& client, const std::string& text) {
 }
 
 struct MeshFile {
-  std::string format, bytes;  ///< the format as the end of the file's name has it
+  std::string format, bytes;  ///< the format as the file extension names it
 };
 
 std::string store(std::uint16_t port, const MeshFile& mesh) {
@@ -137,7 +137,7 @@ void collision(const MeshFile& mesh, const std::string& members, int requests) {
               percentile(whole, .99));
   std::printf("  computing      p50 %7.3f ms   p99 %7.3f ms\n", percentile(compute, .5),
               percentile(compute, .99));
-  // What carrying such an answer costs by itself: the last one again, out of the cache.
+  // The cost of transferring such an answer: the last request again, answered from the cache.
   std::vector<double> carried;
   for (int i = 0; i < requests; ++i) {
     const std::string text = fracture_request(path, kWarm + requests - 1, members);
@@ -152,7 +152,8 @@ void collision(const MeshFile& mesh, const std::string& members, int requests) {
               percentile(overhead, .99));
 }
 
-/// Requests a second over kept connections, each asking again as soon as it has been answered.
+/// Requests per second over keep-alive connections. Each client sends the next request as soon as it gets an
+/// answer.
 double rate(std::uint16_t port, const std::string& target, std::size_t expected,
             std::chrono::milliseconds time) {
   constexpr int kConnections = 4;
@@ -176,7 +177,7 @@ double rate(std::uint16_t port, const std::string& target, std::size_t expected,
   return static_cast<double>(answered) / (milliseconds_since(start) / 1000);
 }
 
-/// nginx with one worker (the server has one io thread), serving one folder.
+/// nginx with one worker (the server has one io thread), serving a folder.
 class Nginx {
  public:
   Nginx(const std::string& folder, std::uint16_t port, bool log) {
@@ -218,7 +219,7 @@ class Nginx {
   pid_t pid_ = 0;
 };
 
-/// Free at this moment.
+/// Returns a port that is free at this moment.
 std::uint16_t free_port() {
   const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -248,7 +249,7 @@ void cached(const MeshFile& mesh) {
       std::printf("cached result: nginx is not here, nothing to compare with\n");
       return;
     }
-    double ours = 0, theirs = 0;  // the best of each, alternating: other work on the machine hits both
+    double ours = 0, theirs = 0;  // the best of each, in turn: other work on the machine affects both
     for (int round = 0; round < kRounds; ++round) {
       ours = std::max(ours, rate(server.process.port, location, made.body.size(), kTime));
       theirs = std::max(theirs, rate(port, "/file.glb", made.body.size(), kTime));
@@ -274,7 +275,7 @@ void cold_start() {
               percentile(times, .5), kRounds, percentile(times, 1));
 }
 
-/// Accepts and says nothing, as a Redis does that is stopped or cut off.
+/// A listener that accepts and says nothing, like a Redis that is stopped or cut off.
 void hanging_redis(const MeshFile& mesh) {
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};

@@ -1,5 +1,6 @@
-// A client as a game is one: a kept connection, and a buffer that is received into and read in place. What it
-// adds to a figure is what the kernel's copy costs; the tests' own client copies answers several times.
+// A client like that of a game: a keep-alive connection, and a buffer that is received into and read in
+// place. It adds only the cost of the kernel's copy to a measurement; the tests' own client copies answers
+// several times.
 #pragma once
 
 #include <arpa/inet.h>
@@ -18,7 +19,7 @@ namespace fracture::bench {
 
 class GameClient {
  public:
-  /// Views into the client's buffer, until the next request.
+  /// Views into the client's buffer, valid until the next request.
   struct Answer {
     int status = 0;
     std::string_view head, body;
@@ -42,7 +43,7 @@ class GameClient {
   GameClient(const GameClient&) = delete;
   GameClient& operator=(const GameClient&) = delete;
 
-  /// Throws std::runtime_error when the server closes or answers without a Content-Length.
+  /// Throws std::runtime_error if the server closes or answers without a Content-Length.
   Answer ask(std::string_view request) {
     if (::send(fd_, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()))
       throw std::runtime_error("the request was not taken");
@@ -74,7 +75,7 @@ class GameClient {
     std::from_chars(text.data() + at + after.size(), text.data() + text.size(), value);
     return value;
   }
-  /// Whatever has come, up to the end of the message when it is known.
+  /// Receives the bytes that have arrived, up to the end of the message if that is known.
   std::size_t receive(std::size_t used, std::size_t message) {
     const std::size_t room = (message ? message : buffer_.size()) - used;
     const ssize_t n = ::recv(fd_, buffer_.data() + used, room, message ? MSG_WAITALL : 0);

@@ -1,5 +1,6 @@
-// A load generator of plain threads: closed loop (each client asks again when it has been answered) or open
-// loop (requests leave by the clock, whether the server keeps up or not; that is what an overload is).
+// A load generator with plain threads. Closed loop: each client sends its next request when it has an answer.
+// Open loop: requests leave by the clock, whether the server keeps up or not, which is how an overload
+// happens.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,7 @@ struct Sample {
   bool retry_after = false;
 };
 
-/// The q-quantile by nearest rank, 0 of nothing.
+/// The q-quantile by nearest rank; 0 for no values.
 inline double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -34,10 +35,10 @@ inline double quantile(std::vector<double> values, double q) {
   return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
 }
 
-/// Makes the n-th request as the bytes that are sent.
+/// Makes the bytes of the n-th request.
 using MakeRequest = std::function<std::string(std::size_t n)>;
 
-/// One kept connection; connects again after a close.
+/// A keep-alive connection. It connects again after a close.
 class Client {
  public:
   explicit Client(std::uint16_t port) : port_(port) {}
@@ -69,7 +70,7 @@ struct Load {
   std::vector<Sample> samples;
   double seconds = 0;
   std::size_t late =
-      0;  ///< open loop: requests that left over 10 ms after their time, every client being busy
+      0;  ///< open loop: number of requests that left over 10 ms late because every client was busy
 
   std::vector<double> latencies(const std::function<bool(const Sample&)>& which) const {
     std::vector<double> values;
@@ -84,7 +85,7 @@ struct Load {
   double rate(int status) const { return static_cast<double>(count(status)) / seconds; }
 };
 
-/// `next(due)` says when the client's next request is due; false: it is over.
+/// `next(n, due)` sets the time of a client's next request. It returns false at the end of the load.
 inline Load run_load(std::uint16_t port, int clients, const MakeRequest& make,
                      const std::function<bool(std::size_t n, Clock::time_point& due)>& next) {
   Load load;

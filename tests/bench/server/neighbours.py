@@ -1,9 +1,11 @@
-"""neighbours.py FRACTURE_SERVER MESH [SECONDS [ROUNDS]]: what a name over its share costs its neighbour.
+"""neighbours.py FRACTURE_SERVER MESH [SECONDS [ROUNDS]]: measures how much a name over its share slows
+another name.
 
-Two names on one server with two computing threads. `quiet` fractures a stored mesh five times a second, as a game does at
-collisions; `greedy` asks at ten times its share (ten requests a second, two computations at the same time), half of it
-realtime, half batch with four times the sites. Rounds of quiet alone and of both alternate, so that what else the machine
-does falls on both. Prints latencies of `quiet` (p50, p99, worst), the quotient of the p99s and how often it failed.
+Two names use one server with two computing threads. `quiet` fractures a stored mesh five times a second, as a
+game does on collisions. `greedy` sends requests at ten times its share (ten requests a second, two
+computations at the same time), half of them realtime, half of them batch with four times the sites. Rounds of
+`quiet` alone and of both alternate, so that other work on the machine affects both. Prints the latencies of
+`quiet` (p50, p99, worst), the quotient of the p99s and the number of failures.
 """
 import hashlib
 import http.client
@@ -64,9 +66,9 @@ def quiet_round(port, mesh, seconds, seeds):
 
 
 def greedy_loop(port, mesh, stop, first_seed, answers):
-    """In a process of its own, so that the interpreter's lock is not what `quiet` waits for."""
+    """Runs in its own process, so that `quiet` does not wait for the interpreter's lock."""
     client, seed, counts = Client(port, "greedy"), first_seed, {}
-    pause = 4 / (10 * SHARE)  # four such loops
+    pause = 4 / (10 * SHARE)  # There are four such loops.
     following = time.monotonic()
     while not stop.is_set():
         following += pause
@@ -99,7 +101,7 @@ def main():
     seeds = iter(range(1, 10**6))
     alone, beside, counts = [], [], {}
     failures = [0, 0]
-    quiet_round(port, mesh, 2, seeds)  # warm
+    quiet_round(port, mesh, 2, seeds)  # warm-up
     for r in range(rounds):
         times, failed = quiet_round(port, mesh, seconds, seeds)
         alone += times

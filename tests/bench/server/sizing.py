@@ -1,7 +1,9 @@
-"""sizing.py FRACTURE_SERVER MESH...: what a server needs, as the tables of docker/README.md.
+"""sizing.py FRACTURE_SERVER MESH...: prints the resources that a server needs, as the tables of
+docker/README.md.
 
-A fresh server with one computing thread and one import worker for each mesh. Time: the processor time of server and import
-worker, so that a busy machine changes it little; the least of three rounds, each with seeds of its own.
+For each mesh it starts a new server with one computing thread and one import worker. The time is the
+processor time of server and import worker, so a busy machine changes it little. It is the least of three
+rounds, each with different seeds.
 """
 import hashlib
 import http.client
@@ -44,7 +46,7 @@ class Server:
         return [self.process.pid, *dict.fromkeys(map(int, children))]
 
     def memory(self, key):
-        """MiB of the server and of its import worker: VmRSS now, VmHWM at most."""
+        """Returns MiB of the server and of its import worker: VmRSS for now, VmHWM for the peak."""
         figures = []
         for pid in self.processes():
             with open(f"/proc/{pid}/status", encoding="ascii") as f:
@@ -52,7 +54,8 @@ class Server:
         return (figures + [0])[:2]
 
     def processor_seconds(self):
-        """With that of workers which ended, since new ones take over after a hundred files: their parents have it."""
+        """Returns the processor seconds, including workers that ended (a new worker takes over after a
+        hundred files). The parents keep their time."""
         ticks = 0
         for pid in self.processes():
             try:
@@ -73,7 +76,8 @@ class Server:
 
 
 def least(server, ask, rounds=3, least_seconds=1.0):
-    """Processor milliseconds of one request: rounds of at least so long, since the clock ticks in hundredths."""
+    """Returns the processor milliseconds of one request. A round takes at least `least_seconds`, because the
+    clock ticks in hundredths of a second."""
     best, seed = float("inf"), 100
     for _ in range(rounds):
         begun, count = server.processor_seconds(), 0

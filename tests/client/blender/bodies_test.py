@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Collections, rigid bodies and breakable constraints of an answer, and that they hold and break in Blender's own simulation."""
+"""Collections, rigid bodies and breakable constraints made from an answer: they hold and break in Blender's own
+simulation."""
 import pathlib
 import sys
 
@@ -83,7 +84,7 @@ class Physics(InBlender):
         self.assertEqual(len(made.all_objects), 5)
 
     def centers_after(self, pieces, frames):
-        """Where the pieces are in the first frame of the simulation, and in a later one."""
+        """Returns where the pieces are in the first frame of the simulation and in a later one."""
         found = []
         for frame in range(1, frames + 1):
             bpy.context.scene.frame_set(frame)
@@ -103,7 +104,8 @@ class Physics(InBlender):
                 self.assertLess(max((b - a).length for a, b in zip(first, last)), 0.005)
 
     def fall(self, strength):
-        """A box that falls three metres: by how much a distance between two of its pieces changed, and the lowest centre."""
+        """Drops a box from three metres. Returns by how much a distance between two pieces changed, and the lowest
+        centre."""
         support.empty_scene()
         support.add_cube("Vase", location=(0, 0, 4))
         settings().strength = strength

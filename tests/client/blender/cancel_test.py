@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is taken back stops the work of the server or the program, and leaves the scene as it was."""
+"""Cancelling stops the work of the server or the program, and leaves the scene unchanged."""
 import os
 import pathlib
 import sys
@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import support  # noqa: E402
 from support import InBlender, add_cube, eventually  # noqa: E402
 
-LONG = {"sites": 100_000, "lloyd": 50}  # minutes
+LONG = {"sites": 100_000, "lloyd": 50}  # takes minutes
 
 
 def scene():
@@ -55,7 +55,7 @@ class Cancelled(InBlender):
         self.end(work, scene())
 
     def test_esc_takes_it_back_and_other_keys_do_nothing(self):
-        """The operator as Blender calls it; only the window is a stand-in, which a background run has not."""
+        """Calls the operator as Blender does. Only the window is a stand-in, because a background run has none."""
         operators = support.part("operators")
         kind = operators.OBJECT_OT_fracture_exact
         said = []

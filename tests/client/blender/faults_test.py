@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A server that forgets, is busy, cuts off, lies and says nothing: the manners are those of the Python package, and the add-on has
-to have them. What goes wrong stands between the real server and Blender."""
+"""A server that forgets, is busy, cuts connections, sends wrong data or falls silent. The add-on must behave as the
+Python package does. A faulty relay sits between the real server and Blender."""
 import http.client
 import importlib.util
 import itertools
@@ -18,7 +18,7 @@ from support import InBlender, add_cube, eventually, fragments_of, preferences  
 
 
 def servers_that_lie():
-    """What the tests of the Python package have for this."""
+    """Loads the fault server from the tests of the Python package."""
     path = support.ROOT / "tests" / "client" / "python" / "support.py"
     spec = importlib.util.spec_from_file_location("python_support", path)
     module = importlib.util.module_from_spec(spec)
@@ -28,11 +28,12 @@ def servers_that_lie():
 
 
 lies = servers_that_lie()
-SEEDS = itertools.count(1)  # an answer that is known already has no events
+SEEDS = itertools.count(1)  # new seeds, because a known answer has no events
 
 
 class Between:
-    """Passes everything on, but for the first `times` requests of a kind, which `fault` answers. It is given what the server says."""
+    """Passes every request on, except the first `times` requests of a kind. Those are answered by `fault`, which
+    receives a function that asks the server."""
 
     def __init__(self, url, method, path, fault, times=1, port=0):
         self._address = urllib.parse.urlsplit(url).netloc
@@ -64,7 +65,7 @@ def cut(reply):
 
 
 def held_back(reply):
-    """The second half never comes."""
+    """The reply without its second half, which never arrives."""
     return lies.Reply(reply.bytes[:len(reply.bytes) // 2])
 
 
@@ -84,7 +85,7 @@ class Faults(InBlender):
         return between
 
     def check_survives(self, method, path, fault, again, **parameters):
-        """`again`: how often a request of that kind is made then."""
+        """`again`: how often a request of that kind must then be made."""
         support.empty_scene()
         add_cube()
         between = self.between(method, path, fault)
@@ -121,11 +122,11 @@ class Faults(InBlender):
         self.check_survives("GET", "/fractures/", lambda real: lies.Reply(reset=True), 2)
 
     def test_progress_goes_on_when_its_connection_breaks(self):
-        """The cuts are so fine that the job is at work for long enough to be listened to twice."""
+        """The cuts are so fine that the job works long enough for its events to be requested twice."""
         self.check_survives("GET", "/events", lambda real: lies.Reply(reset=True), 2, rough_amplitude=0.02, rough_frequency=30, rough_octaves=2)
 
     def check_error(self, method, path, fault, words, timeout=60):
-        """Of a server with a fault that does not end; returns how often a request of that kind was made."""
+        """Checks the error if the fault does not end. Returns how often a request of that kind was made."""
         support.empty_scene()
         add_cube()
         support.give(sites=5, seed=next(SEEDS))
@@ -168,7 +169,7 @@ class Faults(InBlender):
         self.check_error("GET", "/fractures/", lambda real: held_back(real()), "(timeout", timeout=2)
 
     def begin(self, *arguments, **options):
-        """A fracture that comes to a fault and stays there."""
+        """Begins a fracture that meets a lasting fault. Returns the work and the relay."""
         support.empty_scene()
         add_cube()
         support.give(pattern="uniform", sites=12, seed=next(SEEDS))
@@ -198,7 +199,7 @@ class Faults(InBlender):
             with self.subTest(name):
                 work, between = self.begin(method, path, fault, times=999)
                 work.asking.cancel()
-                self.assertTrue(work.asking.wait(30))  # less than the pause
+                self.assertTrue(work.asking.wait(30))  # less than the pause between attempts
                 self.assertEqual(work.asking.error.type, "cancelled")
                 if name == "silence":
                     eventually("the connection is closed", lambda: between.server.closed_by_client == 1)

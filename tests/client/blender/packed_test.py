@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The zip: what is in it, that Blender installs it into an empty folder, that it works from there, and its presets."""
+"""The zip file: its contents, that Blender installs it into an empty folder, that it works from there, and its presets.
+"""
 import os
 import pathlib
 import re
@@ -48,7 +49,7 @@ class Packed(InBlender):
         self.assertEqual(again.read_bytes(), pathlib.Path(os.environ["FRACTURE_TEST_ZIP"]).read_bytes())
 
     def test_the_program_of_the_readme(self):
-        """In a Blender of its own, from an empty folder with the zip; only the server is at another address."""
+        """Runs in a separate Blender, from an empty folder with the zip file. Only the server's address is changed."""
         readme = (SOURCE / "README.md").read_text(encoding="utf-8")
         program = re.search(r"```python\n(.*?)```", readme, re.DOTALL).group(1)
         self.assertLessEqual(len(program.strip().splitlines()), 10)
@@ -59,13 +60,13 @@ class Packed(InBlender):
         self.assertIn(enable, program)
         address = f'bpy.context.preferences.addons["fracture_blender"].preferences.url = "{self.server.url}"\n'
         (folder / "break.py").write_text(program.replace(enable, enable + address), encoding="utf-8")
-        environment = {**os.environ, "PWD": str(folder), "BLENDER_USER_RESOURCES": str(folder / "user")}  # it goes by PWD
+        environment = {**os.environ, "PWD": str(folder), "BLENDER_USER_RESOURCES": str(folder / "user")}  # the program uses PWD
         command = [bpy.app.binary_path, "--background", "--factory-startup", "--python-exit-code", "1", "--python", "break.py"]
         done = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
                               timeout=2 * support.PATIENCE)
         self.assertEqual(done.returncode, 0, done.stdout)
         shown = re.search(r"\$ blender --background.*?\n((?:    .*\n)+)", readme).group(1)
-        for line in (line.strip() for line in shown.splitlines()):  # the transcript is what it says today
+        for line in (line.strip() for line in shown.splitlines()):  # the README's transcript matches today's output
             self.assertIn(line.split(";")[0], done.stdout)
         bpy.ops.wm.open_mainfile(filepath=str(folder / "broken.blend"))
         self.assertEqual(sum("fracture_volume" in item for item in bpy.data.objects), 60)

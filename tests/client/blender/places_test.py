@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hits, kept and held regions, and paint: what is asked for, and that it happens where the empties are."""
+"""Hits, regions to keep and to hold, and paint: what is requested, and that it takes effect where the empties are."""
 import json
 import math
 import pathlib
@@ -18,7 +18,7 @@ def asked(collection):
 
 
 def near(collection, place, radius):
-    """How many fragments have their centre within it."""
+    """Counts the fragments whose centre is within the radius of the place."""
     return sum((item.location - Vector(place)).length < radius for item in fragments_of(collection))
 
 
@@ -157,7 +157,7 @@ class Paint(InBlender):
 
 
 class Parameters(InBlender):
-    """Values of the panel in the frame of the interface."""
+    """Values of the panel, converted to the frame of the interface."""
 
     def test_vectors_boxes_sizes_and_matrices_are_turned(self):
         group = bpy.context.scene.fracture_parameters

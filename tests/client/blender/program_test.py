@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Through `fracture-server bake` on this machine: the same as by a server, in the same words."""
+"""Fractures through `fracture-server bake` on this machine. Results and messages equal those from a server."""
 import os
 import pathlib
 import sys

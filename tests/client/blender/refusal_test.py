@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What goes wrong says the server's words, and shows the place."""
+"""An error shows the server's words and the place of the problem."""
 import pathlib
 import socket
 import sys
@@ -14,7 +14,7 @@ from support import InBlender, add_cube, load, preferences  # noqa: E402
 
 
 def selected_edges():
-    """Of the mesh in edit mode: how many faces each has."""
+    """Returns the number of faces of each selected edge of the mesh in edit mode."""
     mesh = bmesh.from_edit_mesh(bpy.context.edit_object.data)
     return [len(edge.link_faces) for edge in mesh.edges if edge.select]
 
@@ -82,7 +82,7 @@ class Refused(InBlender):
         self.assertIn("'points'", words)
 
     def test_no_server(self):
-        with socket.socket() as free:  # bound and not listening: nobody answers there
+        with socket.socket() as free:  # bound but not listening, so nobody answers there
             free.bind(("127.0.0.1", 0))
             preferences().url = f"http://127.0.0.1:{free.getsockname()[1]}"
             preferences().timeout = 1

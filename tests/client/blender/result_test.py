@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What becomes of an answer: volumes, materials, texture coordinates and colours, in Blender's frame."""
+"""Tests an answer in Blender: volumes, materials, texture coordinates and colours, in Blender's frame."""
 import pathlib
 import sys
 
@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import support  # noqa: E402
 from support import InBlender, fragments_of, load, volume  # noqa: E402
 
-CLOSE = 1e-6  # relative: positions are in single precision
+CLOSE = 1e-6  # relative, because positions are in single precision
 
 
 class Volumes(InBlender):

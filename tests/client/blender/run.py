@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs one test file inside Blender: run.py result_test.py. What is tested is the packed add-on, in a folder of the user that is
-new and empty. Exits with 77 where Blender is not installed, or all tests were skipped.
+"""Runs one test file inside Blender: run.py result_test.py. The packed add-on is tested, with a new, empty user folder.
+Exits with 77 if Blender is not installed, or if all tests were skipped.
 
-FRACTURE_TEST_SERVER names the program fracture-server, FRACTURE_TEST_MESHES folders of real meshes, FRACTURE_TEST_BLENDER
-another Blender, FRACTURE_TEST_PICTURES a folder that pictures are left in. A file that begins with "window" gets a window, of
-Xvfb; all others run in the background.
+FRACTURE_TEST_SERVER names the program fracture-server, FRACTURE_TEST_MESHES folders of real meshes,
+FRACTURE_TEST_BLENDER another Blender, and FRACTURE_TEST_PICTURES a folder for pictures. A file whose name begins with
+"window" gets a window in Xvfb; all others run in the background.
 """
 import os
 import pathlib
@@ -17,7 +17,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 PACK = HERE.parents[2] / "client" / "blender" / "pack.py"
 SKIPPED = 77
-NO_WINDOW = ("Unable to open a display", "context", "Xvfb failed")  # what Blender or Xvfb say, then
+NO_WINDOW = ("Unable to open a display", "context", "Xvfb failed")  # messages of Blender or Xvfb without a display
 
 
 def skip(why):
@@ -44,7 +44,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="fracture-blender-") as folder:
         packed = pathlib.Path(folder) / "fracture_blender.zip"
         subprocess.run([sys.executable, PACK, "--describe", server, packed], check=True)
-        # Blender looks for the library of Python beside the first python3 on the PATH, which has to be the system's.
+        # Blender looks for the Python library next to the first python3 on the PATH, which must be the system's.
         environment = {**os.environ, "PATH": os.pathsep.join((os.path.dirname(blender), os.defpath)),
                        "FRACTURE_TEST_ZIP": str(packed), "FRACTURE_TEST_PYTHON": sys.executable,
                        "BLENDER_USER_RESOURCES": str(pathlib.Path(folder) / "user"),

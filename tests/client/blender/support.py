@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests inside Blender share: the installed add-on, the server, scenes, and sums over meshes in double precision."""
+"""Code that the tests inside Blender share: the installed add-on, the server, scenes, and sums over meshes in double
+precision."""
 import importlib.util
 import os
 import pathlib
@@ -16,12 +17,12 @@ import bpy
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 NAME = "fracture_blender"
-PATIENCE = 120.0  # s, after which something that has to happen has not
+PATIENCE = 120.0  # seconds, after which an expected event counts as missing
 SKIPPED = 77
 
 
 def install():
-    """Of the zip, as a user does it; returns the module."""
+    """Installs the zip file as a user does. Returns the module."""
     if NAME not in bpy.context.preferences.addons:
         bpy.ops.preferences.addon_install(filepath=os.environ["FRACTURE_TEST_ZIP"])
         bpy.ops.preferences.addon_enable(module=NAME)
@@ -33,16 +34,16 @@ def preferences():
 
 
 def part(name):
-    """A module of the add-on."""
+    """Returns a module of the add-on."""
     return importlib.import_module(f"{NAME}.{name}")
 
 
 def main():
-    """Of each test file."""
+    """Runs a test file."""
     try:
         names = [name for name in sys.argv[sys.argv.index("--") + 1:]] if "--" in sys.argv else []
         program = unittest.main(module="__main__", argv=["test", *names], exit=False, verbosity=2)
-    except BaseException:  # Blender would go on without a word
+    except BaseException:  # otherwise Blender would silently go on
         traceback.print_exc()
         leave(1)
     result = program.result
@@ -50,19 +51,19 @@ def main():
 
 
 def leave(code):
-    """Without Blender's own end, which may wait for a display that is gone."""
+    """Ends without Blender's own shutdown, which may wait for a display that no longer exists."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(code)
 
 
 def eventually(what, condition):
-    """Asks until it holds."""
+    """Waits until the condition holds."""
     end = time.monotonic() + PATIENCE
     while not condition():
         if time.monotonic() > end:
             raise AssertionError(f"not within {PATIENCE:g} s: {what}")
-        time.sleep(0.005)  # pause: between two looks, up to the limit
+        time.sleep(0.005)  # pause: between two checks, up to the limit
 
 
 class Server:
@@ -89,7 +90,7 @@ class Server:
 
 
 class InBlender(unittest.TestCase):
-    """An empty scene for each test, the add-on, and a server for the tests of a class."""
+    """A test case with the add-on, an empty scene for each test, and one server for the class."""
 
     @classmethod
     def setUpClass(cls):
@@ -104,7 +105,7 @@ class InBlender(unittest.TestCase):
         preferences().timeout = 60
 
     def fracture(self, **parameters):
-        """Of the selection, by the operator; returns the collections that are new. Parameters are those of the panel."""
+        """Fractures the selection with the operator. Returns the new collections. Parameters are those of the panel."""
         before = set(bpy.data.collections.keys())
         give(**parameters)
         self.assertEqual(bpy.ops.object.fracture_exact(), {"FINISHED"})
@@ -113,7 +114,7 @@ class InBlender(unittest.TestCase):
         return new
 
     def refused(self):
-        """The words of the operator's error, in one line."""
+        """Returns the operator's error message as one line."""
         with self.assertRaises(RuntimeError) as raised:
             bpy.ops.object.fracture_exact()
         return " ".join(str(raised.exception).split())
@@ -130,7 +131,7 @@ def empty_scene():
 
 
 def give(**parameters):
-    """Sets parameters, and switches all others off."""
+    """Sets these parameters and switches all others off."""
     group = bpy.context.scene.fracture_parameters
     for name in part("properties").Known.parameters:
         setattr(group, "use_" + name, False)
@@ -143,7 +144,7 @@ def settings():
 
 
 def mesh_file(name):
-    """Of the folders of real meshes; skips the test without."""
+    """Returns a path from the folders of real meshes; skips the test if there is none."""
     for folder in os.environ.get("FRACTURE_TEST_MESHES", "").split(os.pathsep):
         path = pathlib.Path(folder) / name
         if folder and path.is_file():
@@ -152,7 +153,7 @@ def mesh_file(name):
 
 
 def load(name):
-    """Imports a mesh file by Blender, and selects what came; returns the objects with meshes."""
+    """Imports a mesh file with Blender and selects its objects. Returns the objects with meshes."""
     path = mesh_file(name)
     before = set(bpy.data.objects.keys())
     if name.endswith(".obj"):
@@ -161,7 +162,7 @@ def load(name):
         if importlib.util.find_spec("numpy") is None:
             raise unittest.SkipTest("Blender's importer of glTF needs numpy (Debian: python3-numpy)")
         numpy = importlib.import_module("numpy")
-        if not hasattr(numpy, "bool"):  # the importer of Blender 3.4 uses a name that numpy 1.24, which is beside it in Debian, lacks
+        if not hasattr(numpy, "bool"):  # The importer of Blender 3.4 uses a name that is missing from Debian's numpy 1.24.
             numpy.bool = bool
         bpy.ops.import_scene.gltf(filepath=path)
     new = [item for item in bpy.data.objects if item.name not in before and item.type == "MESH"]
@@ -170,7 +171,7 @@ def load(name):
 
 
 def select(*items):
-    bpy.context.view_layer.update()  # it knows of new objects from then on
+    bpy.context.view_layer.update()  # from here on it knows the new objects
     for item in bpy.context.view_layer.objects:
         item.select_set(item in items)
     if items:
@@ -203,7 +204,7 @@ def bonds_of(collection):
 
 
 def volume(item, evaluated=False):
-    """By the divergence theorem, in double precision (Python's floats), of the object as it stands in the scene."""
+    """The volume of the object in the scene, by the divergence theorem, in double precision (Python's floats)."""
     source = item.evaluated_get(bpy.context.evaluated_depsgraph_get()) if evaluated else item
     mesh = source.to_mesh()
     try:
@@ -221,7 +222,7 @@ def volume(item, evaluated=False):
 
 
 def open_edges(mesh):
-    """Edges with an odd number of faces."""
+    """Returns the edges with an odd number of faces."""
     count = array("i", bytes(4 * len(mesh.edges)))
     corners = array("i", bytes(4 * len(mesh.loops)))
     mesh.loops.foreach_get("edge_index", corners)

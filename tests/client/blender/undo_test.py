@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One step of undo gives everything back, and redo makes it again."""
+"""A single undo restores everything, and redo makes it again."""
 import pathlib
 import sys
 
@@ -13,7 +13,8 @@ KINDS = ("objects", "meshes", "collections", "materials", "images")
 
 
 def everything():
-    """All that the operator touches, as plain values: after an undo, references to Blender's data lead nowhere."""
+    """Everything that the operator changes, as plain values, because references to Blender's data are invalid after an
+    undo."""
     scene = bpy.context.scene
     world = scene.rigidbody_world
     return {

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""With a window: the panel is drawn, the operator runs beside the user, Esc ends it, and pictures of what came.
+"""Tests with a window: the panel is drawn, the operator runs while the user works, Esc ends it, and the results are saved
+as pictures.
 
-Blender calls back between events, so that the test is a generator: it does a step, yields, and goes on a moment later.
-FRACTURE_TEST_PICTURES names a folder that the pictures are left in, to be looked at.
+Blender calls back between events, so the test is a generator: it does a step, yields, and continues a moment later.
+FRACTURE_TEST_PICTURES names a folder in which the pictures are kept, to be looked at.
 """
 import os
 import pathlib
@@ -17,7 +18,7 @@ from mathutils import Vector
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import support  # noqa: E402
 
-MOMENT = 0.05  # s between steps
+MOMENT = 0.05  # seconds between steps
 
 
 def pictures():
@@ -31,7 +32,7 @@ def window():
 
 
 def view():
-    """The 3D view: its area, region and space."""
+    """Returns area, region and space of the 3D view."""
     area = next(area for area in window().screen.areas if area.type == "VIEW_3D")
     return area, next(region for region in area.regions if region.type == "WINDOW"), area.spaces.active
 
@@ -42,7 +43,7 @@ def override():
 
 
 def until(what, condition):
-    """Lets Blender go on until it holds."""
+    """Lets Blender run until the condition holds."""
     end = time.monotonic() + support.PATIENCE
     while not condition():
         if time.monotonic() > end:
@@ -63,7 +64,7 @@ def fracture():
 
 
 def colored(path):
-    """How many different colours a picture has: one that shows nothing has a few."""
+    """Returns how many different colours a picture has; an empty picture has only a few."""
     image = bpy.data.images.load(str(path))
     pixels = image.pixels[:]
     bpy.data.images.remove(image)
@@ -71,8 +72,8 @@ def colored(path):
 
 
 def open_panels():
-    """Puts the panels into the tab that is open, none of them closed, and notes what their drawing does. Returns the names of
-    those that were drawn, and what was raised."""
+    """Puts all panels into the open tab, none of them closed, and watches how they are drawn. Returns the names of the
+    panels that were drawn, and the exceptions that were raised."""
     drawn, raised = set(), []
 
     def watched(panel):
@@ -107,7 +108,7 @@ def steps(server):
     support.preferences().url = server.url
     yield from until("a window", lambda: view()[1].width > 100)
 
-    # Esc, in the midst of minutes of work.
+    # Esc, in the middle of work that takes minutes.
     cube = support.add_cube()
     support.give(sites=100_000, lloyd=50)
     before = sorted(bpy.data.objects.keys())
@@ -165,7 +166,7 @@ def steps(server):
         yield
     screenshot("window.png")
 
-    # One step back, and forth again.
+    # Undo, then redo.
     with override():
         bpy.ops.ed.undo()
     yield
@@ -175,7 +176,7 @@ def steps(server):
         bpy.ops.ed.redo()
     yield
 
-    # The pieces moved apart, rendered by Workbench.
+    # The pieces, moved apart and rendered by Workbench.
     pieces = [item for item in bpy.data.objects if "fracture_id" in item]
     for item in pieces:
         item.location *= 1.5
@@ -194,7 +195,7 @@ def steps(server):
     bpy.ops.render.render(write_still=True)
     assert colored(scene.render.filepath) > 50
 
-    # A mesh that cannot be used: the popup, and its open edges.
+    # A mesh that cannot be used: the popup, and the mesh's open edges.
     bpy.ops.mesh.primitive_plane_add()
     support.select(bpy.context.object)
     for item in pieces:

@@ -1,4 +1,4 @@
-// The documents at /docs, without a browser: what the build makes of Markdown, what the search puts first, what addresses mean.
+// The documents at /docs, without a browser: what the build makes of the Markdown, what the search ranks first, what addresses mean.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';

@@ -1,5 +1,5 @@
-// What hands do beside clicks: places are dragged by their handles, folders are dropped, presets are kept as files; and a picture
-// that comes back after the graphics card was away.
+// Interactions other than clicks: places are dragged by their handles, folders are dropped, presets are kept as files. Also a picture that
+// returns after the graphics card was lost.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -49,7 +49,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await page.screenshot({ path: path.join(pictures, 'sphere.png') });
     assert.deepEqual(await camera(), before);
     assert.equal(await state(page, s => s.wish.settings.impacts), undefined, 'a drag is no hit');
-    // Each drag is one step back, whatever came of it on the way.
+    // Each drag is a single undo step, however it moved.
     await page.keyboard.press('Control+z');
     await page.waitForFunction(radius => globalThis.fracture.state.shown.wish.settings.keep_radius === radius, moved.keep_radius);
     await place(page, 'Keep sphere').click();
@@ -87,7 +87,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await drag(page, 'normals 0', 120, 60);
     assert.ok((await settings(page)).normals[0][1] < 0.95);
     await page.screenshot({ path: path.join(pictures, 'slices.png') });
-    // What belongs to a pattern alone goes with it; the server would refuse it.
+    // Settings that belong only to a pattern disappear with it; the server would refuse them.
     await page.getByRole('button', { name: 'Wood' }).click();
     await shown(page);
     assert.deepEqual(Object.keys(await settings(page)).sort(), ['fragments', 'grain', 'material']);
@@ -116,13 +116,13 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":8}' }), { page } = opened;
     const away = () => page.evaluate(() => globalThis.fracture.stage.camera.position.distanceTo(globalThis.fracture.stage.controls.target));
     const before = await away();
-    // Physics comes when all of the presses are made.
+    // Physics loads after all the presses.
     await page.evaluate(() => import('/page/play.js'));
     const press = times => page.evaluate(count => {
       for (let k = 0; k < count; ++k) document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'p', bubbles: true, cancelable: true }));
     }, times);
     const playing = () => page.waitForFunction(() => globalThis.fracture.state.play?.loading === false && globalThis.fracture.physics);
-    const onBench = () => page.evaluate(() => new Promise(resolve => setTimeout(resolve, 400))).then(() => state(page, s => s.play === undefined));  // pause: nothing comes late
+    const onBench = () => page.evaluate(() => new Promise(resolve => setTimeout(resolve, 400))).then(() => state(page, s => s.play === undefined));  // pause: nothing arrives late
     for (const count of [4, 12]) {
       await press(count);
       assert.ok(await onBench(), `${count} presses`);
@@ -131,12 +131,12 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await press(3);
     await playing();
     assert.ok(Math.abs(await away() / before - 1.5) < 0.01, 'one step back for one Play');
-    // Another answer while it plays: its pieces are played.
+    // A new answer while it plays: its pieces are played.
     await page.evaluate(() => globalThis.fracture.breaking.setParameter('fragments', 12));
     await shown(page);
     await playing();
     assert.equal(await page.evaluate(() => globalThis.fracture.physics.pieces.meshes.length), 12);
-    // A step that fails ends at the bench, in words, and the next Play is one.
+    // If a step fails, the page returns to the bench with a message, and the next Play works.
     await page.evaluate(() => {
       globalThis.fracture.physics.world.step = () => {
         throw new Error('unreachable');
@@ -269,7 +269,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     });
     await shown(page);
     assert.equal(await state(page, s => s.shown.answer.fragments.length), 25);
-    // The key is let go in another window, which tells this one nothing: what is pressed after that is a step of its own.
+    // The key is released in another window, so this one is not told. The next press is a separate step.
     await page.getByRole('slider', { name: 'Fragments' }).evaluate(async slider => {
       slider.dispatchEvent(new FocusEvent('blur'));
       await new Promise(later => setTimeout(later, 1000));
@@ -360,7 +360,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await opened.close();
   });
 
-  /** How many colours the picture has; one or two: it is blank. */
+  /** How many colours the picture has; with only one or two it is blank. */
   const colours = page => page.evaluate(async () => {
     const { stage } = globalThis.fracture, bitmap = await createImageBitmap(await stage.picture()), canvas = new OffscreenCanvas(64, 64), context = canvas.getContext('2d');
     context.drawImage(bitmap, 0, 0, 64, 64);
@@ -381,7 +381,7 @@ describe('hands', { skip, timeout: 300_000 }, () => {
     await page.evaluate(() => globalThis.fracture.stage.drawn());
     const after = await colours(page);
     assert.ok(after > before / 2, `${after} colours after it came back, ${before} before`);
-    // What was there stays.
+    // The previous mesh stays.
     await page.getByRole('tab', { name: 'Mesh' }).click();
     await page.setInputFiles('input[type=file] >> nth=0', { name: 'holiday.txt', mimeType: 'text/plain', buffer: Buffer.from('a text') });
     await problem(page);

@@ -1,4 +1,4 @@
-// Real meshes dropped on the page (FRACTURE_TEST_MESHES): files, files with what they name, folders.
+// Real meshes dropped on the page (FRACTURE_TEST_MESHES): files, files with the files that they refer to, folders.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';

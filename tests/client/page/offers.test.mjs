@@ -1,5 +1,5 @@
-// What the server was told to offer is among the samples: a mesh from Debian's assimp-testmodels, where that is installed, and one that is
-// no mesh.
+// The samples include the files that the server was told to offer: a mesh from Debian's assimp-testmodels, if that is installed, and a file
+// that is not a mesh.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';

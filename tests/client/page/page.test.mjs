@@ -1,4 +1,4 @@
-// The page as a person uses it: it opens with something broken, breaks where it is clicked, follows a slider, goes back and forth.
+// The page as a person uses it: it opens with a broken sample, breaks where it is clicked, follows a slider, and goes back and forth.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -55,7 +55,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
 
   test('a slider that is dragged: three requests at most, the last one wins, no stale picture', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":20}' }), { page } = opened;
-    // Answers overtake one another where some take longer.
+    // With a delay for some answers, later answers overtake earlier ones.
     bench.site.delay = 60;
     bench.site.most = 0;
     await page.evaluate(() => {
@@ -129,7 +129,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     await sheet.getByText(/Every fragment is closed/).first().waitFor();
     assert.equal(await sheet.locator('.red').count(), 0);
     await sheet.getByRole('button', { name: 'Close' }).click();
-    // The server sends none that is not proved.
+    // The server sends only proved answers, so the test makes an unproved one.
     await page.evaluate(() => {
       const { state, set } = globalThis.fracture, { shown } = state, answer = Object.create(shown.answer, { certificate: { value: { ...shown.answer.certificate, open_edges: 2 } } });
       set.call(globalThis.fracture, { shown: { ...shown, answer } });
@@ -186,7 +186,7 @@ describe('the page', { skip, timeout: 300_000 }, () => {
     const address = page.url();
     await page.getByRole('link', { name: 'Documentation' }).click();
     await page.locator('.docs-nav').getByRole('link', { name: 'HTTP interface' }).click();
-    // What is followed there are further entries of the history.
+    // Links that are followed there add entries to the history.
     await page.locator('.docs-nav').getByRole('link', { name: 'POST /fracture', exact: true }).click();
     await page.locator('.docs-nav').getByRole('link', { name: /^Parameters \(/ }).click();
     await page.getByRole('link', { name: 'Back to the main page' }).click();

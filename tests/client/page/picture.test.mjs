@@ -1,4 +1,4 @@
-// What is seen: the same picture after Play and after a size that changed, also where frames are slow; and as few frames as it takes.
+// The visible picture: it is the same after Play and after a change of size, even if frames are slow. No more frames are drawn than needed.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 import { Bench, drop, onMesh, shown, skip, state } from './support.mjs';
@@ -11,13 +11,13 @@ describe('the picture', { skip, timeout: 300_000 }, () => {
   after(() => bench?.stop());
 
   const picture = page => page.locator('#viewport').screenshot();
-  /** Until the picture is that one again, dot for dot. */
+  /** Waits until the picture equals that one again, pixel for pixel. */
   async function becomes(page, wanted, what) {
     for (const end = Date.now() + 20_000; Date.now() < end; await page.waitForTimeout(200))  // pause: between two pictures
       if ((await picture(page)).equals(wanted)) return;
     assert.fail(`${what}: another picture`);
   }
-  /** A machine whose frames take so many milliseconds. */
+  /** Makes each frame take this many milliseconds. */
   const slow = (page, milliseconds) => page.evaluate(time => {
     const { renderer } = globalThis.fracture.stage, render = renderer.render.bind(renderer);
     globalThis.drawn = [];
@@ -39,7 +39,7 @@ describe('the picture', { skip, timeout: 300_000 }, () => {
     await page.waitForFunction(() => globalThis.drawn.some(dots => dots < 1));
     await page.keyboard.press('p');
     await becomes(page, before, 'after Play');
-    // Back above the ground, and then to the bench.
+    // Back above the ground, then back to the bench.
     await page.keyboard.press('p');
     await page.waitForFunction(() => globalThis.fracture.physics);
     await page.keyboard.press('r');
@@ -74,7 +74,7 @@ describe('the picture', { skip, timeout: 300_000 }, () => {
   test('the mesh fills a window of another shape as it would one that was so from the start, unless somebody has moved it', async () => {
     const opened = await bench.open({ hash: '#sample=cube&set={"material":"stone","fragments":6}', width: 1024, height: 700 }), { page } = opened;
     const camera = () => page.evaluate(() => globalThis.fracture.stage.camera.position.toArray().map(value => Number(value.toFixed(6))));
-    /** The camera, when it knows of the window. */
+    /** The camera, once it knows the size of the window. */
     const resized = async (width, height) => {
       await page.setViewportSize({ width, height });
       await page.waitForFunction(() => {
@@ -142,7 +142,9 @@ describe('the picture', { skip, timeout: 300_000 }, () => {
     const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","fragments":12}' }), { page } = opened;
     const { materials } = await (await fetch(`${bench.server.url}/patterns`)).json();
     const linear = value => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
-    /** Red, green and blue of what the server says of a material, the largest 1: it may be darker or paler outside. */
+    /**
+     * Red, green and blue of a material as the server describes it, scaled so that the largest is 1. The outside may be darker or paler.
+     */
     const hue = rgb => rgb.map(value => Number((value / Math.max(...rgb)).toFixed(3)));
     const hueOf = name => hue([1, 3, 5].map(at => linear(parseInt(materials.find(each => each.name === name).parameters.interior_color.slice(at, at + 2), 16) / 255)));
     const outside = () => state(page, s => s.shown.answer.document.json.materials[0].pbrMetallicRoughness.baseColorFactor.slice(0, 3)).then(hue);
@@ -164,7 +166,7 @@ describe('the picture', { skip, timeout: 300_000 }, () => {
     await page.evaluate(() => globalThis.fracture.breaking.setParameter('fragments', 14));
     await shown(page);
     assert.deepEqual([await mesh(), await outside()], [[clay, clay], hueOf('terracotta')]);
-    // The same bytes as somebody's file: its colours are theirs.
+    // The same bytes as a user's file: its colours are kept.
     const data = Buffer.from(await state(page, s => [...s.source.input.data]));
     await drop(page, [{ name: 'pot.glb', data }]);
     await page.waitForFunction(() => globalThis.fracture.state.source?.label === 'pot.glb');

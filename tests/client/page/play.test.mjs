@@ -1,4 +1,4 @@
-// Physics in the page: loaded on the first Play alone, from the file's own bodies, until it rests.
+// Physics in the page: loaded only on the first Play, with the bodies from the file, until everything rests.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
@@ -35,7 +35,7 @@ describe('play', { skip, timeout: 300_000 }, () => {
     assert.ok(rest.bodies > bodies, 'bonds broke');
     await page.keyboard.press('r');
     await page.waitForFunction(() => globalThis.fracture.state.play.bodies === 1);
-    // The button of slow motion: as many steps, and each a small one. Frames are counted here, whatever the machine makes of them.
+    // The button for slow motion: as many steps, but smaller ones. The test counts frames, however fast the machine draws them.
     const fall = () => page.evaluate(() => {
       const { stage, view, physics } = globalThis.fracture, height = () => view.batch.poses.get(0).at[1];
       physics.reset();

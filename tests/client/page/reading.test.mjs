@@ -48,11 +48,11 @@ describe('the documents', { skip, timeout: 300_000 }, () => {
     assert.equal(await page.locator('#found').isVisible(), false);
     await page.goBack();
     await eventually(title, found => assert.equal(found, 'Install'));
-    // A place in a document, and back to where the reader was.
+    // A place in a document, and then back to the reader's position.
     await page.goto(`${bench.site.url}/docs#server/README.md:exit-codes`);
     await eventually(() => page.locator('[id="server/README.md:exit-codes"]').boundingBox(), box => assert.ok(box.y >= 0 && box.y < 500, `${box.y}`));
     await page.evaluate(() => scrollBy(0, -300));
-    await page.waitForFunction(() => history.state?.scrolled === scrollY);  // kept when all is quiet
+    await page.waitForFunction(() => history.state?.scrolled === scrollY);  // stored when scrolling has stopped
     const before = await page.evaluate(() => scrollY);
     await page.locator('.docs-nav').getByRole('link', { name: 'Changelog' }).click();
     await eventually(title, found => assert.equal(found, 'Changelog'));
@@ -91,7 +91,7 @@ describe('the documents', { skip, timeout: 300_000 }, () => {
     await page.waitForSelector('#found [aria-selected=true]');
     await page.keyboard.press('Enter');
     await eventually(() => seen.boundingBox(), box => assert.ok(box.y >= 0 && box.y < 500, `${box.y}`));
-    // Left at once after a movement, and back to there.
+    // The reader leaves immediately after a movement, and returns to that position.
     await page.evaluate(() => {
       globalThis.scrollTo(0, 900);
       document.querySelector('.docs-nav a[href="#CHANGELOG.md"]').click();

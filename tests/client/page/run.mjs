@@ -1,8 +1,8 @@
-// What ctest calls.
-//   node run.mjs prepare        npm ci where it is needed, and the build of the page
-//   node run.mjs NAME           NAME.test.mjs by node's own test runner; FRACTURE_TEST_FULL=1: all of it
-//   node run.mjs late           some of them with every frame 300 ms late: a test that reads before the page has drawn fails each time
-// Exits with 77, and says why, where something is missing: that is a skipped test, never a passed one.
+// Runs the tests of the page; called by ctest.
+//   node run.mjs prepare        npm ci if needed, and the build of the page
+//   node run.mjs NAME           NAME.test.mjs with node's own test runner; with FRACTURE_TEST_FULL=1 all of it
+//   node run.mjs late           some of them with every frame 300 ms late: a test that reads too early then always fails
+// If something is missing, it prints the name and exits with 77: the test counts as skipped, not as passed.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -30,7 +30,7 @@ if (name !== 'unit' && name !== 'docs') {
   if (!process.env.FRACTURE_TEST_SERVER) skip('FRACTURE_TEST_SERVER names no fracture-server');
   if (!['/usr/bin/chromium', '/usr/bin/chromium-browser'].some(file => fs.existsSync(file))) skip('there is no Chromium (scripts/install-deps pictures)');
 }
-// They turn thousands of fragments in software: minutes on a machine that does other work, too.
+// These turn thousands of fragments in software, which takes minutes on a busy machine.
 if (['play', 'load', 'late'].includes(name) && process.env.FRACTURE_TEST_FULL !== '1') skip('FRACTURE_TEST_FULL is not 1');
 if (name === 'meshes' && !process.env.FRACTURE_TEST_MESHES) skip('FRACTURE_TEST_MESHES names no folders');
 const files = (name === 'late' ? ['trouble', 'tasks', 'offers'] : [name]).map(each => path.join(here, `${each}.test.mjs`));

@@ -1,5 +1,5 @@
-// The page as fracture-server serves it, in front of a fracture-server: its files with strong ETags and the policy, everything else
-// passed on. It can count, hold up and refuse what passes.
+// The page as fracture-server serves it, in front of a fracture-server: its files with strong ETags and the policy, everything else passed
+// on. It can count, delay and refuse requests.
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
 import http from 'node:http';
@@ -12,23 +12,23 @@ const TYPES = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript; ch
 export class Site {
   /** Requests that were passed on: {method, path, at, ended, aborted, status}. */
   passed = [];
-  /** Of fractures, at this moment and at most. */
+  /** Number of fractures in flight, now and at most. */
   inFlight = 0;
   most = 0;
-  /** Milliseconds that a fracture is held up. */
+  /** Milliseconds by which a fracture is delayed. */
   delay = 0;
-  /** The address of the server; undefined: nobody answers. */
+  /** The address of the server; undefined: no server. */
   target;
-  /** Nobody is here: every connection is cut. */
+  /** If true, every connection is cut, as if the server were away. */
   away = false;
-  /** What files are instead, by their path: of another build, say. */
+  /** Replacements for files by path, for example from another build. */
   instead = new Map();
 
   constructor(dist, target) {
     this.dist = dist;
     this.target = target;
     this.server = http.createServer((request, response) => this.serve(request, response));
-    // A browser keeps connections; what is to be seen is what it asks.
+    // Browsers keep connections alive; tests should see requests, not reconnections.
     this.server.keepAliveTimeout = 60_000;
   }
 
@@ -47,7 +47,7 @@ export class Site {
   serve(request, response) {
     if (this.away) return void response.destroy();
     const { pathname } = new URL(request.url, 'http://page.test'), html = (request.headers.accept ?? '').includes('text/html');
-    // What the server offers is its own.
+    // Samples come from the server.
     const offer = /^\/page\/sample(s\.json|-\d+)$/.test(pathname), file = offer ? undefined : pathname === '/' && html ? 'index.html' : pathname === '/docs' ? 'docs.html' : pathname.startsWith('/page/') ? pathname.slice(1) : undefined;
     if (file === undefined) return this.pass(request, response, pathname);
     const full = path.join(this.dist, file);
@@ -88,7 +88,7 @@ export class Site {
         if (!this.target) return void response.destroy();
         const { hostname, port } = new URL(this.target);
         const headers = { ...request.headers, host: `${hostname}:${port}`, 'content-length': body.length };
-        // The server is asked by this proxy, which is no page.
+        // The server must take this proxy for a program, not for a page.
         for (const name of ['origin', 'referer', 'transfer-encoding', 'sec-fetch-site', 'sec-fetch-mode', 'sec-fetch-dest', 'connection']) delete headers[name];
         if (request.method === 'GET' || request.method === 'HEAD') delete headers['content-length'];
         onward = http.request({ hostname, port, method: request.method, path: request.url, headers }, answer => {

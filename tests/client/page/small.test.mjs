@@ -1,11 +1,11 @@
-// Every control is reached on screens of four sizes and by a finger: none is cut or covered, none is smaller than a thumb finds, and
-// nothing is scrolled sideways.
+// Every control can be reached on screens of four sizes and with a finger: none is cut off or covered, none is too small for a thumb, and
+// nothing scrolls sideways.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { Bench, pictures, skip } from './support.mjs';
 
-/** Pixels. Controls of the panel are close together where there is room and a pointer that is exact. */
+/** Pixels. Controls of the panel may be closer together if there is room and the pointer is exact. */
 const LEAST = 32, CLOSE = 24;
 
 describe('on a small screen', { skip, timeout: 300_000 }, () => {
@@ -15,18 +15,18 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
   });
   after(() => bench?.stop());
 
-  /** What is wrong with the controls in a part of the page. */
+  /** Returns the faults of the controls in a part of the page. */
   const wrong = (page, within, least) => page.evaluate(([part, size]) => {
     const out = [], root = document.querySelector(part), outer = root.getBoundingClientRect(), panel = root.classList.contains('panel-body');
     if (root.scrollWidth > root.clientWidth) out.push(`${part} is scrolled sideways`);
     if (document.documentElement.scrollWidth > innerWidth) out.push('the page is scrolled sideways');
     for (const control of root.querySelectorAll('button, select, input, a.button, label.button, label.check, summary, textarea')) {
-      // A box to be checked has its label for a target, a bar its width for a meaning; chosen files are behind their label.
+      // The label is the target of a check box, the width of a bar has a meaning, and the file input is behind its label.
       if (control.matches('[type=checkbox], .hidden-input, .histogram button') || !control.checkVisibility()) continue;
       const name = `${control.tagName} ${(control.ariaLabel || control.id || control.textContent).trim().slice(0, 30)}`;
       if (panel) control.scrollIntoView({ block: 'center' });
       const { left, right, top, bottom, width, height } = control.getBoundingClientRect();
-      const thin = control.matches('[type=range]') ? Math.min(height + 10, size) : height;  // its track is hit above and below, too
+      const thin = control.matches('[type=range]') ? Math.min(height + 10, size) : height;  // its track can also be hit slightly above and below
       if (width < size || thin < size) out.push(`${name} is ${Math.round(width)} x ${Math.round(height)}`);
       if (left < outer.left - 0.5 || right > outer.right + 0.5 || (!panel && (top < outer.top - 0.5 || bottom > outer.bottom + 0.5))) out.push(`${name} is cut`);
       if (control.scrollWidth > control.clientWidth + 1 && control.matches('button, .button')) out.push(`${name}: its words are cut`);
@@ -43,7 +43,7 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
   for (const [width, height, finger] of [[360, 740, false], [360, 740, true], [400, 800, false], [768, 1024, false], [1280, 800, false]])
     test(`${width} x ${height}${finger ? ', with a finger' : ''}`, async () => {
       const touch = finger ? { hasTouch: true, isMobile: true } : {};
-      // Levels: the dock has all that it can have.
+      // With levels the dock shows all its controls.
       const opened = await bench.open({ hash: '#sample=vase&set={"material":"terracotta","levels":[6,30]}', width, height, ...touch }), { page } = opened;
       const least = width <= 760 || finger ? LEAST : CLOSE, name = path.join(pictures, `small-${width}${finger ? '-finger' : ''}`);
       await page.getByRole('slider', { name: 'Level' }).waitFor();
@@ -61,7 +61,7 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
         if (tab === 'Break') await page.getByRole('button', { name: /All parameters/ }).click().then(() => page.getByRole('button', { name: 'Fewer' }).waitFor());
         assert.deepEqual(await wrong(page, '.panel-body', least), [], tab);
       }
-      // Words that take more room: a job, a request that came to nothing, a long name.
+      // Longer texts: a job, a request without a result, a long name.
       const say = change => page.evaluate(async given => {
         const { fracture } = globalThis;
         fracture.set(given === 'unmet' ? { wish: { settings: { fragments: 3 }, hits: [] }, unmet: undefined } : given);

@@ -1,4 +1,4 @@
-// What the tests of the page share: a fracture-server (FRACTURE_TEST_SERVER) behind the site, Chromium with WebGL in software, and a
+// Code that the tests of the page share: a fracture-server (FRACTURE_TEST_SERVER) behind the site, Chromium with WebGL in software, and a
 // page whose complaints are kept.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -12,17 +12,17 @@ import { Site } from './site.mjs';
 export const here = path.dirname(fileURLToPath(import.meta.url)), folder = path.resolve(here, '../../../client/page'), dist = path.join(folder, 'dist');
 export const require = createRequire(path.join(folder, 'package.json'));
 export const full = process.env.FRACTURE_TEST_FULL === '1';
-/** Milliseconds by which each frame of a page comes later: what a test reads before it is drawn, it reads too early there, each time. */
+/** Milliseconds by which each frame of a page is delayed, so that a test that reads before the page has drawn always fails. */
 const late = Number(process.env.FRACTURE_TEST_LATE_FRAMES ?? 0);
 export const pictures = process.env.FRACTURE_TEST_PICTURES ?? path.join(os.tmpdir(), 'fracture-page');
 export const program = process.env.FRACTURE_TEST_SERVER;
 const chromium = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(name => fs.existsSync(name));
 export const skip = !program ? 'FRACTURE_TEST_SERVER names no fracture-server' : !chromium ? 'there is no Chromium (scripts/install-deps pictures)' : false;
-/** Folders of real meshes; the first has the ones of the tests. */
+/** Folders of real meshes; the first contains those of the tests. */
 const meshes = (process.env.FRACTURE_TEST_MESHES ?? '').split(':').filter(Boolean);
 export const meshOf = name => meshes.map(at => path.join(at, name)).find(at => fs.existsSync(at));
 
-/** Modules of the page's sources, for node. */
+/** Loads modules of the page's sources into node. */
 export async function source(...names) {
   const { build } = require('esbuild'), out = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));
   const at = (...parts) => path.join(folder, ...parts);
@@ -38,7 +38,7 @@ const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-ru
   '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
   '--enable-precise-memory-info', '--js-flags=--expose-gc'];
 
-/** fracture-server, until this program ends or kill(): {url, port, kill}. */
+/** Starts fracture-server, which runs until this program ends or kill() is called: {url, port, kill}. */
 export async function realServer({ port = 0, flags = [] } = {}) {
   const server = spawn(program, ['serve', '--port', String(port), '--admin-port', '0', '--threads', '2', '--drain-delay', '0', '--grace', '1',
     '--log-format', 'json', ...flags], { stdio: ['ignore', 'ignore', 'pipe'] });
@@ -62,9 +62,9 @@ export async function realServer({ port = 0, flags = [] } = {}) {
   return { url: `http://127.0.0.1:${found[1]}`, port: Number(found[1]), kill };
 }
 
-/** What a browser writes of an answer that is an error; the page shows it in words. */
+/** The browser's log entries about an answer that is an error. The page shows the error itself. */
 const SAID = /Failed to load resource: the server responded with a status of/;
-/** Of a picture of the page, and of the physics engine's own start. */
+/** Messages about reading a picture of the page, and about the start of the physics engine. */
 const HARMLESS = /GPU stall due to ReadPixels|using deprecated parameters for the initialization function/;
 
 export class Bench {
@@ -88,8 +88,10 @@ export class Bench {
     await this.server?.kill();
   }
 
-  /** A page in a context of its own, with an empty cache. `complaints`: console errors and warnings, violations of the policy,
-   * exceptions; `foreign`: requests to other origins. */
+  /**
+   * Opens a page in a separate context, with an empty cache. `complaints`: console errors and warnings, violations of the policy,
+   * exceptions; `foreign`: requests to other origins.
+   */
   async open({ hash = '', path: at = '/', width = 860, height = 560, wait = true, ...more } = {}) {
     const context = await this.browser.newContext({ viewport: { width, height }, reducedMotion: 'reduce', ...more }), page = await context.newPage();
     const complaints = [], foreign = [];
@@ -122,20 +124,20 @@ export class Bench {
   }
 }
 
-/** Complaints but for the lines that a browser writes of an error of the server. */
+/** Complaints, without the lines that a browser logs about errors from the server. */
 export const serious = complaints => complaints.filter(text => !SAID.test(text));
 
-/** Nothing was refused by the policy, nothing failed, nothing was asked elsewhere. */
+/** Asserts that the policy refused nothing, nothing failed, and no other origin was asked. */
 export async function clean({ page, complaints, foreign }) {
   assert.deepEqual(await page.evaluate(() => globalThis.violations), []);
   assert.deepEqual(complaints, []);
   assert.deepEqual(foreign, []);
 }
 
-/** When panels and words are of the state that the page has now: it draws them with its next frame. */
+/** Waits until the page has drawn its present state, which it does with its next frame. */
 export const painted = page => page.evaluate(() => new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve))));
 
-/** When the answer to the last wish is in the picture, and the panels say so. */
+/** Waits until the picture and the panels show the answer to the last wish. */
 export async function shown(page, timeout = 20_000) {
   await page.waitForFunction(() => {
     const { state } = globalThis.fracture ?? {};
@@ -144,7 +146,7 @@ export async function shown(page, timeout = 20_000) {
   await painted(page);
 }
 
-/** What is refused: {name, title, detail}, when it is on the page. */
+/** Waits for a problem on the page: {name, title, detail}. */
 export async function problem(page, timeout = 20_000) {
   await page.waitForFunction(() => globalThis.fracture?.state.problem, undefined, { timeout });
   await painted(page);
@@ -154,7 +156,7 @@ export async function problem(page, timeout = 20_000) {
   });
 }
 
-/** Reads and judges until it is right, or what was wrong with it at last. */
+/** Reads and judges until the judgement passes. Throws the last failure at the end. */
 export async function eventually(read, judge, timeout = 20_000) {
   for (const end = Date.now() + timeout; ; await new Promise(resolve => setTimeout(resolve, 50)))  // pause: between two readings
     try {
@@ -165,7 +167,7 @@ export async function eventually(read, judge, timeout = 20_000) {
 }
 export const state = (page, read) => page.evaluate(`(${read})(globalThis.fracture.state)`);
 
-/** Where a click is on the mesh: the page is asked what is under the pointer. */
+/** Returns a point at which a click hits the mesh; the page is asked what is under the pointer. */
 export const onMesh = page => page.evaluate(() => {
   const { left, top, width, height } = document.querySelector('canvas').getBoundingClientRect();
   for (let ring = 0; ring < 0.4; ring += 0.04)
@@ -177,7 +179,7 @@ export const onMesh = page => page.evaluate(() => {
   return undefined;
 });
 
-/** Files as a person drops them. */
+/** Drops files as a person does. */
 export async function drop(page, files) {
   const data = await page.evaluateHandle(given => {
     const transfer = new DataTransfer();

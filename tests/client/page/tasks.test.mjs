@@ -1,5 +1,5 @@
-// Five things that somebody does who has the address and nothing else. Everything is found by the words that are seen, and judged by
-// what is seen and what arrives; the page's own state is not asked.
+// Five tasks of a person who has only the address. Everything is found by its visible words. The tests judge the visible page and the
+// downloads, not the page's own state.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -20,7 +20,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
 
     const status = () => page.locator('.status'), count = async () => Number(/^\s*([\d,]+)/.exec(await status().textContent())[1].replace(',', ''));
     const until = (what, given) => page.waitForFunction(what, given, { timeout: 20_000 });
-    /** After something was asked: the proved answer to it. */
+    /** Waits for the proved answer to a request. */
     async function answered() {
       await painted(page);
       await until(() => /Proved/.test(document.querySelector('.status')?.textContent ?? '') && /\d (ms|s)/.test(document.querySelector('.status .time')?.textContent ?? ''));
@@ -59,7 +59,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
       await page.getByRole('tab', { name: 'Fragments' }).click();
       await page.getByRole('button', { name: 'Smallest' }).click();
       const row = page.getByRole('table').locator('tr.chosen');
-      // Sorted by volume, smallest first: it is the first of the list.
+      // Sorted by volume with the smallest first, it is the first in the list.
       await page.getByRole('button', { name: 'Volume' }).click();
       await row.waitFor();
       await eventually(async () => [await page.getByRole('table').locator('tbody tr').first().textContent(), await row.textContent()], ([first, chosen]) => assert.equal(first, chosen));
@@ -76,7 +76,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
       if (spawnSync('curl', ['--version']).error) return t.skip('there is no curl');
       const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));
       try {
-        // The sample and its fragments as the page downloads them; the line is run as it stands.
+        // Downloads the sample and its fragments as the page offers them, and runs the line unchanged.
         assert.match(line, /vase\.glb is a sample/);
         const [sample] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download this mesh' }).click()]);
         assert.equal(sample.suggestedFilename(), 'vase.glb');

@@ -1,4 +1,4 @@
-// What goes wrong, in the words of the server: files that are broken, empty, huge or no mesh; a server that is away; a token.
+// Failures, in the server's words: files that are broken, empty, huge or not meshes; a server that is away; a token.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -29,7 +29,7 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
       assert.match(`${said.title} ${said.detail}`, expected);
       await page.waitForSelector('[role=alert]');
     }
-    // Sheets can be helped, and the place of the problem is seen.
+    // The page can repair sheets, and shows the place of the problem.
     await page.evaluate(() => globalThis.fracture.dismiss());
     await drop(page, [{ name: 'sheet.obj', data: SHEET }]);
     assert.equal((await problem(page)).name, 'mesh-not-closed');
@@ -49,7 +49,7 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     const now = () => state(page, s => [s.source?.label, s.shown?.answer.head.etag, globalThis.fracture.breaking.canUndo, globalThis.fracture.view.batch?.pieces.length]);
     const before = await now();
     assert.deepEqual([before[0], before[2], before[3]], ['cube', true, 12]);
-    // A GLB whose triangles are read here, and which the server refuses: its indices are beyond its vertices.
+    // A GLB whose triangles the page can read, but which the server refuses, because its indices are out of range.
     const bad = await page.evaluate(() => [...globalThis.fracture.state.source.input.data]);
     const json = Buffer.from(bad).subarray(20, 20 + Buffer.from(bad).readUInt32LE(12)).toString().replace(/"SCALAR"/, '"VEC2"  ').slice(0, Buffer.from(bad).readUInt32LE(12));
     const files = [['empty.obj', ''], ['holiday.txt', 'a text'], ['broken.glb', 'glTF and nothing else'],
@@ -193,7 +193,7 @@ describe('in trouble', { skip, timeout: 300_000 }, () => {
     await alert.waitFor({ state: 'detached' });
     await play();
     await playing();
-    // Another build: what is loaded later does not link with what is there, or does and is of another page.
+    // Another build: the module that is loaded later does not link with this page, or it links but belongs to another page.
     for (const body of ["import { no } from './shared.js'; export const startPlay = no;", 'export const startPlay = () => {}, build = "of another page";']) {
       await page.reload();
       await shown(page);

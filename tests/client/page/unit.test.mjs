@@ -1,4 +1,4 @@
-// What of the page needs no browser: who wins among answers, steps back and forth, lists as people write them, links, presets.
+// The parts of the page that need no browser: which answer wins, undo and redo, lists as people write them, links, presets.
 import assert from 'node:assert/strict';
 import { execFile, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -14,7 +14,7 @@ const { Asker, Gestures, History, parseNumbers, textOf, readLink, trianglesOf, s
   'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'take/snippets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
 
 describe('Asker', () => {
-  /** Questions that are answered when the test says so. */
+  /** An Asker whose questions are answered when the test says so. */
   function asker() {
     const open = new Map(), shown = [], failed = [];
     const made = new Asker((question, signal) => new Promise((resolve, reject) => {
@@ -132,7 +132,7 @@ describe('what an answer says about itself', () => {
   const shown = ({ asked, made, hits = [], report = {}, certificate = {}, parameters = {} }) => ({
     answer: { parameters: asked === undefined ? {} : { fragments: asked, ...parameters }, fragments: Array(made).fill({}), report, certificate }, wish: { hits },
   });
-  /** The values in a template of lit and in those within it, in their order. */
+  /** The values in a lit template and in nested ones, in their order. */
   const textsOf = value => (Array.isArray(value) ? value.flatMap(textsOf) : value?.values ? textsOf(value.values) : ['string', 'number'].includes(typeof value) ? [String(value)] : []);
 
   test('AsManyAsWereAskedForAreNoNews', () => {
@@ -214,7 +214,7 @@ describe('places', () => {
     assert.deepEqual(firstPlace('grain', 'direction', bounds, [1, 0, 0]), { grain: [1, 0, 0] });
   });
 
-  // A camera that looks along -z at a mesh of a diagonal of 2 around (0, 0, 0).
+  // A camera that looks along -z at a mesh around (0, 0, 0) with a diagonal of 2.
   const facing = new Vector3(0, 0, -1), extent = { middle: new Vector3(), size: 2 };
   const drag = (settings, key, x, y) => handlesOf(settings, places, extent).find(handle => handle.key === key).drag(new Ray(new Vector3(x, y, 10), facing), facing);
 
@@ -280,7 +280,7 @@ test('RefusedMeshesAreReadForTheirPicture', () => {
   assert.equal(trianglesOf('a.glb', bytes('nonsense')), undefined);
 });
 
-/** Six times the volume that a soup encloses, by the divergence theorem: positive where it is wound outwards. */
+/** Six times the volume that a triangle soup encloses, by the divergence theorem; positive if it is wound outwards. */
 function volume(points) {
   let sum = 0;
   for (let t = 0; t < points.length; t += 9) {
@@ -305,10 +305,10 @@ describe('samples', () => {
 describe('snippets', () => {
   const file = "-it's;\"$(touch broken)\" `true`,\\ é.obj", sibling = 'a b;c.mtl';
   const parameters = { nodes: "true;'false'; $(touch broken) \"a\\b\"\n", deep: true, impacts: [[-0.5, 1, 0]], 'x"; touch broken #\'': 'y' };
-  // The remark about a sample has the name of its file, too.
+  // The remark about a sample also contains the name of its file.
   const app = (more = {}) => ({ state: { wish: { settings: parameters, hits: [] }, source: { label: file, input: [{ name: file }, { name: sibling }], ...more } }, service: { hasToken: false } });
   const run = promisify(execFile);
-  /** Runs `work` in a folder of its own, in which nothing may be made but `made`. */
+  /** Runs `work` in a new folder, in which only `made` may be created. */
   async function inFolder(work) {
     const at = fs.mkdtempSync(path.join(os.tmpdir(), 'fracture-page-'));
     try {

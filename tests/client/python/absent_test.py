@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Servers that are silent, absent, slow, or die (tests/client/protocol_faults_test.cpp)."""
+"""Servers that are silent, absent or slow, or die (tests/client/protocol_faults_test.cpp)."""
 import threading
 import time
 import unittest
@@ -51,7 +51,7 @@ class Absent(unittest.TestCase):
 
     def test_it_is_a_failure_when_the_time_ends(self):
         with Client(deserted_url(), timeout=0.05, settings=quick(tries=1_000_000)) as client:
-            self.assertIn(caught(client.version).type, ("connection", "timeout"))  # the end may cut the last try short
+            self.assertIn(caught(client.version).type, ("connection", "timeout"))  # the time limit may cut the last attempt short
 
     def test_a_name_that_does_not_exist_is_said_at_once(self):
         with Client("http://no-such-host.invalid", settings=quick()) as client:  # RFC 2606: never exists
@@ -93,7 +93,7 @@ class Kept(unittest.TestCase):
     def test_a_connection_that_the_server_closed_is_replaced_unseen(self):
         def handler(asked):
             reply = fragments()
-            reply.close = asked.number == 0  # without saying Connection: close
+            reply.close = asked.number == 0  # without announcing Connection: close
             return reply
         with FaultServer(handler) as server, Client(server.url, settings=quick(tries=1)) as client:
             for _ in range(2):
@@ -110,7 +110,7 @@ class Kept(unittest.TestCase):
     def test_one_that_was_unused_for_long_is_replaced(self):
         with FaultServer(lambda asked: fragments()) as server, Client(server.url, settings=quick(idle=0.01)) as client:
             client.mesh(ID).fracture()
-            time.sleep(0.02)  # pause: to be unused is the test
+            time.sleep(0.02)  # pause: the connection must be unused
             client.mesh(ID).fracture()
             self.assertEqual(server.connections, 2)
 

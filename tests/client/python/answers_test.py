@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Answers are read as they came or not at all: digests, cuts, limits, framing (tests/client/protocol_answers_test.cpp)."""
+"""Answers are either read unchanged or refused: digests, cuts, limits, framing
+(tests/client/protocol_answers_test.cpp)."""
 import unittest
 
 from support import FRAGMENTS, Client, FaultServer, Reply, answer, caught, digest, fragments, main, quick
@@ -45,7 +46,7 @@ class Damage(unittest.TestCase):
                 return fragments()
             flipped = bytearray(WHOLE)
             flipped[state.pop("at")] ^= 0x12
-            return Reply(bytes(flipped), close=True)  # a length that grew would be waited for
+            return Reply(bytes(flipped), close=True)  # so that the client does not wait for a longer body
         with FaultServer(handler) as server, Client(server.url, settings=quick()) as client:
             mesh = client.mesh(ID)
             for state["at"] in range(len(WHOLE)):
@@ -61,7 +62,7 @@ class Damage(unittest.TestCase):
 
 class Framing(unittest.TestCase):
     def ask(self, *replies):
-        """The answer, or the error, and how many requests it took: the last reply is given for ever."""
+        """Returns the answer or the error, and how many requests it took. The last reply is repeated forever."""
         with FaultServer(lambda asked: replies[min(asked.number, len(replies) - 1)]) as server, \
                 Client(server.url, settings=quick(max_answer_bytes=10_000)) as client:
             try:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Meshes are stored once, fractures asked for, refusals understood: the manners of tests/client/protocol_test.cpp."""
+"""Meshes are stored once, fractures requested, refusals understood: the behaviour of tests/client/protocol_test.cpp."""
 import json
 import socket
 import threading
@@ -17,7 +17,7 @@ ID = "sha256:" + "0" * 64
 
 
 def known(asked):
-    """GET, PUT and POST of a server that has the mesh."""
+    """Answers GET, PUT and POST as a server that has the mesh."""
     return fragments() if asked.method == "POST" else stored(200)
 
 
@@ -87,7 +87,7 @@ class Storing(unittest.TestCase):
 
         def handler(asked):
             if asked.method == "PUT":
-                for _ in range(4):  # comes when all four have been refused
+                for _ in range(4):  # the PUT comes when all four have been refused
                     self.assertTrue(refused.acquire(timeout=PATIENCE))
                 state["known"] = True
                 return stored()
@@ -264,7 +264,7 @@ class Fields(unittest.TestCase):
             self.assertIsNone(seconds(text), text)
 
     def test_a_digest_is_that_of_the_bytes(self):
-        # The digest of nothing is known from FIPS 180-4's examples; its base64 from coreutils.
+        # The digest of empty data is known from FIPS 180-4's examples; its base64 comes from coreutils.
         of_nothing = "sha-256=:47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=:"
         self.assertTrue(asking.digest_matches(of_nothing, b""))
         self.assertTrue(asking.digest_matches("md5=:x:, " + of_nothing, b""))
@@ -282,7 +282,7 @@ class Fields(unittest.TestCase):
 
 class Turns(unittest.TestCase):
     def test_no_wait_for_an_answer_is_long(self):
-        """An interrupt that comes just before a wait is noticed only at its end."""
+        """An interrupt just before a wait is noticed only at the end of the wait."""
         waits = []
 
         class Watched(socket.socket):
@@ -301,7 +301,7 @@ class Turns(unittest.TestCase):
                     connection.exchange(Request("GET", "/"), "host", call, 100)
                 self.assertEqual(raised.exception.type, "timeout" if limit else "connection")
                 self.assertGreater(len(waits), 3)
-                self.assertLessEqual(max(waits[1:]), TURN)  # the first is that of sending
+                self.assertLessEqual(max(waits[1:]), TURN)  # the first is for sending
             finally:
                 waits.clear()
                 connection.close()

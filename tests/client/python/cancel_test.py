@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calls that are taken back, by a token, by the end of the client, and by a cancelled task: the connection is closed."""
+"""Calls that are cancelled, by a token, by closing the client, or by a cancelled task: the connection is closed."""
 import asyncio
 import threading
 import unittest
@@ -13,7 +13,7 @@ SILENT = Reply(silent=True)
 
 
 class InThread:
-    """A call in a thread of its own, and what came of it."""
+    """A call in a separate thread, and its result."""
 
     def __init__(self, call, *arguments, **options):
         self.result = self.error = None
@@ -152,7 +152,7 @@ class Tasks(unittest.TestCase):
                 tasks = [asyncio.ensure_future(client.mesh(ID).fracture(seed=seed)) for seed in range(8)]
                 await asyncio.get_running_loop().run_in_executor(
                     None, eventually, "the first request", lambda: len(server.asked) == 1)
-                for some in (tasks[1:], tasks[:1]):  # who waits for the connection first, then who has it
+                for some in (tasks[1:], tasks[:1]):  # first those that wait for the connection, then the one that has it
                     for task in some:
                         task.cancel()
                     results = await asyncio.gather(*some, return_exceptions=True)

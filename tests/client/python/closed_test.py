@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""A client that closes its connection takes its request back: the server stops computing, and what the client held is free
-again. By the package, by the standard library, by a bare socket and by curl, directly and through the HAProxy of docker/haproxy."""
+"""A client that closes its connection cancels its request: the server stops computing and releases what the client
+held. Tested with the package, the standard library, a bare socket and curl, directly and through the HAProxy of
+docker/haproxy."""
 import contextlib
 import hashlib
 import http.client
@@ -19,7 +20,7 @@ from support import PATIENCE, Client, Haproxy, Server, box_obj, caught, eventual
 from fracture_client import Admin, Cancel
 
 TOKEN = "small-token-0123456789"
-LONG = {"sites": 20_000, "lloyd": 50}  # a minute of one thread
+LONG = {"sites": 20_000, "lloyd": 50}  # a minute on one thread
 BODY = json.dumps(LONG).encode()
 FIELDS = {"Authorization": f"Bearer {TOKEN}", "Content-Type": "application/json", "Priority": "u=3"}
 
@@ -33,7 +34,7 @@ class Closing(unittest.TestCase):
         tokens.write_text(json.dumps({"tenants": [{"name": "small", "tokens": [{"sha256": hashlib.sha256(TOKEN.encode()).hexdigest()}],
                                                    "scopes": ["read", "fracture"], "computations": 1}]}), encoding="utf-8")
         tokens.chmod(0o600)
-        cls.server = Server("--deadline", "36000", "--token-file", str(tokens))  # what takes long is not refused for that
+        cls.server = Server("--deadline", "36000", "--token-file", str(tokens))  # otherwise long requests would be refused
         cls.addClassCleanup(cls.server.stop)
         cls.admin = Admin(cls.server.admin_url)
         cls.addClassCleanup(cls.admin.close)
@@ -41,7 +42,7 @@ class Closing(unittest.TestCase):
             cls.mesh = client.put(box_obj(), format="obj").id
 
     def figure(self, name):
-        """The value of a metric, which may have labels; 0 where nothing was counted yet."""
+        """Returns the value of a metric, possibly with labels; 0 if nothing was counted yet."""
         found = re.search(rf"^{re.escape(name)} (\S+)$", self.admin.metrics(), re.MULTILINE)
         return float(found.group(1)) if found else 0.0
 
@@ -50,7 +51,7 @@ class Closing(unittest.TestCase):
                                                         re.MULTILINE))
 
     def check(self, port, ask):
-        """`ask(port)` sends the request and returns what closes the connection."""
+        """`ask(port)` sends the request and returns a function that closes the connection."""
         before = self.cancelled()
         close = ask(port)
         eventually("the computation", lambda: self.figure("fracture_jobs_running") == 1)
@@ -64,7 +65,7 @@ class Closing(unittest.TestCase):
         self.assertEqual(self.ask_for_little(seed=int(before)), 200, "its share is free again")
 
     def ask_for_little(self, seed):
-        """The status of the answer."""
+        """Sends a small request. Returns the status of the answer."""
         connection = http.client.HTTPConnection("127.0.0.1", self.server.port, timeout=PATIENCE)
         connection.request("POST", f"/meshes/{self.mesh}/fracture", json.dumps({"sites": 3, "seed": seed}), FIELDS)
         with contextlib.closing(connection):
@@ -78,7 +79,7 @@ class Closing(unittest.TestCase):
                 self.check(through.port, ask)
 
     def package(self, port, end):
-        """A call of the package in a thread of its own; `end(client, token)` takes it back."""
+        """Starts a call of the package in a separate thread. `end(client, token)` cancels it."""
         client, token, errors = Client(f"http://127.0.0.1:{port}", token=TOKEN), Cancel(), []
         call = threading.Thread(target=lambda: errors.append(caught(client.mesh(self.mesh).fracture, cancel=token, **LONG)))
         call.start()
@@ -124,7 +125,7 @@ class Closing(unittest.TestCase):
         connection.shutdown(socket.SHUT_WR)
         self.assertEqual(self.ask_for_little(seed=99), 429)
         self.assertEqual((self.figure("fracture_jobs_running"), self.cancelled()), (1, before))
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # a reset takes it back
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # a reset cancels it
         connection.close()
         eventually("the computation to stop", lambda: self.figure("fracture_jobs_running") == 0)
 

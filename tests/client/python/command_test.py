@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""python -m fracture_client and the example, as programs of their own: what they write, print, and exit with."""
+"""python -m fracture_client and the example, as separate programs: what they write and print, and their exit codes."""
 import json
 import os
 import pathlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""proto/openapi.yaml and the package: every operation, status, type of problem and state of a job has its place here, and a new
-one fails until it has."""
+"""Compares proto/openapi.yaml with the package. Every operation, status, problem type and job state has its place here,
+and a new one fails until it is added."""
 import ast
 import copy
 import inspect
@@ -17,13 +17,13 @@ try:
 except ImportError:
     yaml = None
 
-ELSE = "Client.request"  # where only a header that the caller sets asks for it
+ELSE = "Client.request"  # happens only after a header that the caller sets
 ERROR = "FractureError"
 
-# Each operation: where it is in the package, and what each of its statuses becomes.
+# For each operation: where it is in the package, and what each of its statuses becomes.
 PLACES = {
     "getIndex": (["Client.index"], {"200": "dict", "304": ELSE}),
-    "getDocs": ([ELSE], {"200": ELSE, "304": ELSE}),  # for browsers, as the next one
+    "getDocs": ([ELSE], {"200": ELSE, "304": ELSE}),  # for browsers, like the next one
     "getPageFile": ([ELSE], {"200": ELSE, "304": ELSE}),
     "getVersion": (["Client.version"], {"200": "dict"}),
     "getLimits": (["Client.limits"], {"200": "dict"}),
@@ -58,7 +58,7 @@ def interface():
 
 
 def offences(document):
-    """What of the document has no place in the package, and the reverse."""
+    """Returns what the document contains but the package lacks, and the reverse."""
     found = []
     operations = {}
     for path, item in document["paths"].items():
@@ -128,7 +128,7 @@ class Contract(unittest.TestCase):
             for name, method in inspect.getmembers(ours, inspect.isfunction):
                 if name.startswith("_") or name in ("close", "of_mesh", "save"):
                     continue
-                wanted = [p for p in inspect.signature(method).parameters if p != "cancel"]  # a task is cancelled itself
+                wanted = [p for p in inspect.signature(method).parameters if p != "cancel"]  # a task has its own cancellation
                 self.assertEqual(list(inspect.signature(getattr(twins, name)).parameters), wanted, f"Async{owner}.{name}")
 
     def test_no_option_has_the_name_of_a_parameter(self):
@@ -137,10 +137,10 @@ class Contract(unittest.TestCase):
         for place in ("Mesh.fracture", "Mesh.figures", "Mesh.job", "Client.job", "Client.fracture", "Client.put", "Client.inspect"):
             owner, method = place.split(".")
             names = set(inspect.signature(getattr(getattr(fracture_client, owner), method)).parameters)
-            self.assertLessEqual(names & parameters, {"format"}, place)  # which is the parameter
+            self.assertLessEqual(names & parameters, {"format"}, place)  # here it is a parameter of the request itself
 
     def test_who_is_busy_is_waited_for_and_nobody_else(self):
-        """By the statuses in the server's own tables."""
+        """Compared with the statuses in the server's own tables."""
         codes = (ROOT / "common/base/error_codes.def").read_text(encoding="utf-8")
         slugs = dict(re.findall(r'^FRACTURE_ERROR\((\w+), "([\w-]+)"', codes, re.MULTILINE))
         table = (ROOT / "server/http/problems.def").read_text(encoding="utf-8")
@@ -159,7 +159,7 @@ class Contract(unittest.TestCase):
             self.assertIn("multipart/form-data", content)
 
     def test_figures_that_the_interface_fixes(self):
-        """Numbers that are said in words."""
+        """Numbers that descriptions state in words."""
         document = interface()
         fracture = document["paths"]["/fracture"]["post"]["requestBody"]["content"]["multipart/form-data"]["schema"]["properties"]
         self.assertIn(f"up to {upload.MOST_FILES} further files", fracture["file"]["description"])

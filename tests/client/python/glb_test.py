@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The reader of GLBs, on files made here by hand; arrays with and without numpy."""
+"""The reader of GLBs, on files made by hand; arrays with and without numpy."""
 import copy
 import importlib.util
 import json
@@ -14,7 +14,7 @@ from fracture_client import Answer, Bond, Delta, glb
 
 HAS_NUMPY = importlib.util.find_spec("numpy") is not None
 
-# Two triangles of a fragment with two materials, a hull, interleaved texture coordinates.
+# A fragment of two triangles with two materials, a hull, and interleaved texture coordinates.
 POSITIONS = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 INTERLEAVED = struct.pack("<16f", *(v for k in range(4) for v in (k, k + 0.5, 9, 9)))
 INDICES = struct.pack("<6H", 0, 1, 2, 0, 2, 3)
@@ -108,7 +108,7 @@ class Reading(unittest.TestCase):
 
 class Damaged(unittest.TestCase):
     def wrong(self, change, binary=BINARY):
-        """The error that reading raises after a change of the document."""
+        """Returns the error that reading raises after a change of the document."""
         changed = copy.deepcopy(document())
         change(changed)
         error = caught(lambda: Answer(glb.pack(changed, binary)).fragments)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What was hit: the part that the server sends, put together with what was there, is the answer that has all of it.
+"""Hits: the part that the server sends, merged with the earlier answer, equals the whole answer.
 
-The judge is the server itself: the same hit asked for with delta=stated, whose answer has every fragment.
+The server itself is the judge: the same hit with delta=stated has every fragment.
 """
 import copy
 import os
@@ -13,11 +13,11 @@ from support import Client, FaultServer, WithServer, box_obj, caught, digest, an
 from fracture_client import Answer, glb
 from fracture_client.merge import merge
 
-OPENED = {"shell": 0}  # glass and pottery as lumps: boxes with walls are other answers, and no better ones here
+OPENED = {"shell": 0}  # glass and pottery as solids: walls would make other answers, but not better tests
 
 
 def values(fragment):
-    """All of a fragment but its name and where it stands in the file."""
+    """Everything about a fragment except its name and its place in the file."""
     primitives = [(p.material, p.interior, p.indices.tolist(), {s: bytes(a) for s, a in p.attributes.items()})
                   for p in fragment.primitives]
     hulls = [(bytes(hull.points), hull.triangles.tolist()) for hull in fragment.hulls]
@@ -27,7 +27,7 @@ def values(fragment):
 
 
 def bonds(answer):
-    """Whichever end comes first."""
+    """The bonds, normalized so that the order of the ends does not matter."""
     ends = ((b, b.normal) if b.a < b.b else (b, tuple(-x for x in b.normal)) for b in answer.bonds)
     return sorted((min(b.a, b.b), max(b.a, b.b), b.area, b.centroid, tuple(x + 0.0 for x in normal), b.strength)
                   for b, normal in ends)
@@ -35,7 +35,7 @@ def bonds(answer):
 
 class Hits(WithServer):
     def check(self, merged, stated):
-        """The merged answer is the whole: fragment by fragment, and as a file."""
+        """Checks that the merged answer equals the whole one, fragment by fragment and as a file."""
         self.assertEqual(merged.parameters, stated.parameters)
         self.assertEqual(merged.certificate, stated.certificate)
         self.assertEqual(merged.report, stated.report)
@@ -49,7 +49,7 @@ class Hits(WithServer):
         names = [node["name"] for node in merged._file.document["nodes"]]
         self.assertEqual(len(set(names)), len(names))
         self.assertLessEqual(max(map(len, names)), 63)
-        for key, value in stated._file.document.items():  # what is beside nodes, meshes and buffers, word for word
+        for key, value in stated._file.document.items():  # everything except nodes, meshes and buffers, word for word
             if key not in ("nodes", "meshes", "accessors", "bufferViews", "extensions"):
                 self.assertEqual(merged._file.document[key], value, key)
         if [f.id for f in merged.fragments] == [f.id for f in stated.fragments]:
@@ -57,14 +57,14 @@ class Hits(WithServer):
             self.assertEqual(bytes(merged._file.binary), bytes(stated._file.binary))
 
     def hit_twice(self, mesh, radius=0.3, **parameters):
-        """Where fragments are: in the middle of one, then of one that the first hit made."""
+        """Hits the middle of a fragment, then one that the first hit made."""
         first = mesh.fracture(parameters)
         middle = max(first.fragments, key=lambda f: f.volume).center_of_mass
         merged = first.hit(middle, radius, 12)
         ask = {"local_point": middle, "local_radius": radius, "local_sites": 12, "delta": "stated"}
         stated = mesh.fracture(ask, of=first.location)
         self.assertTrue(stated.delta.new)
-        self.assertNotEqual(merged.location, stated.location)  # a part alone came, and is another resource
+        self.assertNotEqual(merged.location, stated.location)  # only a part was sent, which is another resource
         self.check(merged, stated)
         new = next(f for f in merged.fragments if f.id in merged.delta.new)
         again = merged.hit([new.center_of_mass, middle], [radius / 2, radius / 3])
@@ -85,7 +85,7 @@ class Hits(WithServer):
         mesh = self.client.put(box_obj(), format="obj")
         for more in ({"physics": "omi"}, {"physics": "none"}, {"ue_collision": "ucx"}, {"physics": "omi", "ue_collision": "ucx"},
                      {"physics": "none", "ue_collision": "ucx"}):
-            for cells in (1, 5):  # one hull a fragment, or several
+            for cells in (1, 5):  # one hull per fragment, or several
                 with self.subTest(**more, cells=cells):
                     self.hit_twice(mesh, sites=20, cells_per_fragment=cells, **more)
 
@@ -163,7 +163,7 @@ class Hits(WithServer):
 
 
 class Parts(unittest.TestCase):
-    """Deltas that are none of this answer."""
+    """Deltas that do not belong to this answer."""
 
     def delta(self, **more):
         return {"delta": {"new": [], "changed": [], "gone": [], **more}}
@@ -182,7 +182,7 @@ class Parts(unittest.TestCase):
         self.assertIn("bond", caught(merge, glb.Glb(small_glb()), part).detail)
 
     def test_only_what_the_server_calls_a_delta_is_put_together(self):
-        """Another problem than a forgotten answer is the caller's, and is not asked for again by parameters."""
+        """Only a forgotten answer is requested again by its parameters. Any other problem is the caller's."""
         def handler(asked):
             if asked.number == 0:
                 return http_answer(200, small_glb(), digest(small_glb()) + "Content-Location: /fractures/sha256:1\r\n")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Jobs: their events, whatever cuts them, their result, their end."""
+"""Jobs: their events (wherever these are cut), their result, their end."""
 import asyncio
 import itertools
 import json
@@ -34,7 +34,7 @@ def stream(*events, whole=True):
 
 
 def server_of(*streams, error=None):
-    """Starts a job, then gives the streams in turn, and the result."""
+    """A server that starts a job, then sends the streams in turn, and the result."""
     count = itertools.count()
 
     def handler(asked):
@@ -142,7 +142,7 @@ class Real(WithServer):
         self.assertEqual(caught(job.refresh).type, "not-found")
 
     def test_a_cancelled_job_has_no_result(self):
-        job = self.client.put(box_obj(4), format="obj").job(sites=20_000, lloyd=50)  # a minute, were it not cancelled
+        job = self.client.put(box_obj(4), format="obj").job(sites=20_000, lloyd=50)  # a minute, if it were not cancelled
         job.cancel()
         self.assertEqual(job.wait(timeout=PATIENCE).state, "cancelled")
         self.assertEqual(caught(job.result).type, "cancelled")
@@ -155,7 +155,7 @@ class Real(WithServer):
 
     def test_pages_of_jobs_are_followed(self):
         mesh = self.client.put(box_obj(5), format="obj")
-        ids = {mesh.job(sites=1, seed=seed).id for seed in range(103)}  # a page has a hundred
+        ids = {mesh.job(sites=1, seed=seed).id for seed in range(103)}  # a page contains a hundred
         self.assertLessEqual(ids, {job.id for job in self.client.jobs()})
 
     def test_the_same_for_asyncio(self):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The package as others get it: a wheel, installed in an environment of its own, used from an empty folder.
+"""The package as users get it: a wheel, installed in a separate environment and used from an empty folder.
 
-Needs pip, setuptools and wheel in the Python that builds (this one, or else the system's), and no network.
+Needs pip, setuptools and wheel in the Python that builds (this one, otherwise the system's), but no network.
 """
 import json
 import os
@@ -16,11 +16,11 @@ import zipfile
 
 from support import PACKAGE, PATIENCE, ROOT, Server, box_gltf, box_obj, glb, main
 
-NEEDED = "import setuptools, wheel, venv, ensurepip, pip"  # setuptools first: it brings its own distutils
+NEEDED = "import setuptools, wheel, venv, ensurepip, pip"  # setuptools first, because it brings its own distutils
 
 
 def builder():
-    """A Python that can build a wheel offline."""
+    """Returns a Python that can build a wheel offline."""
     for python in (sys.executable, shutil.which("python3", path=os.defpath)):
         if python and subprocess.run([python, "-c", NEEDED], capture_output=True, timeout=PATIENCE).returncode == 0:
             return python
@@ -36,7 +36,7 @@ class Packed(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
         cls.environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP_"))}
-        checkout = cls.folder / "checkout"  # what setuptools leaves behind is not left in the real one
+        checkout = cls.folder / "checkout"  # a copy, because setuptools leaves files behind
         source = checkout / PACKAGE.relative_to(ROOT)
         shutil.copytree(PACKAGE, source, ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
         shutil.copy(ROOT / ".gitignore", checkout)
@@ -49,7 +49,7 @@ class Packed(unittest.TestCase):
         cls.run_program(python, "-m", "pip", "wheel", *offline, "--no-deps", "--no-build-isolation", ".", cwd=source)
         cls.left = {path.name for path in source.iterdir()} - there
         cls.untracked = set(cls.run_program(*untracked).splitlines()) - set(before.splitlines())
-        cls.run_program(python, "-m", "venv", cls.folder / "venv")  # without the packages of the system
+        cls.run_program(python, "-m", "venv", cls.folder / "venv")  # without the system's packages
         cls.python = cls.folder / "venv" / ("Scripts" if os.name == "nt" else "bin") / "python"
         cls.run_program(cls.python, "-m", "pip", "install", *offline, cls.wheel)
         cls.empty = cls.folder / "empty"
@@ -72,7 +72,7 @@ class Packed(unittest.TestCase):
         self.assertEqual(names, written)
         self.assertIn("fracture_client/py.typed", names)
         self.assertIn("Requires-Python: >=3.9", metadata)
-        self.assertNotIn("Requires-Dist: numpy\n", metadata)  # it may be there, and need not
+        self.assertNotIn("Requires-Dist: numpy\n", metadata)  # numpy is optional
         self.assertIn("# fracture-client", metadata)
 
     def test_building_leaves_nothing_that_git_would_add(self):

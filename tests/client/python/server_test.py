@@ -48,7 +48,7 @@ class Operations(WithServer):
         self.assertTrue(mesh.forget())
         self.assertFalse(mesh.forget())
         self.assertEqual(caught(again.fracture, sites=3).type, "not-found")
-        self.assertEqual(mesh.fracture(sites=3).certificate["fragments"], 3)  # it is here, and was sent again
+        self.assertEqual(mesh.fracture(sites=3).certificate["fragments"], 3)  # the file is available here, so it was sent again
 
     def test_a_broken_box(self):
         answer = self.client.put(box_obj(1, 2, 3), format="obj").fracture(fragments=20, density=500, seed=4)
@@ -69,7 +69,7 @@ class Operations(WithServer):
             hull, = fragment.hulls
             self.assertTrue(0.9 * fragment.volume < signed_volume(hull.points, [hull.triangles]) < 1.000001 * fragment.volume)
             self.assertEqual({p.interior for p in fragment.primitives}, {True, False} if fragment.exterior_area else {True})
-            for corner in fragment.hulls[0].points.tolist():  # hulls lie within their fragment's box
+            for corner in fragment.hulls[0].points.tolist():  # hulls are inside the box of their fragment
                 low, high = (pick(*zip(*fragment.positions.tolist())) for pick in (lows, highs))
                 self.assertTrue(all(a - 1e-6 <= c <= b + 1e-6 for a, c, b in zip(low, corner, high)))
         self.assertGreater(answer.timing["work"], 0)
@@ -143,7 +143,7 @@ class Operations(WithServer):
         self.assertEqual(mesh.fracture("sites=5&unit=m").parameters["unit"], "m")
         self.assertEqual(mesh.fracture(sites=5, unit="m").parameters["unit"], "m")
         self.assertNotIn("material", mesh.fracture(sites=5, material=None).parameters)
-        self.assertTrue(first.hit((0.5, 0.5, 0.5), 0.2).delta.new)  # which may not say it again
+        self.assertTrue(first.hit((0.5, 0.5, 0.5), 0.2).delta.new)  # the hit must not repeat material=None
 
     def test_refusals_name_every_parameter(self):
         mesh = self.client.put(box_obj(), format="obj")
@@ -195,7 +195,7 @@ class Operations(WithServer):
 
 class Stopping(unittest.TestCase):
     def test_a_cancelled_call_frees_the_server(self):
-        server = Server("--deadline", "36000")  # what takes long is not refused for that
+        server = Server("--deadline", "36000")  # otherwise long requests would be refused
         self.addCleanup(server.stop)
         with Client(server.url) as client, Admin(server.admin_url) as admin:
             mesh = client.put(box_obj(), format="obj")
@@ -206,7 +206,7 @@ class Stopping(unittest.TestCase):
                 errors = []
                 options = {"cancel": token, "timeout": 3.0 if end == "deadline" else None}
                 request = threading.Thread(target=lambda: errors.append(
-                    caught(asking.mesh(mesh.id).fracture, sites=20_000, lloyd=50, **options)))  # a minute of one thread
+                    caught(asking.mesh(mesh.id).fracture, sites=20_000, lloyd=50, **options)))  # a minute on one thread
                 request.start()
                 eventually("the computation", lambda: figure(admin.metrics(), "fracture_flights") == 1 or errors)
                 if end == "token":
@@ -231,12 +231,12 @@ class Stopping(unittest.TestCase):
             second = Server(port=first.port)
             self.addCleanup(second.stop)
             self.assertEqual(mesh.fracture(sites=5).glb, before.glb)
-            after = before.hit((0.5, 0.5, 0.5), 0.3)  # of an answer that only this side still has
+            after = before.hit((0.5, 0.5, 0.5), 0.3)  # on an answer that only the client still has
             self.assertEqual(after.glb, mesh.fracture(sites=5).hit((0.5, 0.5, 0.5), 0.3).glb)
 
 
 def figure(metrics, name):
-    """The value of a metric without labels."""
+    """Returns the value of a metric without labels."""
     return float(next(line.split()[1] for line in metrics.splitlines() if line.startswith(name + " ")))
 
 
@@ -259,7 +259,7 @@ class Tokens(unittest.TestCase):
 
 
 def signed_volume(positions, indices):
-    """By the divergence theorem, over triangles that are counter-clockwise seen from outside."""
+    """The volume by the divergence theorem, over triangles that are counter-clockwise seen from outside."""
     corners = positions.tolist()
     return math.fsum(determinant(*(corners[v] for v in triangle)) / 6 for part in indices for triangle in part.tolist())
 

@@ -1,8 +1,8 @@
-"""What the tests of the Python package share: a server of raw sockets that answers as a test says, also rudely; the real
-server as a process; small meshes; and patience.
+"""Code that the tests of the Python package share: a server with raw sockets that answers as a test says, including
+badly; the real server as a process; small meshes; and patience.
 
 Each test file runs by itself: python3 tests/client/python/asking_test.py. FRACTURE_TEST_SERVER names the program
-fracture-server; tests that need it are skipped without.
+fracture-server; without it the tests that need it are skipped.
 """
 import base64
 import hashlib
@@ -27,16 +27,16 @@ from dataclasses import dataclass
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "client" / "python"
-sys.dont_write_bytecode = True  # tests leave nothing behind in the checkout
+sys.dont_write_bytecode = True  # tests leave no files behind in the checkout
 sys.path.insert(0, str(PACKAGE))
 from fracture_client import Client, FractureError, Settings, glb  # noqa: E402
 
-PATIENCE = 60.0  # s, after which something that has to happen has not: hundreds of times what it takes
-SKIPPED = 77  # exit code of a file of which all tests were skipped, which CTest knows
+PATIENCE = 60.0  # seconds, after which an expected event counts as missing: hundreds of times what it takes
+SKIPPED = 77  # exit code if all tests of a file were skipped, which CTest knows
 
 
 def main():
-    """Of each test file."""
+    """Runs a test file."""
     program = unittest.main(exit=False, verbosity=2)
     result = program.result
     if not result.wasSuccessful():
@@ -46,21 +46,21 @@ def main():
 
 
 def eventually(what, condition):
-    """Asks until it holds."""
+    """Waits until the condition holds."""
     end = time.monotonic() + PATIENCE
     while not condition():
         if time.monotonic() > end:
             raise AssertionError(f"not within {PATIENCE:g} s: {what}")
-        time.sleep(0.002)  # pause: between two looks, up to the limit
+        time.sleep(0.002)  # pause: between two checks, up to the limit
 
 
 def quick(**settings):
-    """Settings without pauses that a test would wait for."""
+    """Settings without pauses for which a test would wait."""
     return Settings(**{"first_pause": 0.001, "longest_pause": 0.01, **settings})
 
 
 def caught(call, *arguments, **options):
-    """The FractureError that it raises."""
+    """Returns the FractureError that the call raises."""
     try:
         call(*arguments, **options)
     except FractureError as error:
@@ -72,7 +72,7 @@ def caught(call, *arguments, **options):
 
 @dataclass
 class Asked:
-    """A request that came."""
+    """A request that arrived."""
     method: str
     target: str
     head: str
@@ -87,11 +87,11 @@ class Asked:
 
 @dataclass
 class Reply:
-    bytes: bytes = b""  # sent as they are
+    bytes: bytes = b""  # sent unchanged
     close: bool = False  # then the connection is closed
-    silent: bool = False  # nothing is sent; the connection stays open until the client goes
-    reset: bool = False  # then the connection is torn down
-    drip: bool = False  # a byte at a time, for ever behind the last
+    silent: bool = False  # sends nothing; the connection stays open until the client closes it
+    reset: bool = False  # then the connection is reset
+    drip: bool = False  # a byte at a time, and more bytes forever after the last
 
 
 def answer(status, body=b"", headers="", close=False):
@@ -119,7 +119,7 @@ def figures(**more):
 
 
 def small_glb(**more):
-    """As the server writes it, with no fragments."""
+    """A GLB as the server writes it, without fragments."""
     document = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
                 "nodes": [{"name": "Fracture", "extras": {"fracture": figures(**more)}}]}
     return glb.pack(document, b"")
@@ -133,10 +133,10 @@ def fragments(headers="", content=FRAGMENTS):
 
 
 class FaultServer:
-    """Listens on 127.0.0.1. `handler(Asked)` gives the Reply."""
+    """Listens on 127.0.0.1. `handler(Asked)` returns the Reply."""
 
     def __init__(self, handler, port=0, early=False):
-        """`early`: answers when the head is there, without reading the body, and closes."""
+        """`early`: answers once the head has arrived, without reading the body, and closes."""
         self._handler = handler
         self._early = early
         self._lock = threading.Lock()
@@ -238,12 +238,12 @@ class FaultServer:
             if reply.reset or reply.close:
                 return
             if early:
-                end.shutdown(socket.SHUT_WR)  # as a server lingers: what still comes is not read
+                end.shutdown(socket.SHUT_WR)  # as a lingering server does: later bytes are not read
                 return
 
 
 def deserted_url():
-    """Where nobody listens: the port was given to a server that is gone."""
+    """An address on which nobody listens: its port belonged to a server that no longer exists."""
     with FaultServer(lambda asked: answer(200)) as server:
         return server.url
 
@@ -292,15 +292,15 @@ class Server:
 
 
 class Haproxy:
-    """HAProxy with the repository's configuration before one server: only addresses and the number of connections are
-    other ones. `HAProxy is not installed` skips the test."""
+    """HAProxy with the repository's configuration in front of one server. Only addresses and the number of connections
+    differ. `HAProxy is not installed` skips the test."""
 
     def __init__(self, server):
         program = shutil.which("haproxy", path=os.environ.get("PATH", "") + ":/usr/sbin:/usr/local/sbin")
         if program is None:
             raise unittest.SkipTest("HAProxy is not installed")
         admin = server.admin_url.rsplit(":", 1)[1]
-        listeners = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]  # inherited, so that nobody takes the ports
+        listeners = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]  # inherited, so that nobody else takes the ports
         public, statistics = (listener.fileno() for listener in listeners)
         text = (ROOT / "docker" / "haproxy" / "haproxy.cfg").read_text(encoding="utf-8")
         for old, new in ((r"bind :8080", f"bind fd@{public}"), (r"bind :8404", f"bind fd@{statistics}"), (r"maxconn 4000", "maxconn 200"),
@@ -329,7 +329,7 @@ class Haproxy:
             with urllib.request.urlopen(self.url + "/version", timeout=PATIENCE):
                 return True
         except urllib.error.HTTPError as error:
-            return error.code == 401  # of the server; what HAProxy itself says is 503
+            return error.code == 401  # from the server; HAProxy's own error would be 503
         except OSError:
             return False
 
@@ -341,7 +341,7 @@ class Haproxy:
 
 
 class WithServer(unittest.TestCase):
-    """One server and one client for the tests of a class."""
+    """A test case with one server and one client for the class."""
 
     flags = ()
 
@@ -356,7 +356,7 @@ class WithServer(unittest.TestCase):
 # -- meshes
 
 def box_obj(x=1.0, y=1.0, z=1.0, extra=""):
-    """A closed box from the origin, of volume x y z, as OBJ."""
+    """A closed box from the origin, with volume x y z, as OBJ."""
     corners = [(i, j, k) for i in (0, x) for j in (0, y) for k in (0, z)]
     quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
     lines = [extra, *(f"v {a} {b} {c}" for a, b, c in corners), *("f " + " ".join(map(str, q)) for q in quads)]
@@ -364,7 +364,7 @@ def box_obj(x=1.0, y=1.0, z=1.0, extra=""):
 
 
 def box_gltf(uri):
-    """The unit box as glTF, whose buffer has this uri; returns the JSON text and the buffer."""
+    """The unit box as glTF whose buffer has this uri. Returns the JSON text and the buffer."""
     positions = struct.pack("<24f", *(float(c) for i in (0, 1) for j in (0, 1) for k in (0, 1) for c in (i, j, k)))
     triangles = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4),
                  (1, 5, 7), (1, 7, 3)]

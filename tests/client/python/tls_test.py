@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""HTTPS: certificates are checked, and calls over it are taken back as any others."""
+"""HTTPS: certificates are checked, and calls over it can be cancelled like any others."""
 import pathlib
 import shutil
 import ssl

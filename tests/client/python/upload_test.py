@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What is sent of a mesh: the files that it names, its key, the form; and what the real server makes of it."""
+"""Tests the request for a mesh: the files that it refers to, its key and the form. Also tests the answer of the real
+server."""
 import email
 import email.policy
 import hashlib
@@ -58,7 +59,7 @@ class Files(Folder):
         os.symlink(secret, self.folder / "link.mtl")
         for name in ("../secret.mtl", str(secret), "link.mtl", "sub/../../secret.mtl", "..\\secret.mtl", "."):
             self.assertEqual(self.names(self.write("m.obj", f"mtllib {name}\n".encode())), [], name)
-        self.write("secret.mtl", b"own")  # a name that leads out is looked up by its last component
+        self.write("secret.mtl", b"own")  # only the last component of a name that leads outside is looked up
         upload = Upload.of(self.write("m.obj", f"mtllib {secret}\n".encode()))
         self.assertEqual(upload.files, (("secret.mtl", b"own"),))
 
@@ -85,7 +86,7 @@ class Key(unittest.TestCase):
         self.assertEqual(Upload.of(b"abc").id, "sha256:" + sha(b"abc"))
 
     def test_of_several_it_is_that_of_the_list_in_the_interface(self):
-        """Put together here from the words of PUT /meshes/{id}."""
+        """The list follows the description of PUT /meshes/{id}."""
         upload = Upload.of(b"m", {"b": b"2", "\u00e4 x": b"3", "a": b"1"}, "gltf")
         text = "files\n" + sha(b"m") + "\n" + "1 a " + sha(b"1") + "\n" + "1 b " + sha(b"2") + "\n" + \
             "4 \u00e4 x " + sha(b"3") + "\n"

@@ -1,4 +1,4 @@
-// Requests that are taken back, wherever they are; and jobs whose streams are cut, break or are missing.
+// Requests that are aborted at any point, and jobs whose streams are cut, break or are missing.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { answer, built, Client, fake, FakeServer, fragments, idOf, problem, refusal, stored } from './support.mjs';
@@ -6,7 +6,7 @@ import { answer, built, Client, fake, FakeServer, fragments, idOf, problem, refu
 const mesh = Buffer.from('mesh'), id = '0123456789abcdef-0123456789abcdef';
 const silent = { silent: true };
 
-/** Aborts as soon as the server has seen a request that `when` is true of, and says what came of it. */
+/** Aborts as soon as the server has seen a request for which `when` is true. Returns the result. */
 async function aborted(t, handle, when, act) {
   const controller = new AbortController();
   const server = await fake(t, request => {

@@ -1,5 +1,5 @@
-// What the tests in Debian's Chromium share: pages that are bundled as their READMEs do it, served beside fracture-server, and what they
-// complain of. Pictures stay in a folder, to look at (FRACTURE_TEST_PICTURES).
+// Code that the tests in Debian's Chromium share: pages that are bundled as their READMEs do it, served together with fracture-server, and
+// their complaints. Pictures stay in a folder, to look at (FRACTURE_TEST_PICTURES).
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import http from 'node:http';
@@ -15,7 +15,7 @@ const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-ru
   '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
   '--host-resolver-rules=MAP game.test 127.0.0.1'];
 
-/** A page's script, as the README builds it. */
+/** Builds a page's script as the README does. */
 export async function bundle(entry) {
   const { build } = await dependency('esbuild');
   const dist = name => path.join(folder, 'dist', name);
@@ -27,14 +27,17 @@ export async function bundle(entry) {
   return file.contents;
 }
 
-/** The files of a folder of client/examples, as a page of that name. */
+/** Returns the files of a folder in client/examples, as a page with that name. */
 export async function example(name) {
   const at = path.join(root, 'client/examples', name);
   return { [`/${name}/`]: ['text/html', fs.readFileSync(path.join(at, 'index.html'))],
     [`/${name}/bundle.js`]: ['text/javascript', await bundle({ entryPoints: [path.join(at, 'game.js')] })] };
 }
 
-/** Around the tests of a `describe`: pages, a server that they may ask, with these flags besides, and a browser. `files()`: {path: [type, content]}. */
+/**
+ * Sets up the tests of a `describe`: pages, a server that they may ask (with these additional flags), and a browser. `files()`: {path:
+ * [type, content]}.
+ */
 export function around(files, flags = []) {
   const here = {};
   let pages, browser;
@@ -57,11 +60,11 @@ export function around(files, flags = []) {
     pages?.close();
   });
 
-  /** A page, and what it complains of. */
+  /** Opens a page and collects its complaints. */
   here.open = async url => {
     const page = await browser.newPage({ viewport: { width: 640, height: 400 } }), complaints = [];
     page.on('console', message => {
-      // A picture of the page is what stalls it.
+      // Taking a picture of the page causes this stall.
       if (['error', 'warning'].includes(message.type()) && !/GPU stall due to ReadPixels/.test(message.text())) complaints.push(message.text());
     });
     page.on('pageerror', error => complaints.push(String(error)));
@@ -72,7 +75,7 @@ export function around(files, flags = []) {
   return here;
 }
 
-/** Of an example's page: when it gets its frames, from now on. */
+/** Records from now on when an example's page gets its frames. */
 export async function watchFrames(page) {
   await page.evaluate(() => {
     globalThis.frames = [];
@@ -85,7 +88,7 @@ export async function watchFrames(page) {
   };
 }
 
-/** Clicks until the page says that something broke: what it is about turns, one of these is on it. */
+/** Clicks until the page says that something broke. The object turns, and one of these points is on it. */
 export async function hitIt(page, says) {
   for (const [x, y] of [[270, 240], [330, 240], [300, 120], [380, 200], [320, 280]]) {
     await page.mouse.click(x, y);
@@ -94,7 +97,7 @@ export async function hitIt(page, says) {
   assert.fail('no click broke anything');
 }
 
-/** Says what momentum the swaps kept, and asserts that it is `within` of what it was. */
+/** Prints how well the swaps kept momentum, and asserts that it changed by less than `within`. */
 export function checkSwaps(swaps, within) {
   for (const { before: was, after: is, bodies } of swaps) {
     const [linear, angular] = ['linear', 'angular'].map(kind => Math.hypot(...is[kind].map((value, k) => value - was[kind][k])) / Math.hypot(...was[kind]));

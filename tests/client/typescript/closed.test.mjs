@@ -1,23 +1,26 @@
-// An AbortSignal stops the computation of fracture-server (FRACTURE_TEST_SERVER), from node and from Debian's Chromium, directly and through
-// the HAProxy of docker/haproxy. Asserted by what the server says of itself.
+// An AbortSignal stops the computation of fracture-server (FRACTURE_TEST_SERVER), from node and from Debian's Chromium, directly and
+// through the HAProxy of docker/haproxy. The server's own metrics prove it.
 import assert from 'node:assert/strict';
 import { before, describe, test } from 'node:test';
 import { Admin } from '../../../client/typescript/dist/index.js';
 import { around, bundle, noBrowser } from './browser.mjs';
 import { Client, eventually, folder, haproxy, noServer, realServer, refusal, torusFile } from './support.mjs';
 
-const LONG = { sites: 20000, lloyd: 50 };  // a minute of one thread
-const FLAGS = ['--deadline', '36000'];  // what takes long is not refused for that
+const LONG = { sites: 20000, lloyd: 50 };  // a minute on one thread
+const FLAGS = ['--deadline', '36000'];  // otherwise long requests would be refused
 const PATIENT = { timeout: 36e6, deadline: 36e6, retries: 0 };
 
-/** Of the server's metrics: the sum of those whose name, with its labels, is this one or matches it. */
+/** The sum of the server's metrics whose name with its labels equals `name` or matches it. */
 async function figure(server, name) {
   const lines = (await new Admin(server.admin).metrics()).split('\n').map(line => [line.slice(0, line.lastIndexOf(' ')), Number(line.slice(line.lastIndexOf(' ') + 1))]);
   return lines.filter(([key]) => (name instanceof RegExp ? name.test(key) : key === name)).reduce((sum, [, value]) => sum + value, 0);
 }
 const CANCELLED = /^fracture_requests_total\{.*status="499"/;
 
-/** `start(url, parameters)` begins a computation and returns what takes it back; `url` is of the server, or of HAProxy before it. */
+/**
+ * `start(url, parameters)` begins a computation and returns a function that aborts it. `url` is the server's, or that of HAProxy in front
+ * of it.
+ */
 async function check(t, server, start) {
   const proxy = await haproxy(t, server);
   if (!proxy) console.log('skipped: HAProxy is not installed; directly only');
@@ -54,7 +57,7 @@ describe('from Chromium', { skip: noBrowser, timeout: 120_000 }, () => {
     '/client.js': ['text/javascript', await bundle({ stdin: { contents: "import { Client } from 'fracture-client';\nglobalThis.Client = Client;", resolveDir: folder } })],
   }), FLAGS);
 
-  /** A page that asks, and whose request is on its way. */
+  /** Opens a page whose request is on its way. */
   async function asking(url, parameters) {
     const { id } = await new Client(here.server.url).put(torusFile), { page } = await here.open(`http://127.0.0.1:${here.port}/`);
     await page.waitForFunction(() => globalThis.Client);

@@ -1,5 +1,5 @@
-// Every operation, status, problem type and header field of proto/openapi.yaml has its place in the package, and the package
-// names none that are not there. A new one fails here until it is handled: operations.ts, problems.ts, then a method.
+// Every operation, status, problem type and header field of proto/openapi.yaml has its place in the package, and the package names no
+// others. A new one fails here until it is handled: operations.ts, problems.ts, then a method.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Admin, operations, problemStatuses, requestFields, serverProblems } from '../../../client/typescript/dist/index.js';
@@ -59,7 +59,7 @@ test('states and stages of jobs', () => {
   assert.deepEqual(sorted(union('stage')), sorted(openapi.components.schemas.Job.properties.stage.enum));
 });
 
-/** How a caller gets at each operation. */
+/** The call for each operation. */
 const METHOD_OF = {
   getIndex: client => client.index(),
   getDocs: client => client.request('getDocs'),

@@ -1,5 +1,5 @@
-// A server that forgets, is busy, lies, falls silent or dies: the same behaviours as tests/client/protocol_test.cpp and its
-// neighbours hold the game's client to.
+// A server that forgets, is busy, lies, falls silent or dies. The behaviour must equal that of the game's client in
+// tests/client/protocol_test.cpp and the files next to it.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { answer, Client, digestOf, fake, FakeServer, fragments, glb, idOf, problem, refusal, stored } from './support.mjs';
@@ -8,7 +8,7 @@ const mesh = Buffer.from('mesh'), meshId = idOf(mesh);
 const known = answer(200, JSON.stringify({ id: meshId, report: {} }));
 const unknown = server => new Client(server.url).mesh('sha256:0');
 
-/** Has the mesh once it was put, unless told to forget it. */
+/** A server that has the mesh once it was put, unless told to forget it. */
 function remembering() {
   const state = { known: false, handle: ({ method, target }) => {
     if (method === 'PUT') state.known = true;
@@ -38,7 +38,7 @@ test('what the server has, or this client put, is not sent again', async t => {
   await client.put(large);
   await client.put(large);
   assert.deepEqual(server.requests.map(({ method }) => method), ['GET']);
-  const small = await client.put(mesh);  // sooner sent than asked for
+  const small = await client.put(mesh);  // a small mesh is sent without asking first
   assert.equal((await client.put(mesh)).stored, small.stored);
   assert.deepEqual(server.requests.slice(1).map(({ method }) => method), ['PUT']);
 });
@@ -179,11 +179,11 @@ test('flipped bytes of an answer are survived', async t => {
     const bytes = Buffer.from(whole), flipped = flip;
     flip = false;
     if (flipped) bytes[at] ^= 0x12;
-    return { bytes, close: flipped };  // a length that grew would be waited for
+    return { bytes, close: flipped };  // so that the client does not wait for a longer body
   });
   for (at = 0; at < whole.length; at += at < 200 ? 9 : 37) {
     flip = true;
-    // A status that became another one is the server's own no; nothing else may come through but the fragments.
+    // If the flipped bit changed the status, the client reports a refusal by the server. Otherwise only the intact fragments may arrive.
     try {
       assert.ok(Buffer.from((await unknown(server).fracture()).glb).equals(Buffer.from(glb)), `${at}`);
     } catch (error) {

@@ -1,5 +1,5 @@
-// The package as a user gets it: packed, installed from the file into an empty folder without a network, used there by node
-// and by a TypeScript program, and the program of its README.
+// The package as a user gets it: packed, and installed from the file into an empty folder without a network. Node, a TypeScript program and
+// the program of its README use it there.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import fs from 'node:fs';
@@ -50,13 +50,13 @@ describe('the packed package', () => {
       const mesh = await new Client(process.argv[2]).put(new Uint8Array(3));
       console.log((await mesh.fracture({ sites: 1 })).fragments.map(({ id }) => id).join());`);
     assert.equal((await run(process.execPath, ['use.js', server.url], { cwd: empty })).stdout, '7\n');
-    // Without three.js, which is not there.
+    // Works without three.js, which is not installed there.
     write('bodies.js', "import { combine } from 'fracture-client/bodies';\nconsole.log(combine([]).mass);");
     assert.equal((await run(process.execPath, ['bodies.js'], { cwd: empty })).stdout, '0\n');
   });
 
   test('a TypeScript program is checked against its declarations', async () => {
-    // What a game has besides; the declarations of three.js are of its own package.
+    // Packages that a game also has; three.js declares its types in a package of its own.
     for (const name of ['three', '@types', '@dimforge', 'undici-types', '@tweenjs', 'fflate', 'meshoptimizer'])
       if (!fs.existsSync(inside(`node_modules/${name}`))) fs.symlinkSync(path.join(folder, 'node_modules', name), inside(`node_modules/${name}`));
     write('game.ts', `import RAPIER from '@dimforge/rapier3d-compat';

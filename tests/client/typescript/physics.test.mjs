@@ -5,10 +5,10 @@ import { built, Client, dependency, noServer, realServer, refusal, torusFile } f
 
 const { default: RAPIER } = await dependency('@dimforge/rapier3d-compat');
 const THREE = await dependency('three');
-// The same three.js that the package finds, so that there is one of it.
+// The same three.js that the package finds, so that only one is loaded.
 const { materialsOf, meshesOf, momentumOf, movingBody, place, swap } = await built('three/index.js');
 
-/** Rapier counts in floats: of a hundred bodies' sums about seven digits are left. */
+/** Rapier computes in float32: sums over a hundred bodies keep about seven digits. */
 const WITHIN = 1e-6;
 const off = (a, b) => Math.hypot(...a.map((value, k) => value - b[k])) / Math.hypot(...b);
 
@@ -27,7 +27,7 @@ describe('the helper for three.js', { skip: noServer }, () => {
     world.timestep = 1 / 120;
     return { rapier: RAPIER, world, parent: new THREE.Scene(), materials: await materialsOf(answer) };
   }
-  /** A torus that flies and turns. */
+  /** Makes a torus that flies and turns. */
   function flying(setup) {
     const intact = place(whole, setup, { whole: true, position: [1, 20, 3], rotation: [0.1, 0.2, 0.3, Math.sqrt(1 - 0.14)] });
     const [body] = intact.rigidBodies;
@@ -66,7 +66,7 @@ describe('the helper for three.js', { skip: noServer }, () => {
       const field = [spin[1] * r[2] - spin[2] * r[1], spin[2] * r[0] - spin[0] * r[2], spin[0] * r[1] - spin[1] * r[0]].map((c, k) => c + velocity[k]);
       assert.ok(off(v, field) < 1e-3 && off(w, spin) < 1e-3, `${v}, ${field}`);
     }
-    // In a step without contacts nothing is thrown apart.
+    // In a step without contacts, nothing is thrown apart.
     const { linear, mass } = pieces.momentum();
     setup.world.step();
     const later = pieces.momentum().linear;
@@ -83,7 +83,7 @@ describe('the helper for three.js', { skip: noServer }, () => {
     assert.ok(Math.abs(made.after.mass - made.before.mass) > 0.1 * made.before.mass);
     holds(made);
     assert.deepEqual(setup.parent.children, [pieces.object3D]);
-    // Its frame was 0.1 m above the mesh's: the mesh lies that much lower.
+    // The object's origin was 0.1 m above that of the mesh, so the mesh is that much lower.
     assert.ok(Math.abs(pieces.momentum().center[1] - (5 - 0.1)) < 0.02, `${pieces.momentum().center}`);
   });
 
@@ -164,7 +164,7 @@ describe('the helper for three.js', { skip: noServer }, () => {
     });
     assert.ok(buffers.size <= 3 && indices.size === 1, `${buffers.size} ${indices.size}`);
     for (const { array } of buffers) assert.equal(array.buffer, answer.glb.buffer);
-    // A ray meets it where it is.
+    // A ray hits it at its position.
     const scene = new THREE.Scene().add(...meshes);
     scene.updateMatrixWorld(true);
     const [hit] = new THREE.Raycaster(new THREE.Vector3(5, 0.01, 0.02), new THREE.Vector3(-1, 0, 0)).intersectObjects(meshes);

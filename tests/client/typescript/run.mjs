@@ -1,7 +1,7 @@
-// What ctest calls.
-//   node run.mjs prepare        npm ci where it is needed, and the build of the package
-//   node run.mjs NAME           NAME.test.mjs by node's own test runner
-// Exits with 77, and says why, where something is missing: that is a skipped test, never a passed one.
+// Runs the tests of the package; called by ctest.
+//   node run.mjs prepare        npm ci if needed, and the build of the package
+//   node run.mjs NAME           NAME.test.mjs with node's own test runner
+// If something is missing, it says what and exits with 77: the test counts as skipped, not as passed.
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';

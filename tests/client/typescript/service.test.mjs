@@ -1,4 +1,4 @@
-// Against fracture-server itself (FRACTURE_TEST_SERVER).
+// Tests against fracture-server itself (FRACTURE_TEST_SERVER).
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -58,7 +58,7 @@ describe('the service', { skip: noServer }, () => {
     let asked = false;
     for await (const { state } of job.progress()) {
       if (state !== 'running' || asked) continue;
-      asked = true;  // a second time could reach the server when it has stopped, and then makes it forget the job
+      asked = true;  // only once: a second cancellation could arrive when the job has stopped, and would make the server forget it
       await job.cancel();
     }
     assert.equal((await refusal(job.result())).problem, 'cancelled');
@@ -131,7 +131,7 @@ describe('the service', { skip: noServer }, () => {
     assert.equal((await refusal(parts.hit([1, 0, 0], 0.1))).status, 400);
   });
 
-  // -- hits: the whole that the service gives with delta=stated is what a delta has to become
+  // -- hits: a merged delta must equal the whole answer that the service gives with delta=stated
 
   const equal = (ours, theirs) => {
     if (sharedCells(theirs)) return assert.deepEqual(byId(ours), byId(theirs));
@@ -157,7 +157,7 @@ describe('the service', { skip: noServer }, () => {
     const whole = await mesh.fracture({ of: first.location, local_point: [1.3, 0.1, 0], ...stated });
     assert.ok(whole.fragments.length > first.fragments.length);
     equal(hit, whole);
-    // And again, on what was put together: several hits, of which one misses.
+    // Another hit on the merged answer: several places, one of which misses.
     const again = await hit.hit([[-1.2, 0, 0.3], [50, 50, 50]], [0.3, 0.1], { sites: [5, 3] });
     const both = { local_point: [[-1.2, 0, 0.3], [50, 50, 50]], local_radius: [0.3, 0.1], local_sites: [5, 3], delta: 'stated' };
     equal(again, await mesh.fracture({ of: whole.location, ...both }));
@@ -205,14 +205,14 @@ describe('the service', { skip: noServer }, () => {
   });
 });
 
-/** Are new and old pieces of the same cell and part in it? Then their numbers are not known. */
+/** Returns whether new and old pieces share a cell and part. If so, their numbers cannot be known. */
 function sharedCells({ figures: { delta }, fragments }) {
   const fresh = new Set([...delta.new, ...delta.changed]), cell = ({ sites, part }) => `${sites[0]} ${part}`;
   const cells = new Set(fragments.filter(({ id }) => fresh.has(id)).map(cell));
   return fragments.some(fragment => !fresh.has(fragment.id) && cells.has(cell(fragment)));
 }
 
-/** Everything but the numbers, and the names that are made of them. */
+/** Everything except the numbers, and the names that contain them. */
 function byId({ fragments, bonds, certificate, report, figures: { delta } }) {
   const geometry = fragments.map(f => [f.id, { ...f.source.extras.fracture, translation: f.translation, motion: f.motion, surface: f.surface, hulls: f.hulls,
     primitives: f.primitives, filtered: f.collisionSystem !== undefined }]);
@@ -221,7 +221,7 @@ function byId({ fragments, bonds, certificate, report, figures: { delta } }) {
   return { geometry: Object.fromEntries(geometry), pairs, certificate, report, delta };
 }
 
-/** By the divergence theorem. */
+/** The volume by the divergence theorem. */
 function volumeOf({ positions: p, triangles: t }) {
   let sum = 0;
   for (let k = 0; k < t.length; k += 3) {

@@ -1,5 +1,5 @@
-// What the tests of the package share: the package and its development dependencies, a server of raw sockets that answers as
-// a test says, also rudely, and the real one.
+// Code that the tests of the package share: the package and its development dependencies, a server with raw sockets that answers as a test
+// says (including badly), and the real server.
 import { spawn } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import fs from 'node:fs';
@@ -10,7 +10,7 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 
 export const here = path.dirname(fileURLToPath(import.meta.url)), root = path.resolve(here, '../../..');
 export const folder = path.join(root, 'client/typescript');
-/** A development dependency of the package: they are beside its package.json, where a test does not look by itself. */
+/** Loads a development dependency of the package. These are next to its package.json, where a test does not look by itself. */
 export function dependency(name) {
   const at = path.join(folder, 'node_modules', name), { exports, module, main } = JSON.parse(fs.readFileSync(path.join(at, 'package.json'), 'utf8'));
   const own = exports?.['.'] ?? exports, entry = own?.import ?? own?.node ?? own?.default ?? module ?? main ?? 'index.js';
@@ -28,7 +28,7 @@ const STATUS = { 200: 'OK', 404: 'Not Found', 503: 'Service Unavailable' };
 export const digestOf = bytes => createHash('sha256').update(bytes).digest('base64');
 export const idOf = bytes => `sha256:${createHash('sha256').update(bytes).digest('hex')}`;
 
-/** `headers`: lines, each with its end. */
+/** `headers`: lines, each with its line end. */
 export function answer(status, body, headers = '') {
   const bytes = Buffer.from(body);
   const head = `HTTP/1.1 ${status} ${STATUS[status] ?? 'Reason'}\r\n${headers}Content-Length: ${bytes.length}\r\n\r\n`;
@@ -39,7 +39,7 @@ export const problem = (status, slug, headers = '', more = {}) =>
     `Content-Type: application/problem+json\r\n${headers}`);
 export const stored = (id = 'sha256:0') => answer(201, JSON.stringify({ id, format: 'glb', bytes: 4, files: 0, ttl_s: 60, report: {} }));
 
-/** The least that is an answer of the service: one fragment without geometry. */
+/** The smallest answer of the service: one fragment without geometry. */
 export const glb = packGlb({
   asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }],
   nodes: [
@@ -52,8 +52,10 @@ export const glb = packGlb({
 }, new Uint8Array());
 export const fragments = (headers = '') => answer(200, glb, `Repr-Digest: sha-256=:${digestOf(glb)}:\r\nContent-Location: /fractures/sha256:1\r\n${headers}`);
 
-/** `handle(request)` says what is sent: {bytes, close: then hang up, silent: nothing}. Requests are {method, target, head, body,
- * number, connection}; it may be asynchronous. */
+/**
+ * `handle(request)` returns the reply: {bytes, close: then hang up, silent: nothing}. Requests are {method, target, head, body, number,
+ * connection}; it may be asynchronous.
+ */
 export class FakeServer {
   requests = [];
   connections = 0;
@@ -107,14 +109,14 @@ export class FakeServer {
   }
 }
 
-/** A fake server for the length of a test. */
+/** Starts a fake server for the duration of a test. */
 export async function fake(test, handle, port = 0) {
   const server = await new FakeServer(handle).listen(port);
   test.after(() => server.close());
   return server;
 }
 
-/** fracture-server on free ports, until this program ends or kill(): {url, admin, kill}. */
+/** Starts fracture-server on free ports, until this program ends or kill() is called: {url, admin, kill}. */
 export async function realServer(...flags) {
   const server = spawn(program, ['serve', '--port', '0', '--admin-port', '0', '--threads', '2', '--drain-delay', '0', '--grace', '1',
     '--log-format', 'json', ...flags], { stdio: ['ignore', 'ignore', 'pipe'] });
@@ -129,14 +131,16 @@ export async function realServer(...flags) {
       if (found) resolve(found);
     });
   });
-  // It does not keep this program alive.
+  // The server does not keep this program alive.
   server.unref();
   server.stderr.unref();
   return { url: `http://127.0.0.1:${ports[1]}`, admin: `http://127.0.0.1:${ports[2]}`, kill };
 }
 
-/** HAProxy with the repository's configuration before one server, with other addresses and fewer connections: {url}; null where it is
- * not installed. Until the end of the test. */
+/**
+ * Starts HAProxy with the repository's configuration in front of one server, with other addresses and fewer connections, until the end of
+ * the test: {url}. Returns null if it is not installed.
+ */
 export async function haproxy(test, server) {
   const program = ['/usr/sbin/haproxy', '/usr/local/sbin/haproxy', '/usr/bin/haproxy'].find(name => fs.existsSync(name));
   if (!program) return null;
@@ -166,13 +170,13 @@ async function freePort() {
   return port;
 }
 
-/** Asks until it holds, for a minute at most: hundreds of times what it takes. */
+/** Waits until the condition holds, at most a minute, which is hundreds of times what it takes. */
 export async function eventually(what, holds) {
   for (const end = Date.now() + 60_000; !await holds(); await new Promise(resolve => setTimeout(resolve, 5)))
     if (Date.now() > end) throw new Error(`not within a minute: ${what}`);
 }
 
-/** The reason of a promise that is to be refused. */
+/** Returns the reason for which a promise is rejected. */
 export async function refusal(promise) {
   try {
     await promise;
@@ -199,7 +203,7 @@ export function torus({ radius = 1, tube = 0.4, around = 24, across = 12, materi
   return `${lines.join('\n')}\n`;
 }
 export const torusFile = { name: 'torus.obj', data: Buffer.from(torus()) };
-/** One pixel. */
+/** A single pixel. */
 export const png = Buffer.from('iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==', 'base64');
 
 export const read = name => fs.readFileSync(path.join(root, name), 'utf8');

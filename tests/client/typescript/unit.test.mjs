@@ -17,7 +17,7 @@ test('SHA-256 without WebCrypto is that of OpenSSL', () => {
 });
 
 test('a digest is that of the bytes', async () => {
-  // The digest of nothing is known from FIPS 180-4's examples; its base64 from coreutils.
+  // The digest of empty data is known from FIPS 180-4's examples; its base64 comes from coreutils.
   const ofNothing = 'sha-256=:47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=:', nothing = new Uint8Array();
   assert.ok(await digestMatches(ofNothing, nothing));
   assert.ok(await digestMatches(`md5=:x:, ${ofNothing}`, nothing));
@@ -63,7 +63,7 @@ test('of several files the one that the server reads is the mesh, and names are 
 test('a GLB is read where it lies', () => {
   const floats = Float32Array.from({ length: 12 }, (_, k) => k), binary = new Uint8Array(64);
   binary.set(new Uint8Array(floats.buffer));
-  binary.set([2, 0, 1, 0], 48);              // places of the sparse accessor
+  binary.set([2, 0, 1, 0], 48);              // indices of the sparse accessor
   binary.set(new Uint8Array(Float32Array.of(-1, -2).buffer), 52);
   const json = {
     asset: { version: '2.0' }, buffers: [{ byteLength: 64 }],
@@ -85,7 +85,7 @@ test('a GLB is read where it lies', () => {
   assert.deepEqual([...glb.accessor(2)], [0, 1, -1, 3].map((v, k) => (k === 0 ? -2 : v)));
   assert.deepEqual([...glb.accessor(3)], [0, 0]);
   assert.throws(() => glb.accessor(4), FractureError);
-  // Cut out of something else at an odd place: the same.
+  // The same bytes at an odd offset in a larger buffer give the same.
   const odd = new Uint8Array(glb.bytes.length + 1);
   odd.set(glb.bytes, 1);
   assert.deepEqual([...new Glb(odd.subarray(1)).accessor(0)], [...floats]);
@@ -97,7 +97,7 @@ test('a GLB is read where it lies', () => {
 const { combine, inertiaOf, inherit, momentumOf, placed, principalAxes, setMomentum, turned, rotate } = await built('three/mass.js');
 const { brokenBy, components, energyOf } = await built('three/bonds.js');
 
-/** xorshift32: the same numbers each time. */
+/** xorshift32, which gives the same numbers each time. */
 function numbers(seed) {
   return () => {
     seed ^= seed << 13, seed ^= seed >>> 17, seed ^= seed << 5;
@@ -149,7 +149,7 @@ test('what takes the place of a body moves as it did', () => {
     const parts = Array.from({ length: 2 + k % 7 }, () => ({ mass: 1.01 + random(), center: vec(), inertia: inertiaOf([1, 1, 1], [0, 0, 0, 1]) }));
     const at = vec(), turn = unit([random(), random(), random(), random()]), [velocity, spin] = [vec(), vec()];
     const body = { ...placed(combine(parts), at, turn), velocity, spin };
-    // Parts that weigh together what it does move with its field, v + ω × r, in any frame.
+    // If the parts weigh as much as the body, they move with its velocity field, v + ω × r, in any frame.
     const made = inherit(body, parts.map(part => placed(part, at, turn)));
     made.forEach((part, number) => {
       const r = part.center.map((value, axis) => value - body.center[axis]);
@@ -157,7 +157,7 @@ test('what takes the place of a body moves as it did', () => {
       close(part.velocity, field.map((value, axis) => value + velocity[axis]), 1e-12, `${k}: velocity of ${number}`);
       close(part.spin, spin, 1e-12, `${k}: spin of ${number}`);
     });
-    // And twice as heavy ones have its momentum all the same.
+    // Parts that are twice as heavy still keep the body's momentum.
     const heavy = inherit(body, parts.map(part => ({ ...placed(part, at, turn), mass: 2 * part.mass })));
     const [was, is] = [momentumOf([body]), momentumOf(heavy, body.center)];
     close(is.linear, was.linear, 1e-12, `${k}: linear`);
@@ -175,7 +175,7 @@ test('a blow breaks the nearest bonds, as far as its energy goes', () => {
   assert.deepEqual(brokenBy({ point: [0, 0, 0], energy: 0.9 * cost }, bonds, [0, 1, 2, 3], 1e-3), []);
   // Two bodies of 2 kg, one at rest, the other at 3 m/s, stay together: 9 J become 4.5 J, and the impulse was 3 N·s.
   assert.equal(energyOf(3, 2, 2), 4.5);
-  assert.equal(energyOf(6, 2, 0), 9);  // against what does not move all of it is lost
+  assert.equal(energyOf(6, 2, 0), 9);  // against an immovable body all energy is lost
 });
 
 test('groups are what bonds still hold together', () => {

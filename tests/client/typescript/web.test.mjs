@@ -1,5 +1,5 @@
-// The package in Debian's Chromium, with fracture-server (FRACTURE_TEST_SERVER): the game of client/examples/web, and a worker
-// of a page that is no secure context.
+// The package in Debian's Chromium, with fracture-server (FRACTURE_TEST_SERVER): the game of client/examples/web, and a worker in a page
+// that is not a secure context.
 import assert from 'node:assert/strict';
 import os from 'node:os';
 import path from 'node:path';
@@ -23,7 +23,7 @@ const WORKER = `
     }
   };`;
 
-/** Prints the lengths of frames until the swap, the longest from there on, and those of fragments in flight. */
+/** Prints the lengths of frames until the swap, the longest after it, and those while fragments fly. */
 function tellFrames({ frames, swap, bodies, says }) {
   const lengths = frames.slice(1).map((end, k) => ({ end, length: end - frames[k] })), at = swap.startTime + swap.duration;
   const told = kept => {
@@ -78,7 +78,7 @@ describe('in a browser', { skip: noBrowser }, () => {
     assert.deepEqual([said.secure, said.subtle, said.problem, said.name, said.percent], [false, false, 'unknown-parameter', 'AbortError', 100]);
     assert.ok(said.fragments === 12 && said.hit > 12 && said.long === 9, JSON.stringify(said));
     assert.match(said.etag, /^"[0-9a-f]+"$/, 'the answer came as it is, so that its digest could be checked');
-    // What a browser writes of a 400 and of what was taken back, and nothing else.
+    // Only the lines that a browser logs about a 400 and about aborted requests.
     assert.deepEqual(complaints.filter(text => !/status of 400|ERR_ABORTED/.test(text)), []);
   });
 });

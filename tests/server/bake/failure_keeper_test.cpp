@@ -1,4 +1,4 @@
-// Failures that are kept: within bounds, below their folder, and with a command that asks the same again.
+// Kept failures: within limits, inside their folder, and with a command that repeats the request.
 #include "server/service/failure_keeper.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ const ParameterTable& table() {
   return all;
 }
 
-/// With bytes borrowed from `failure`.
+/// The request borrows its bytes from `failure`.
 FractureRequest request_of(const Failure& failure) {
   const Expected<RequestParameters> parameters = table().parse(failure.parameters);
   if (!parameters) throw std::runtime_error(parameters.error().detail);
@@ -60,7 +60,7 @@ TEST(FailureKeeper, KeepsTheOldestWithinItsBoundsAndCountsTheOthers) {
   for (const Kept& kept : kept_in(folder / "kept"))
     seeds.insert(kept.request.at("parameters").at("seed").get<int>());
   EXPECT_EQ(seeds, (std::set<int>{0, 1, 2}));
-  // The next process finds them, and whoever takes one away makes room.
+  // The next process finds the kept failures. Deleting one makes room for another.
   FailureKeeper next({.folder = folder / "kept", .max_failures = 3});
   next.keep(request_of(with_seed(7)), kUnsoundError);
   EXPECT_EQ(next.figures().dropped, 1u);
@@ -170,7 +170,7 @@ TEST(FailureKeeper, TakesFailuresOfManyThreads) {
   EXPECT_EQ(keeper.figures().known, 80u - 17u);
 }
 
-/// What a shell makes of the words after `fracture-server bake`.
+/// The words that a shell makes of `command` after `fracture-server bake`.
 std::vector<std::string> words_of(std::string command) {
   const std::string program = "fracture-server bake";
   if (!command.starts_with(program)) throw std::runtime_error(command);
@@ -239,7 +239,7 @@ TEST(FailureKeeper, WhatACommandLineCannotSayIsAManifest) {
   names.parameters.push_back({"nodes", json::array({"left, or so", "right"}), false});
   Failure points;
   std::string list;
-  // Longer than a command may be.
+  // The list is longer than a command may be.
   for (int k = 0; k < test::sized(8'000, 20'000); ++k)
     list += (k > 0 ? ";" : "") + std::to_string(k) + ",0.5,0.25";
   points.parameters = {{"pattern", "points", true}, {"points", list, true}};

@@ -1,4 +1,4 @@
-// How errors of a bake are told apart, said and reported.
+// How the errors of a bake are classified, printed and reported.
 #include "server/bake/failure.hpp"
 
 #include <gtest/gtest.h>
@@ -63,7 +63,7 @@ TEST(BakeFailure, AnUnsoundAnswerHasItsCertificateAndNobodyElse) {
   EXPECT_TRUE(certificate_of({ErrorCode::kMeshNotClosed, "It is open.", {}, Figures(certificate)}).is_null());
 }
 
-/// What a server answers, without the members of an exchange.
+/// The server's problem document for `error`, without the members that belong to an HTTP exchange.
 json by_server(const Error& error) {
   json document = json::parse(http::to_problem(error).body("id"));
   document.erase("status");
@@ -82,7 +82,7 @@ TEST(BakeFailure, AReportSaysOfEveryErrorWhatAServersAnswerSays) {
   std::size_t compared = 0;
   for (const http::ProblemType& type : http::problem_types()) {
     const std::optional<ErrorCode> code = error_code(type.slug);
-    // An overloaded server and one with a bug say more than went wrong: when to come again, and what to report.
+    // An overloaded server and an internal error add members: when to retry, and what to report.
     if (!code || *code == ErrorCode::kOverloaded || *code == ErrorCode::kInternal) continue;
     for (const Error& error : {Error{*code, "Because.", "sites", extra}, Error{*code, "Because."}}) {
       EXPECT_EQ(to_problem(error), by_server(error)) << type.slug;

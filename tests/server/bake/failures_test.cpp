@@ -1,5 +1,5 @@
-// Answers that do not prove themselves, and bugs: not written, said by name, and kept so that they can be
-// seen again.
+// Answers whose certificate fails, and bugs: nothing is written, the failure is reported by name, and it is
+// kept so that it can be reproduced.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -21,14 +21,14 @@ using test::Kept;
 using test::kept_in;
 using test::read_file;
 
-/// The real engine, but for some numbers of sites.
+/// The real engine, except for some numbers of sites.
 class UnsoundEngine final : public EngineAround {
  public:
-  static constexpr std::uint32_t kOpen = 5;  ///< says that it is open, and answers: as older servers did
-  static constexpr std::uint32_t kUnmirrored = 6;  ///< the same of caps without their mirror image
+  static constexpr std::uint32_t kOpen = 5;        ///< reports open edges in an answer, as older servers did
+  static constexpr std::uint32_t kUnmirrored = 6;  ///< reports caps without a mirror image in an answer
   static constexpr std::uint32_t kRefused = 7;     ///< refuses its own answer
-  static constexpr std::uint32_t kBroken = 8;      ///< throws
-  static constexpr std::uint32_t kNoMemory = 9;    ///< throws that too
+  static constexpr std::uint32_t kBroken = 8;      ///< throws InternalError
+  static constexpr std::uint32_t kNoMemory = 9;    ///< throws std::bad_alloc
 
   UnsoundEngine() : EngineAround(test::engine_in_process()) {}
 
@@ -48,7 +48,7 @@ class UnsoundEngine final : public EngineAround {
 struct BakeFailures : testing::Test {
   test::TemporaryFolder folder;
   std::unique_ptr<Baker> baker = local_baker({}, std::make_unique<UnsoundEngine>());
-  std::string said;  ///< on standard error by the last bake
+  std::string said;  ///< standard error of the last bake
 
   void SetUp() override { test::write_meshes(folder, 2); }
 
@@ -121,7 +121,7 @@ TEST_F(BakeFailures, ManyGoOnAndWriteAllButTheUnsound) {
 }
 
 TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
-  // Five of six sides, which is a note, and a square apart, which is a warning.
+  // Five of six sides, which causes a note, and a separate square, which causes a warning.
   folder.write(
       "in/box1.obj",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\n"
@@ -155,7 +155,7 @@ TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
 
 TEST_F(BakeFailures, AFileThatTheMeshNamesIsNotWrittenOver) {
   std::string gltf = read_file(folder / "in/gltf/box.gltf");
-  gltf.replace(gltf.find("box%20data/box.bin"), 18, "data.glb");  // a buffer may be called anything
+  gltf.replace(gltf.find("box%20data/box.bin"), 18, "data.glb");  // A buffer may have any file name.
   folder.write("in/gltf/box.gltf", gltf);
   fs::rename(folder / "in/gltf/box data/box.bin", folder / "in/gltf/data.glb");
   const std::string before = read_file(folder / "in/gltf/data.glb");
@@ -175,7 +175,7 @@ TEST_F(BakeFailures, AFileThatTheMeshNamesIsNotWrittenOver) {
   EXPECT_EQ(read_file(folder / "in/gltf/data.glb"), before);
 }
 
-// -- kept
+// -- kept failures
 
 TEST_F(BakeFailures, AKeptFailureFailsAgainFromWhatWasKept) {
   for (const std::uint32_t sites : {UnsoundEngine::kOpen, UnsoundEngine::kRefused, UnsoundEngine::kBroken}) {
@@ -205,7 +205,7 @@ TEST_F(BakeFailures, AKeptFailureFailsAgainFromWhatWasKept) {
     EXPECT_EQ(read_file(place / "mesh/box.gltf"), read_file(folder / "in/gltf/box.gltf"));
     EXPECT_EQ(read_file(place / "mesh/box data/box.bin"), read_file(folder / "in/gltf/box data/box.bin"));
 
-    // The same mesh and parameters have the same key, and the failure is known.
+    // The same mesh and parameters have the same key, so the failure is recognized.
     BakeSource again{.inputs = {(place / request.at("mesh").at("file").get<std::string>()).string()},
                      .output = folder / "again.glb"};
     for (const auto& [name, value] : request.at("parameters").items())

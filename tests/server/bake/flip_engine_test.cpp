@@ -1,4 +1,5 @@
-// The source paper's insertion behind the engine: the same diagrams and the same files, whatever is cut.
+// The engine with the source paper's insertion gives the same diagrams and the same files as the usual
+// engine, for each solid.
 #include "server/bake/flip_engine.hpp"
 
 #include <gtest/gtest.h>

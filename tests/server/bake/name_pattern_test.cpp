@@ -1,4 +1,4 @@
-// Patterns of names: what fnmatch() of POSIX says of them, for every byte, and no longer than they may take.
+// Name patterns match as POSIX fnmatch() does, for every byte, and within a time limit.
 #include "server/bake/name_pattern.hpp"
 
 #include <fnmatch.h>
@@ -29,7 +29,8 @@ TEST(NamePatterns, AreThoseOfFnmatch) {
     const std::string pattern = text_of("aab*?[]!-\\c/.", 9), text = text_of("aab-c/.]\\[", 7);
     const bool expected = ::fnmatch(pattern.c_str(), text.c_str(), 0) == 0;
     fits += expected;
-    // glibc and POSIX differ about collating symbols, equivalence classes and what is not closed within a bracket.
+    // glibc and POSIX differ about collating symbols, equivalence classes and unclosed items in a bracket
+    // expression.
     if (pattern.find("[.") != std::string::npos || pattern.find("[[") != std::string::npos) continue;
     ASSERT_EQ(matches(pattern, text), expected) << "'" << pattern << "' and '" << text << "'";
   }

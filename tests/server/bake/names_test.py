@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What `fracture-server bake` does with the names of files, nodes and materials that strangers chose.
+"""Tests how `fracture-server bake` handles names of files, nodes and materials that strangers chose.
 
 Usage: names_test.py FRACTURE_SERVER [unittest arguments].
 """
@@ -118,7 +118,7 @@ class Names(unittest.TestCase):
         self.assertTrue((self.folder / "out/small.obj.glb").exists())
 
     def test_a_stop_ends_matching(self):
-        for k in range(200):  # each of them takes about a second
+        for k in range(200):  # Each of them takes about a second.
             self.mesh(b"in/%03d.obj" % k, "".join(f"o {'a' * 100}{k}\n" for k in range(2000)) + BOX)
         rules = self.rules(*[rule({"node": [f"*a*a*{k}b" for k in range(40)]})] * 1000)
         with subprocess.Popen([PROGRAM, "bake", "in/", "-o", "out/", *FEW, *rules], cwd=self.folder,

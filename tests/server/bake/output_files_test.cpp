@@ -1,4 +1,5 @@
-// Outputs that are made of an answer: what lies beside them, what is kept, and what is not written over.
+// Output files made from an answer: which files are written with them, which are kept, and which are never
+// overwritten.
 #include "server/bake/output_files.hpp"
 
 #include <gmock/gmock.h>
@@ -25,7 +26,7 @@ using testing::HasSubstr;
 using testing::Key;
 using testing::UnorderedElementsAre;
 
-/// Answers everything with the two halves of a box, in the format that is asked for.
+/// Answers every request with the two halves of a box, as GLB.
 struct HalvesBaker : Baker {
   ParameterTable table{100'000, FormatSet::all()};
   int asked = 0;
@@ -141,7 +142,7 @@ TEST_F(OutputFiles, ATextureThatNoBakeMadeIsNotWrittenOver) {
 }
 
 TEST_F(OutputFiles, WhatAMeshNamesIsNotWrittenOverByWhatLiesBeside) {
-  // As a bake left it, so that it may be written over; but the mesh is made of it.
+  // A bake wrote this file, so it could be overwritten; but the mesh refers to it.
   run("x.obj");
   fs::rename(folder / "x.obj", folder / "in.obj");
   const std::string mtl = read_file(folder / "x.mtl");

@@ -1,4 +1,4 @@
-// What a bake is to make, from folders, globs and manifests; and which of it a shard makes.
+// The plan of a bake from folders, globs and manifests, and the part of it that each shard makes.
 #include "server/bake/plan.hpp"
 
 #include <gmock/gmock.h>
@@ -159,7 +159,7 @@ nonsense
                                  testing::HasSubstr("'seed' must be")),
                   "Line 9" + of + "'output' is missing.",
                   testing::AllOf(begins("Line 10" + of), testing::HasSubstr("would both be written"))));
-  // Each shard says the same, because a night is lost on all machines.
+  // Each shard reports all mistakes; otherwise a night of work is lost on every machine.
   EXPECT_EQ(plan_bake({.manifest = manifest, .shard = {1, 3}}, parse).error().detail, made.error().detail);
 }
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""`fracture-server bake --preview` and `--html` as their user meets them.
+"""Tests `fracture-server bake --preview` and `--html` as a user runs them.
 
-preview_test.py FRACTURE_SERVER: with renderers that are scripts, and do what a renderer must not.
-preview_test.py FRACTURE_SERVER FRACTURE_RENDER: with the real one. Exit code 77: it has no OpenGL here.
+preview_test.py FRACTURE_SERVER uses scripts as renderers that do what a renderer must not do.
+preview_test.py FRACTURE_SERVER FRACTURE_RENDER uses the real renderer. Exit code 77: no OpenGL here.
 """
 import html.parser
 import json
@@ -23,11 +23,11 @@ PROGRAM, RENDERER = "", ""
 BOX = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 """
-HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")  # filled, which is worth a note
+HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")  # the hole is filled, which causes a note
 OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 
-# A renderer as a script: answers as draw_list.hpp says, with a picture of one colour.
+# A renderer as a script: it answers as draw_list.hpp describes, with a picture of a single colour.
 SCRIPT = """#!{python}
 import json, os, signal, struct, sys, zlib
 open({log!r}, "a").write("%d\\n" % os.getpid())
@@ -46,7 +46,7 @@ for text in sys.stdin:
 
 
 def png(path):
-    """Width, height and the pixels, row by row, of a PNG with 8 bits of grey, RGB or RGBA."""
+    """Returns the width, the height and the pixels (row by row) of a PNG with 8 bits of grey, RGB or RGBA."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", path
     at, packed = 8, b""
@@ -85,7 +85,7 @@ def png(path):
 
 
 class Page(html.parser.HTMLParser):
-    """What stands in a page; wrong nesting is an error."""
+    """The contents of a page. Wrong nesting is an error."""
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
@@ -159,7 +159,7 @@ class Case(unittest.TestCase):
 
 class WithScripts(Case):
     def renderer(self, body="", name="renderer"):
-        """How often it was started: self.starts()."""
+        """Makes a renderer script. self.starts() tells how often it was started."""
         script = SCRIPT.format(python=sys.executable, log=str(self.folder / "log"), body=body)
         path = self.write(name, script)
         path.chmod(0o755)
@@ -373,7 +373,7 @@ class WithScripts(Case):
                 self.bake(*wrong, *renderer, code=2)
                 self.assertEqual(self.files(), before)
 
-        # A texture of a mesh is no place for its picture.
+        # A preview does not overwrite a texture of the mesh.
         texture = b"\x89PNG not ours"
         (self.folder / "in/wood.png").write_bytes(texture)
         self.write("in/m.mtl", "newmtl wood\nmap_Kd wood.png\n")

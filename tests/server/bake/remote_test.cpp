@@ -1,4 +1,4 @@
-// A bake through a server: the whole HTTP layer around a fake engine, behind a relay that can be rude.
+// A bake through a server: the whole HTTP layer with a fake engine, behind a relay that can misbehave.
 #include "server/bake/remote_baker.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ using testing::HasSubstr;
 
 Patience short_pauses() {
   using std::chrono::milliseconds;
-  // Nothing here waits for the end of the patience but the tests of it, which set their own.
+  // No test waits until the patience ends, except those that set their own.
   return {milliseconds(3'600'000), milliseconds(1), milliseconds(4)};
 }
 
@@ -37,7 +37,7 @@ Expected<std::unique_ptr<Baker>> baker_at(std::uint16_t port, const Patience& pa
   protocol::ConnectionSettings settings;
   settings.port = port;
   settings.token = token;
-  // However slow this machine is just now: what is to fail, fails by itself.
+  // The limits are long because the machine may be slow. A test that expects a failure must not rely on them.
   settings.connect_timeout = settings.answer_timeout = std::chrono::hours(1);
   return remote_baker({settings, patience}, {}, [](const std::string&) {});
 }
@@ -56,7 +56,7 @@ struct Asked {
   OutputFormat output = OutputFormat::kGlb;
 };
 
-/// With bytes that are borrowed from `asked`.
+/// The request borrows its bytes from `asked`.
 FractureRequest request_of(Baker& baker, const Asked& asked) {
   std::vector<RawParameter> given;
   for (const auto& [name, value] : asked.parameters.items()) given.push_back({name, value, false});
@@ -73,7 +73,7 @@ Expected<Baked> bake(Baker& baker, const Asked& asked, const std::stop_token& st
   return baker.bake(request_of(baker, asked), {}, stop);
 }
 
-/// What the same request gives without a server.
+/// The answer to the same request without a server.
 std::vector<std::uint8_t> local_file(Baker& baker, const Asked& asked) {
   FractureService service({}, std::make_unique<test::FakeEngine>(std::make_shared<test::FakeControl>()));
   return service.fracture(request_of(baker, asked), {})->result->file;
@@ -98,7 +98,7 @@ FakeReply problem(int status, const std::string& slug, const std::string& header
                            "Content-Type: application/problem+json\r\n" + headers);
 }
 
-// -- all is well
+// -- a server that works
 
 TEST(RemoteBaker, GivesTheBytesOfALocalBakeAndSendsEachMeshOnce) {
   Farm farm;
@@ -172,7 +172,7 @@ TEST(RemoteBaker, AMeshThatIsStoredInAnotherFormatIsSentAlong) {
   EXPECT_EQ(farm.count("POST /fracture "), 1);
 }
 
-// -- all is not well
+// -- a server that fails
 
 TEST(RemoteBaker, WaitsUntilABusyOrAbsentServerAnswers) {
   Farm farm;
@@ -210,7 +210,7 @@ TEST(RemoteBaker, BeginsAgainWhereTheServerHasForgotten) {
     if (request.target.starts_with("/fractures/")) {
       const int n = lost["result"]++;
       if (n == 0) return problem(404, "not-found");
-      if (n == 1) {  // damaged on the way
+      if (n == 1) {  // damaged in transit
         FakeReply reply = test::pass_on(request, farm.server.port());
         reply.bytes.back() = static_cast<char>(reply.bytes.back() ^ 1);
         return reply;
@@ -222,7 +222,7 @@ TEST(RemoteBaker, BeginsAgainWhereTheServerHasForgotten) {
     }
     return std::nullopt;
   };
-  // The job is to be seen unfinished, so that its events are asked for.
+  // The job must be seen unfinished, so that the client asks for its events.
   farm.server.control->during_cut = [&](const Execution& execution) {
     test::require_eventually(test::kPatience, "somebody to ask for the job", [&] {
       execution.poll();

@@ -1,4 +1,4 @@
-// What a bake sends: to whom, and how a form is written.
+// The requests of a bake: the server's address, and the encoding of a form.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Rules of a bake: what matches, what wins, what is refused by name, and what a bake makes of it.
+// Rules of a bake: which files match, which rule wins, which rules are refused by name, and the effect of the
+// rules on a bake.
 #include "server/bake/rules.hpp"
 
 #include <gtest/gtest.h>
@@ -48,7 +49,7 @@ bool matches(const RuleFile& file, const std::string& path, const MeshNames& nam
   return find_rule(file, path, names).has_value();
 }
 
-/// Nothing where one of its limits is passed.
+/// Returns nothing if the mesh exceeds one of the limits of names_in().
 std::optional<MeshNames> names_of(const std::string& called, const std::string& text,
                                   std::optional<MeshFormat> given = std::nullopt) {
   const Expected<MeshNames> names = names_in(called, std::as_bytes(std::span(text)), given);

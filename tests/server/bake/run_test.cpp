@@ -1,4 +1,5 @@
-// A bake with a baker that does as it is told: what is written, reported, kept, refused; stops and failures.
+// A bake with a baker that the test controls: what is written, reported, kept and refused; stops and
+// failures.
 #include "server/bake/run.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Answers with the mesh's own bytes and its seed. Meshes that say so are refused, open, or stop everything.
+/// Answers with the mesh's own bytes and its seed. The mesh text can also ask for a refusal, an open result,
+/// an exception or a stop.
 struct EchoBaker : Baker {
   ParameterTable table{100'000, FormatSet::all()};
   std::atomic<int> asked{0};
@@ -109,9 +111,9 @@ TEST_F(BakeRunTest, MakesAgainOnlyWhatIsNotRight) {
   run(plan_of(meshes));
   EXPECT_EQ(run(plan_of(meshes)).kept, 4u);
   EXPECT_EQ(baker.asked, 6) << "what was refused is asked again";
-  folder.write("in/a.obj", "other");     // its mesh changed
-  folder.write("out/b.obj.glb", "y?");   // its output changed
-  fs::remove(folder / "out/c.obj.glb");  // its output is gone
+  folder.write("in/a.obj", "other");     // the mesh changed
+  folder.write("out/b.obj.glb", "y?");   // the output changed
+  fs::remove(folder / "out/c.obj.glb");  // the output is missing
   Expected<BakePlan> again = plan_bake({.inputs = {folder / "in"}, .output = folder / "out"});
   const RunFigures f = run(*again);
   EXPECT_EQ(f.kept, 1u);
@@ -243,7 +245,7 @@ TEST_F(BakeRunTest, CertificatesThatDoNotHoldAreCountedAndNotKept) {
 TEST_F(BakeRunTest, WhatCannotBeReadOrWrittenDoesNotStopTheOthers) {
   BakePlan plan = plan_of({{"a", "x"}, {"b", "y"}});
   plan.jobs.push_back({folder / "absent.obj", folder / "out/absent.glb", {}});
-  fs::create_directories(folder / "out/b.obj.glb");  // a folder where the file should be
+  fs::create_directories(folder / "out/b.obj.glb");  // A folder is in the place of the file.
   plan.jobs.push_back({folder / "in/a.obj", folder / "out/wrong.glb", {{"sites", "none", true}}});
   const RunFigures f = run(plan);
   EXPECT_EQ(f.made, 1u);
@@ -266,7 +268,7 @@ TEST_F(BakeRunTest, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
   EXPECT_FALSE(f.begun);
   EXPECT_FALSE(fs::exists(folder / "out/a.obj.glb"));
 
-  // The report, the page and the depfile are written last, and tried first.
+  // The report, the page and the depfile are written last, but their paths are tried first.
   plan = plan_of({{"a", "x"}});
   RunOptions options;
   options.quiet = true;
@@ -286,7 +288,7 @@ TEST_F(BakeRunTest, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
 TEST_F(BakeRunTest, WhatIsRightAlreadyNeedsNoFolderThatCanBeWrittenTo) {
   const BakePlan plan = plan_of({{"a", "x"}, {"b", "y"}});
   EXPECT_EQ(run(plan).made, 2u);
-  // The place of the unfinished file is taken: as if the folder could not be written to, for root, too.
+  // A folder is in the place of the unfinished file, so writing fails even for root.
   fs::create_directories(folder / "out/.a.obj.glb.part");
   EXPECT_EQ(run(plan).kept, 2u);
   folder.write("in/a.obj", "z");
@@ -305,7 +307,7 @@ TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {
   EXPECT_TRUE(is_sound(summary(0, 1e-14)));
   EXPECT_FALSE(is_sound(summary(1, 1e-14)));
   EXPECT_FALSE(is_sound(summary(0, 1e-3)));
-  // Of answers that were judged where they were made, by the bounds that belong to the mesh.
+  // These answers were judged where they were computed, by the bounds of their mesh.
   AnswerSummary judged = summary(0, 1e-8);
   judged.judged = true;
   EXPECT_TRUE(is_sound(judged));
@@ -319,7 +321,8 @@ TEST(IsSound, AsksForClosedFragmentsAndForAPartitionWhereOneIsPromised) {
   EXPECT_TRUE(is_sound(barycenter));
 }
 
-/// A report may be anybody's file by the next run: it decides what is made again, and ends no bake.
+/// Anybody may have changed the report before the next run. It decides what is made again, and must never end
+/// the bake.
 TEST_F(BakeRunTest, LinesThatNoBakeWroteAreNotBelieved) {
   const BakePlan plan = plan_of({{"a", "a"}});
   run(plan);

@@ -1,4 +1,5 @@
-// A bake loses nothing: what it refuses to write over or into, and what it does not take for a mesh.
+// A bake loses no data: which files and folders it refuses to overwrite, and which files it does not take for
+// meshes.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -60,14 +61,14 @@ std::string glb(const json& document) {
 
 const json kPlain = {{"asset", {{"version", "2.0"}, {"generator", "Blender"}}}};
 const json kOurs = {{"asset", {{"version", "2.0"}, {"generator", "fracture, algorithm 7"}}}};
-/// Of a program that keeps extras and writes its own name.
+/// From a program that keeps extras but writes its own name as the generator.
 const json kOursThroughAnEditor = {
     {"asset", {{"version", "2.0"}, {"generator", "Blender"}}},
     {"nodes", {{{"name", "Camera"}}, {{"extras", {{"fracture", {{"certificate", json::object()}}}}}}}}};
 const json kAboutFractures = {{"asset", {{"version", "2.0"}, {"generator", "Blender"}}},
                               {"nodes", {{{"name", "fracture"}, {"extras", {{"fracture", "of a leg"}}}}}}};
 
-// -- endings
+// -- file extensions
 
 TEST(KindOfOutput, IsTheEndingAndNoOtherEndingIsWritten) {
   for (const char* path : {"a.glb", "a.GLB", "a", "a/b.c/d", ".glb", "a.b/c"})
@@ -117,7 +118,7 @@ TEST_F(BakeSafety, AnEndingThatIsNotWrittenIsRefusedInManifestsToo) {
   expect_refused({.manifest = manifest}, {"Line 2 of '" + manifest + "'", "'.fbx'", "c.fbx"});
 }
 
-// -- inputs stay
+// -- inputs are kept
 
 TEST_F(BakeSafety, AnOutputThatIsTheInputIsRefusedHoweverItIsSpelt) {
   const std::string mesh = put("in/a.glb", "mesh");
@@ -185,7 +186,7 @@ TEST_F(BakeSafety, ReportAndDepfileAreNoInputNoOutputAndNothingElseThatIsThere) 
     EXPECT_EQ(refused({.inputs = {mesh}, .output = out, .report = put("report", text)}), "") << text;
 }
 
-// -- places where no file can be
+// -- paths that cannot be written to
 
 TEST_F(BakeSafety, DevicesPipesSocketsFoldersAndDescriptorsAreNoOutputs) {
   const std::string mesh = put("a.obj");
@@ -243,9 +244,9 @@ TEST_F(BakeSafety, AFileCalledMinusInAManifestIsAFile) {
   EXPECT_EQ(made->jobs.front().output, "-out");
 }
 
-// -- results are no meshes
+// -- results are not meshes
 
-/// By the format that the ending says.
+/// Decides by the format that the file extension names.
 bool is_result(const std::string& path) {
   return is_result_file(path, *format_from_extension(fs::path(path).extension().string().substr(1)));
 }
@@ -324,7 +325,7 @@ TEST_F(BakeSafety, AFolderAsAMeshCannotBeRead) {
 TEST_F(BakeSafety, AStopEndsTheWaitForAPipe) {
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   const int writer =
-      ::open((folder / "pipe").c_str(), O_RDWR | O_CLOEXEC);  // so that opening to read does not wait
+      ::open((folder / "pipe").c_str(), O_RDWR | O_CLOEXEC);  // so that opening it to read does not block
   ASSERT_GE(writer, 0);
   ASSERT_EQ(::write(writer, "v 0", 3), 3);
   std::stop_source stop;

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Holds proto/bake/*.schema.json and `fracture-server bake` together.
+"""Compares proto/bake/*.schema.json with `fracture-server bake`.
 
-Every line of a report that the program writes fits its schema, and what a schema refuses of manifests and rules the
-program refuses too, with 2. Usage: schema_test.py FRACTURE_SERVER [unittest arguments].
-Exit code 77: Debian's python3-jsonschema is missing.
+Every line of a report that the program writes fits its schema. If a schema refuses a manifest or rules, the
+program refuses them as well, with exit code 2.
+
+Usage: schema_test.py FRACTURE_SERVER [unittest arguments]. Exit code 77: Debian's python3-jsonschema is
+missing.
 """
 import json
 import pathlib
@@ -26,7 +28,7 @@ v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 """
 OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-# A box without half of one face, which is filled; a note says so.
+# A box without half of one face. The program fills the hole and writes a note.
 HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")
 
 FITS, BREAKS = True, False
@@ -113,7 +115,8 @@ class Schemas(unittest.TestCase):
         (self.folder / name).write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
 
     def test_every_line_of_a_report_fits(self):
-        # A file that the mesh names is not written over, which is known when the mesh has been read.
+        # A file that the mesh refers to is not overwritten. The bake knows it only after it has read the
+        # mesh.
         (self.folder / "names.obj").write_text("mtllib e.glb\n" + BOX, encoding="utf-8")
         (self.folder / "e.glb").write_text("newmtl red\n", encoding="utf-8")
         (self.folder / "renderer").write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")

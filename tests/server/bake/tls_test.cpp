@@ -1,4 +1,5 @@
-// A farm that is asked over HTTPS: whom it believes, and that the answers are those of HTTP.
+// A bake server over HTTPS: which certificates the client accepts, and that the answers equal those over
+// HTTP.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +24,8 @@ struct Https : testing::Test {
   void SetUp() override {
     if (!test::find_program("openssl")) GTEST_SKIP() << "there is no openssl here";
   }
-  /// However slow this machine is just now: what is to fail, fails by itself.
+  /// The limits are long because the machine may be slow. A test that expects a failure must not rely on
+  /// them.
   static protocol::Exchange ask(const std::string& url, const std::string& ca_file,
                                 const protocol::HttpRequest& request = {"GET", "/version"}) {
     Expected<protocol::ConnectionSettings> settings = parse_server_url(url, ca_file);
@@ -46,7 +48,7 @@ TEST_F(Https, OnlyACertificateOfThisNameByThisAuthorityIsBelieved) {
 
   const std::pair<std::string, std::string> wrong[] = {
       {"https://localhost" + port, theirs.certificate("theirs")},  // another authority
-      {"https://localhost" + port, ""},                            // whom this system trusts
+      {"https://localhost" + port, ""},                            // the authorities that this system trusts
       {"https://127.0.0.1" + port, ours.certificate("ours")}};     // another name
   for (const auto& [url, ca_file] : wrong) {
     const auto refused = ask(url, ca_file);

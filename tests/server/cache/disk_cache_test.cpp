@@ -24,7 +24,7 @@ using test::TemporaryFolder;
 using Bytes = std::vector<std::uint8_t>;
 
 std::string key_of(int n) { return sha256("key " + std::to_string(n)).hex(); }
-/// What belongs to a key, so that a wrong byte can be told without remembering what was written.
+/// The payload follows from the key, so a wrong byte is detected without storing what was written.
 Bytes payload_of(int n, std::size_t size) {
   Bytes bytes(size);
   std::uint32_t state = static_cast<std::uint32_t>(n) * 2654435761u + 1;
@@ -89,7 +89,7 @@ struct Disk : testing::Test {
     const std::string key = key_of(n);
     return cache.insert({key, std::to_string(size), payload});
   }
-  /// Found and right; a wrong byte is a failure.
+  /// Returns whether the entry is found. A wrong byte fails the test.
   static bool finds(DiskCache& cache, int n) {
     const auto stored = cache.find(key_of(n));
     if (!stored) return false;
@@ -210,7 +210,7 @@ TEST_F(Disk, KeysAreHexDigitsAndNothingElse) {
   }
 }
 
-/// Runs in a process of its own, which may end as it likes.
+/// Runs `work` in a child process, which may end in any way.
 template <class Work>
 int in_child(Work work) {
   const pid_t child = ::fork();
@@ -262,14 +262,14 @@ TEST_F(Disk, WhenTheDiskIsFullWritesFailAndReadsGoOn) {
   }
   const int status = in_child([&] {
     ::signal(SIGXFSZ, SIG_IGN);
-    const rlimit small{5000, 5000};  // of any file: write() fails in the middle, as on a full disk
+    const rlimit small{5000, 5000};  // for any file: write() fails in the middle, as on a full disk
     ::setrlimit(RLIMIT_FSIZE, &small);
     DiskCache cache(path, 1 << 20);
     if (insert(cache, 2, 100'000)) ::_exit(1);
     if (!finds(cache, 1)) ::_exit(2);
     if (finds(cache, 2)) ::_exit(3);
     if (cache.figures().failures != 1) ::_exit(4);
-    if (!insert(cache, 3)) ::_exit(5);  // what fits is still written
+    if (!insert(cache, 3)) ::_exit(5);  // an entry that fits is still written
   });
   EXPECT_EQ(status, 0);
   EXPECT_TRUE(fs::is_empty(path + "/tmp")) << "nothing half-written is left";
@@ -285,7 +285,7 @@ TEST_F(Disk, KilledAtAnyMomentItNeverServesAWrongByte) {
     ASSERT_EQ(::pipe(written), 0);
     const pid_t child = ::fork();
     if (child == 0) {
-      DiskCache cache(path, 300'000);  // small: it evicts all the time
+      DiskCache cache(path, 300'000);  // small, so it evicts all the time
       for (int n = 0;; n = (n + 1) % 64) {
         insert(cache, n, 100 + static_cast<std::size_t>(n) * 300);
         if (n == 8 && ::write(written[1], "8", 1) != 1) ::_exit(1);
@@ -293,17 +293,18 @@ TEST_F(Disk, KilledAtAnyMomentItNeverServesAWrongByte) {
       }
     }
     ::close(written[1]);
-    // Every other round is killed at any moment from its birth, the others when there is something to lose.
+    // Every other round waits until there is something to lose. In the other rounds the process may be killed
+    // right after its start.
     if (char byte = 0; round % 2 == 1) {
       ASSERT_EQ(::read(written[0], &byte, 1), 1);
     }
     state = state * 1664525u + 1013904223u;
-    ::usleep(state >> 16 & 0x7fff);  // pause: up to 33 ms, so that it is killed at any moment
+    ::usleep(state >> 16 & 0x7fff);  // pause: up to 33 ms, so that the kill comes at any moment
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     ::close(written[0]);
-    fs::create_directories(path);  // a child that was killed before it began has left nothing
-    // Then what the disk itself may do: flip a bit, cut a file.
+    fs::create_directories(path);  // A child that is killed before it begins leaves no folder.
+    // Then do what a disk may do: flip a bit, truncate a file.
     for (const fs::path& file : entries_in(path)) {
       state = state * 1664525u + 1013904223u;
       const std::uintmax_t size = fs::file_size(file);

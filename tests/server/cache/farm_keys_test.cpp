@@ -1,4 +1,5 @@
-// Signatures of what lies in shared tiers: only what the farm signed, as what it signed it.
+// Signatures of entries in shared cache tiers: an entry is accepted only if the farm signed it, and only as
+// what it was signed for.
 #include "server/cache/farm_keys.hpp"
 
 #include <gmock/gmock.h>
@@ -30,9 +31,9 @@ Bytes signed_by(const FarmKeys& keys, const SignedAs& as, const Bytes& bytes) {
   return stored;
 }
 
-/// HMAC as RFC 2104 writes it down, over our SHA-256.
+/// HMAC as RFC 2104 defines it, with our SHA-256.
 Digest hmac(std::string key, const std::string& text) {
-  key.resize(64, '\0');  // ours are no longer than a block
+  key.resize(64, '\0');  // Our keys are not longer than a block.
   std::string inner = key, outer = key;
   for (char& c : inner) c = static_cast<char>(c ^ 0x36);
   for (char& c : outer) c = static_cast<char>(c ^ 0x5c);

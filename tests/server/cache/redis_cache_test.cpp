@@ -38,7 +38,7 @@ struct Redis : testing::Test {
     if (!process.running()) GTEST_SKIP() << "there is no redis-server here";
     config.address = process.address();
     config.operation_timeout =
-        std::chrono::milliseconds(2'000);  // of a busy machine; shorter where it matters
+        std::chrono::milliseconds(2'000);  // enough for a busy machine; shorter where the time matters
     config.connect_timeout = std::chrono::milliseconds(2'000);
   }
 };
@@ -58,7 +58,7 @@ TEST_F(Redis, WhatOneServerStoresAnotherFinds) {
 }
 
 TEST_F(Redis, AValueOverTheLimitIsNotSent) {
-  config.max_value_bytes = 50;  // 100,000 equal bytes are compressed to more
+  config.max_value_bytes = 50;  // less than 100,000 equal bytes take after compression
   RedisCache cache(config);
   EXPECT_FALSE(cache.insert(entry));
   EXPECT_FALSE(cache.find(kKey));
@@ -107,7 +107,7 @@ TEST(RedisImpostor, NonsenseIsAMiss) {
         std::string("*1000000000\r\n"), std::string(100'000, '\0'), std::string("+OK\r\n"),
         std::string(":1\r\n"), std::string("$5\r\nhello\r\n"), std::string("-ERR no\r\n"),
         std::string("*2\r\n$1\r\na\r\n$1\r\nb\r\n"),
-        // A zstd frame that says it holds 2^60 bytes.
+        // A zstd frame that claims to hold 2^60 bytes.
         std::string("$13\r\n\x28\xb5\x2f\xfd\xe0\0\0\0\0\0\0\0\x10\r\n", 20)}) {
     Impostor impostor([&](int fd) { say(fd, text); });
     RedisCache cache(config_of(impostor));
@@ -121,7 +121,7 @@ TEST(RedisImpostor, AnAnswerThatTricklesIsGivenUpAtTheDeadlineOfTheWhole) {
   Impostor* self = nullptr;
   Impostor impostor([&](int fd) {
     say(fd, "$100000\r\n");
-    // A byte every 20 ms is within any timeout of a single read, for half an hour.
+    // One byte every 20 ms: each read is within its timeout, but the whole answer would take half an hour.
     for (int i = 0; i < 100'000 && !self->stopping; ++i) {
       if (::send(fd, "x", 1, MSG_NOSIGNAL) <= 0) break;
       ::usleep(20'000);  // pause: an impostor that is slow on purpose
@@ -146,7 +146,7 @@ TEST(RedisImpostor, AnAnswerWithoutEndIsGivenUpAtTheLargestValue) {
         taken += static_cast<std::size_t>(sent);
     });
     RedisConfig config = config_of(impostor);
-    config.operation_timeout = std::chrono::seconds(20);  // so that it is not the clock that ends it
+    config.operation_timeout = std::chrono::seconds(20);  // so that the size ends it, not the time
     config.max_value_bytes = 1u << 20;
     RedisCache cache(config);
     EXPECT_FALSE(cache.find(kKey));

@@ -1,4 +1,4 @@
-// A Redis that is not trusted, and one that does not trust us: passwords, TLS, signatures, names.
+// A Redis server that is not trusted, and one that does not trust us: passwords, TLS, signatures, names.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ const std::string kKey = sha256("key").hex(), kOther = sha256("other").hex();
 const Bytes kPayload(100'000, 7);
 const CacheEntry kEntry{kKey, "m", kPayload};
 
-/// For a machine that is busy with other tests.
+/// Timeouts for a machine that is busy with other tests.
 RedisConfig patient(const std::string& address) {
   RedisConfig config;
   config.address = address;
@@ -95,7 +95,7 @@ TEST_F(RedisTrust, AnEntryUnderAnotherNameIsAMiss) {
   config.keys = keys_of(std::string(64, 'a'));
   RedisCache cache(config);
   ASSERT_TRUE(cache.insert(kEntry));
-  // Who may write to Redis copies a value; RENAME is answered like SET.
+  // A client that may write to Redis copies a value under another key. RENAME is answered like SET.
   NetworkAddress socket;
   auto& path = reinterpret_cast<sockaddr_un&>(socket.storage);
   path.sun_family = AF_UNIX;
@@ -155,7 +155,7 @@ TEST_F(RedisTrust, TlsChecksTheAuthorityAndTheNameAndShowsOurOwnCertificate) {
 }
 
 TEST_F(RedisTrust, TlsThatSaysNothingIsGivenUp) {
-  // Takes the greeting of TLS for a question and is silent.
+  // Reads the TLS greeting and never answers.
   const Impostor silent([](int fd) {
     char byte = 0;
     while (::recv(fd, &byte, 1, 0) > 0) {

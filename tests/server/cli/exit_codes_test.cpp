@@ -22,7 +22,7 @@ TEST(ExitCodes, OfABakeSayTheWorstThatHappened) {
   EXPECT_EQ(exit_code(figures, 2), kExitInternal);
   figures.cancelled = 1;
   EXPECT_EQ(exit_code(figures, 2), kExitInterrupted);
-  figures.unavailable = 1;  // what was cancelled, was for want of a server
+  figures.unavailable = 1;  // the rest was cancelled because no server was available
   EXPECT_EQ(exit_code(figures, 2), kExitSystem);
 }
 

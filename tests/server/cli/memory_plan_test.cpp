@@ -1,5 +1,5 @@
-// How the memory of a server is divided: what is given is kept, the rest fits, and what cannot fit is
-// refused.
+// How a server's memory is divided: given settings are kept, the others are made to fit, and settings that
+// cannot fit are refused.
 #include "server/cli/memory_plan.hpp"
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ TEST(MemoryPlan, EverythingFitsIntoWhateverThereIs) {
         << "import workers are within it";
     EXPECT_GE(options.dispatcher.max_working_bytes, 64 * kMiB);
     EXPECT_GE(options.limits.max_connections, options.limits.max_connections_per_address);
-    // The kernel's buffers of connections count in the memory of a control group.
+    // A control group also charges the kernel's buffers for connections.
     EXPECT_LE(options.limits.max_connections * http::kConnectionBytes, memory / 16) << memory / kMiB;
     EXPECT_THAT(inconsistencies(options), IsEmpty());
   }

@@ -1,4 +1,4 @@
-// The settings of `serve`: precedence, and that every mistake is found in one go.
+// The settings of `serve`: their precedence, and that all mistakes are reported at once.
 #include "server/cli/serve_settings.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ struct Settings : testing::Test {
     std::ofstream(folder / name) << text;
     return (folder / name).string();
   }
-  /// Errors of flags and a file together.
+  /// The errors of flags and file together.
   std::vector<std::string> configured(const GivenSettings& flags, const std::string& file = "") {
     return configure(options, table, flags, file.empty() ? "" : write("config.toml", file));
   }
@@ -88,7 +88,8 @@ TEST_F(Settings, ThePrintedFileSaysWhatWasGivenAndReadsBack) {
   EXPECT_EQ(again.size(), given.size());
 }
 
-/// What a machine has is not what was asked for: the file starts a server on a smaller one, too.
+/// Values that come from the machine are only comments, so that the file also starts a server on a smaller
+/// machine.
 TEST_F(Settings, ThePrintedFileSaysWhatThisMachineHasInCommentsOnly) {
   GivenSettings given;
   ASSERT_THAT(configure(options, table, {{"memory", {"0", "--memory"}}}, "", &given), IsEmpty());

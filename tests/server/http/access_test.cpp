@@ -1,4 +1,4 @@
-// Who may ask: bearer tokens and pages of other origins.
+// Access to the server: bearer tokens, and requests from pages of other origins.
 #include <gtest/gtest.h>
 
 #include "tests/server/support/requests.hpp"

@@ -1,5 +1,5 @@
-// What strangers send is charged at what it holds, or refused: bodies that unfold, parameters that repeat
-// themselves, forms with much around the mesh.
+// Client data is charged for the memory that it takes, or refused: bodies that expand, repeated parameters,
+// and forms with much data around the mesh.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -68,7 +68,7 @@ TEST(ChargedMemory, ParametersThatHoldTooMuchAreRefused) {
   EXPECT_TRUE(peak.grew_by_less_than(48 << 20));
 }
 
-// -- what is stored
+// -- stored data
 
 TEST(ChargedMemory, AFormHasLittleAroundItsParts) {
   TestServer server;
@@ -90,7 +90,7 @@ TEST(ChargedMemory, AFormHasLittleAroundItsParts) {
 TEST(ChargedMemory, AStoredMeshKeepsNothingOfItsFormButMeshAndFiles) {
   TestServer server;
   std::string form;
-  for (int k = 0; k < 200; ++k)  // headers, of which nothing is needed any more
+  for (int k = 0; k < 200; ++k)  // headers, which the store does not need
     form += "--B\r\nContent-Disposition: form-data; name=file; filename=f" + std::to_string(k) + "; x=\"" +
             std::string(3'900, 'x') + "\"\r\n\r\n\r\n";
   form += part("name=mesh; filename=a.glb", "mesh") + "--B--\r\n";
@@ -146,7 +146,7 @@ TEST(ChargedMemory, ContactsOfPartsCountInTheCache) {
   EXPECT_GE(memory_size(mesh), before + 1'000 * (sizeof(Contact) + sizeof(ContactPiece)));
 }
 
-// -- bodies that unfold
+// -- bodies that expand
 
 struct OneThread : testing::Test {
   TestServerOptions options;
@@ -225,7 +225,7 @@ TEST(ChargedMemory, ABodyThatUnfoldsToMoreThanItSaysIsAdmittedForMore) {
   EXPECT_EQ(lying.header("etag"), plain.header("etag"));
 }
 
-// -- tiers
+// -- cache tiers
 
 struct ChargedTiers : testing::Test {
   TemporaryFolder folder;
@@ -241,7 +241,7 @@ struct ChargedTiers : testing::Test {
 };
 
 TEST_F(ChargedTiers, AnEntryIsReadOnlyWhereThereIsRoom) {
-  options.dispatcher.max_working_bytes = 1u << 20;  // for entry and result, each of more than that
+  options.dispatcher.max_working_bytes = 1u << 20;  // for entry and result; each takes more
   TestServer server(options);
   const Reply none = server.get(made.header("content-location"));
   EXPECT_EQ(none.status, 503) << none.body;

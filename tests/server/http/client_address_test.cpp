@@ -1,4 +1,4 @@
-// Who a request comes from: what proxies say, and whom to believe.
+// The address of a request's client: what proxies report, and which of them are trusted.
 #include "server/http/client_address.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,8 @@ TEST(ClientAddress, ForwardedIsBelievedOnlyOfTrustedProxiesAndOnlySoFar) {
   EXPECT_EQ(forwarded_client("192.0.2.1", "for=\"[\"", proxies), "192.0.2.1");
 }
 
-// RFC 7239, section 4: a proxy adds its element behind what it got, well-formed or not.
+// RFC 7239, section 4: a proxy appends its element to the field that it received, even if that field is
+// malformed.
 TEST(ClientAddress, WhatAClientLeavesOpenSwallowsNothingOfItsProxys) {
   const TrustedProxies proxies = trusted({"192.0.2.0/24"});
   for (const char* own :

@@ -1,4 +1,5 @@
-// A closed connection is a cancelled request: what stops, for whom it goes on, and what is free again afterwards.
+// A closed connection cancels its request: what stops, which shared work goes on, and what is released
+// afterwards.
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
@@ -41,7 +42,7 @@ struct Closed : testing::Test {
   Exposition metrics() const {
     return parse_exposition(ask(server.server.admin_port(), "GET", "/metrics").body);
   }
-  /// Nothing is computed, queued or set aside any more. The gate is closed.
+  /// Expects that nothing is computed, queued or reserved any more. The gate is closed.
   void expect_nothing_held() {
     EXPECT_TRUE(eventually(kPatience, "everything to be given back", [&] {
       return server.pool.running() == 0 && server.pool.queued() == 0 &&
@@ -57,7 +58,7 @@ struct Closed : testing::Test {
                        [&] { return server.server.connections() == count; });
   }
 
-  Gate gate, reading;  // reading: for whoever puts it before the reader of meshes
+  Gate gate, reading;  // reading: for tests that hold the mesh reader
   TestServer server;
   std::vector<std::unique_ptr<RawClient>> clients;
 };
@@ -159,7 +160,7 @@ TEST_F(Closed, OthersWhoWaitForTheSameGetIt) {
 TEST_F(Closed, WhileItIsQueued) {
   for (int seed = 1; seed <= 2; ++seed) {
     connect(post("/fracture?seed=" + std::to_string(seed)));
-    gate.wait_for(seed);  // in the end as many as there are threads
+    gate.wait_for(seed);  // At the end, as many run as there are threads.
   }
   const std::uint64_t before = server.dispatcher.working().used();
   RawClient& queued = connect(post("/fracture?seed=3"));
@@ -221,10 +222,10 @@ TEST_F(Closed, PipelinedRequestsAreKeptAndAnsweredInTheirOrder) {
             "\r\nX: " + std::string(400, 'x') + "\r\n\r\n";
   ASSERT_GT(more.size(), 2 * http::kReadBuffer) << "more than is read ahead";
   std::thread sender([&] { client.send(more); });
-  // What there is no room for does not wake the server again and again.
+  // Bytes that do not fit into the read buffer must not wake the server again and again.
   rusage before{}, after{};
   getrusage(RUSAGE_SELF, &before);
-  std::this_thread::sleep_for(milliseconds(1000));  // pause: a second in which nothing should be spent
+  std::this_thread::sleep_for(milliseconds(1000));  // pause: a second that should use no processor time
   getrusage(RUSAGE_SELF, &after);
   const auto seconds = [](const rusage& used) {
     return static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
@@ -269,7 +270,7 @@ struct ClosedByName : Closed {
   ClosedByName() : Closed(with_tenants({tenant("small", {"read", "fracture"}, {{"computations", 1}})})) {}
 };
 
-// What the name may have at the same time is one computation.
+// The name may have one computation at a time.
 TEST_F(ClosedByName, TheShareOfANameIsFreeAgain) {
   const std::string fields = by("small");
   RawClient& client = connect(post("/fracture?seed=1", fields));
@@ -325,7 +326,7 @@ TEST_F(Closed, TheWaitForAJobEndsAndTheJobGoesOn) {
   wait_until_done(job);
 }
 
-// A client that only closes its side would get keep-alives for as long as the job takes.
+// A client that closes only its own side would get keep-alives for as long as the job runs.
 TEST_F(Closed, AStreamOfEventsEnds) {
   const std::string job = server.post("/fracture", "mesh", kGlb + kRespondAsync).header("location");
   gate.wait_for(1);

@@ -1,4 +1,5 @@
-// Connections are places that clients share: who has none yet finds one, and who is refused holds none.
+// Clients share the places for connections: a client without a connection finds a place, and a refused client
+// holds none.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -80,7 +81,8 @@ TEST(ConnectionPlaces, ConnectionsThatOnlyWaitGiveWay) {
     EXPECT_EQ(ask(server.port(), "GET", "/version", "", "", "127.0.0.3").status, 200) << k;
 }
 
-/// Each lingers for as long as it sends a byte now and then. Those of one address hold nothing that others need.
+/// A connection lingers for as long as it sends a byte now and then. All lingering connections of one address
+/// together must not take places from others.
 TEST(ConnectionPlaces, RefusedConnectionsOfOneAddressHoldUpNobody) {
   TestServerOptions options;
   options.limits.max_connections = 8;
@@ -101,7 +103,8 @@ TEST(ConnectionPlaces, RefusedConnectionsOfOneAddressHoldUpNobody) {
     EXPECT_EQ(ask(server.port(), "GET", "/version", "", "", "127.0.0.3").status, 200) << k;
 }
 
-/// A stream of events may last as long as its job; so that many of them are no way to keep others out, it waits like any.
+/// A stream of events may last as long as its job. It counts as a waiting connection, so many streams cannot
+/// keep others out.
 TEST(ConnectionPlaces, StreamsOfEventsGiveWay) {
   TestServerOptions options;
   options.limits.max_connections = 4;
@@ -122,7 +125,7 @@ TEST(ConnectionPlaces, StreamsOfEventsGiveWay) {
   gate.open = true;
 }
 
-/// Of a client behind a proxy that names it, too.
+/// This also holds for a client behind a proxy that reports its address.
 TEST(ConnectionPlaces, AClientBehindAProxyHasNoMoreThanOthers) {
   TestServerOptions options;
   options.limits.max_connections_per_address = 2;

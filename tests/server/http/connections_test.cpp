@@ -1,4 +1,4 @@
-// Whose connections there are, and who makes room for whom.
+// Which clients hold connections, and which connection is closed to make room.
 #include "server/http/connections.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using Verdict = Connections::Verdict;
 
-/// A session that notes what it is told.
+/// A session that records how it is told to leave.
 struct Seated final : Drainable {
   void close_when_idle() override {}
   void cancel_job() override {}
@@ -43,7 +43,7 @@ TEST_F(Room, TheClientThatHasMostMakesRoomAndOfItsOwnTheLongestWaiting) {
   std::vector<Guest> others, many;
   for (int k = 0; k < 8; ++k) others.push_back(arrive(room, "b"));
   for (int k = 0; k < 12; ++k) many.push_back(arrive(room, "a", k == 0));
-  many[1].session->set_waiting(true);  // waits anew
+  many[1].session->set_waiting(true);  // starts waiting again, so others have waited longer
   const Guest newcomer = arrive(room, "c");
   EXPECT_EQ(newcomer.verdict, Verdict::kWelcome);
   EXPECT_EQ(many[2].session->told, Drainable::Leave::kIfItWaits);
@@ -54,7 +54,7 @@ TEST_F(Room, TheClientThatHasMostMakesRoomAndOfItsOwnTheLongestWaiting) {
   EXPECT_EQ(room.count(), 21u) << "until it is closed";
 }
 
-/// Who has two connections, and uses them, is not who makes room for a thousand that have one and do nothing.
+/// A client that uses its two connections does not make room while a client with a single one is idle.
 TEST_F(Room, OfClientsWithFewTheLongestWaitingGoes) {
   Connections room(4, 4);
   const Guest a = arrive(room, "a"), idle = arrive(room, "b"), c = arrive(room, "a"), d = arrive(room, "c");
@@ -104,7 +104,7 @@ TEST_F(Room, WhatIsBeingComputedIsGivenUpOnlyForAClientThatWillHaveFewer) {
   EXPECT_EQ(arrive(room, "d").verdict, Verdict::kFull) << "each has one";
 }
 
-/// However many clients hold one each, who comes next is served.
+/// However many clients hold one connection each, the next client is served.
 TEST_F(Room, OfManyThatHaveOneTheLongestWaitingGoes) {
   Connections room(8, 2);
   std::vector<Guest> many;

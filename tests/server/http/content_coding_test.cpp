@@ -1,4 +1,4 @@
-// Compressed request bodies: what is decoded, what is refused, and what a bomb costs.
+// Compressed request bodies: what is decoded, what is refused, and what a decompression bomb costs.
 #include "server/http/content_coding.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::string fields(const std::string& coding) {
   return "Content-Type: model/obj\r\nContent-Encoding: " + coding + "\r\n";
 }
 
-/// Text like that of figures, but for the numbers: it shrinks to less than half.
+/// Text like a report with varying numbers: it shrinks to less than half.
 std::vector<std::uint8_t> compressible(std::size_t size) {
   std::mt19937 random(7);
   std::string text;
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> compressible(std::size_t size) {
   return {text.begin(), text.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 
-/// So garbage is refused as damaged, and not because 4 GiB of it could not be decoded in time.
+/// So garbage is refused as damaged data, not because 4 GiB could not be decoded in time.
 TEST(AnnouncedSize, IsNeverMoreThanTheBytesCanDecodeTo) {
   using http::announced_size, http::ContentCoding;
   const std::string zeros(1 << 20, '\0'), packed = gzip(zeros);
@@ -57,7 +57,7 @@ TEST(AnnouncedSize, IsNeverMoreThanTheBytesCanDecodeTo) {
 }
 
 TEST(AnswerCoding, PollsAndMakesTheBytesOfOnePiece) {
-  // More than the window of either coding, and what fits in one output block.
+  // Two sizes: one fits into a single output block, the other exceeds the window of both codings.
   for (const std::size_t size : {std::size_t{2'000}, std::size_t{5} << 20}) {
     const std::vector<std::uint8_t> body = compressible(size);
     std::vector<std::uint8_t> whole(ZSTD_compressBound(size));
@@ -99,7 +99,7 @@ TEST(AnswerCoding, IsGivenUpHalfWay) {
   }
 }
 
-/// What a request holds is given back after its answer has been handed over.
+/// The memory of a request is released shortly after its answer has been passed on.
 testing::AssertionResult all_given_back(TestServer& server) {
   return eventually(kPatience, "all bodies to be given back",
                     [&] { return server.api.bodies().whole().used() == 0; });
@@ -208,7 +208,7 @@ TEST(ContentCoding, TheLimitHoldsToTheByte) {
 }
 
 TEST(ContentCoding, AWindowOver8MiBIsRefused) {
-  // Not worth its memory, and RFC 9659 forbids it for a content coding.
+  // Such a window is not worth its memory, and RFC 9659 forbids it for a content coding.
   std::string text(20u << 20, '\0');
   for (std::size_t i = 0; i < text.size(); i += 1000) text[i] = static_cast<char>(i * 2654435761u >> 24);
   MemoryBudget budget(100u << 20);

@@ -1,4 +1,4 @@
-// Holds proto/openapi.yaml (as the JSON that the server serves) and the server's own tables together.
+// Compares proto/openapi.yaml (as the JSON that the server serves) with the server's own tables.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -115,7 +115,7 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(schema.at("minimum"), spec->low) << name;
       EXPECT_EQ(schema.at("maximum"), spec->high) << name;
     } else if (spec->type == ParameterSpec::Type::kNames) {
-      EXPECT_EQ(schema.at("oneOf").size(), 2u) << name;  // a text, or an array of texts
+      EXPECT_EQ(schema.at("oneOf").size(), 2u) << name;  // a string, or an array of strings
     } else if (spec->type == ParameterSpec::Type::kText) {
       EXPECT_EQ(schema.at("minLength"), 1) << name;
       EXPECT_EQ(schema.at("maxLength"), spec->longest_text()) << name;
@@ -123,7 +123,7 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(schema.at("pattern"), "^#[0-9a-fA-F]{6}$") << name;
     } else if (spec->type == ParameterSpec::Type::kChoice) {
       EXPECT_EQ(schema.at("enum"), json(spec->choices)) << name;
-    } else {  // a text, or arrays of numbers
+    } else {  // a string, or arrays of numbers
       const json array = schema.at("oneOf").at(1);
       const bool list = spec->type == ParameterSpec::Type::kVectors,
                  matrix = spec->type == ParameterSpec::Type::kMatrix;

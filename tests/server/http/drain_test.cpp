@@ -1,4 +1,5 @@
-// How a server stops: not ready at once, what is in progress is finished, then cancelled with an answer.
+// How a server stops: it reports that it is not ready, finishes the work in progress for a while, then
+// cancels the rest with an answer.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Many clients at once: one computation, classes, deadlines, refusals.
+// Many clients at once: shared computations, priority classes, deadlines, refusals.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -73,16 +73,16 @@ TEST_F(FlightsOverHttp, WhenEveryClientIsResetTheComputationStops) {
   wait_for_waiters(9);
   require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
   for (const auto& client : clients) client->reset();
-  server.dispatcher.wait_idle();  // the gate stays closed
+  server.dispatcher.wait_idle();  // although the gate stays closed
   EXPECT_EQ(server.control->cancelled, 1);
   require_eventually(kPatience, "all to be counted as abandoned",
                      [&] { return server.dispatcher.figures().abandoned == 10u; });
 }
 
-// Urgent data wakes the watch for a reset: it is no reset, and the watch goes on.
+// Urgent data wakes the code that watches for a reset. It is not a reset, so the watch goes on.
 TEST_F(FlightsOverHttp, AResetAfterUrgentBytesIsSeenToo) {
   TestServerOptions options;
-  options.server.io_threads = 1;  // what came first is looked at first
+  options.server.io_threads = 1;  // so that events are handled in their order
   TestServer other(options);
   other.control->during_cut = server.control->during_cut;
   RawClient client(other.port());
@@ -112,7 +112,7 @@ TEST_F(FlightsOverHttp, RequestTimeoutLowersTheDeadlineOfOneWaiterOnly) {
   EXPECT_EQ(clients[0]->receive()->status, 200);
 }
 
-/// Of an answer that is there: who does not get it compressed in time gets it as it is.
+/// The answer exists. A client for which it cannot be compressed in time gets it uncompressed.
 TEST_F(FlightsOverHttp, WhoWaitsForACompressionWaitsForAsLongAsItMay) {
   gate.open = true;
   server.control->glb_padding = 1u << 20;
@@ -121,7 +121,7 @@ TEST_F(FlightsOverHttp, WhoWaitsForACompressionWaitsForAsLongAsItMay) {
   gate.arrived = 0;
   server.control->during_cut = gate.hook_without_polls();
   for (const char* sites : {"5", "6"}) send(std::string("/fracture?sites=") + sites);
-  gate.wait_for(2);  // as many as there are threads
+  gate.wait_for(2);  // one for each thread
   const auto get = [&](const std::string& fields) -> RawClient& {
     clients.push_back(std::make_unique<RawClient>(server.port()));
     clients.back()->send("GET " + target + " HTTP/1.1\r\nHost: t\r\nAccept-Encoding: gzip\r\n" + fields +

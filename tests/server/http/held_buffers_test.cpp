@@ -1,4 +1,4 @@
-// What answers that are on their way may hold, of each client and together.
+// How much memory the answers in transit may hold, for each client and in total.
 #include "server/http/held_buffers.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 using Refusal = HeldBuffers::Refusal;
 
 struct AnswersOnTheirWay : testing::Test {
-  std::deque<char> buffers;  // whose addresses are the buffers
+  std::deque<char> buffers;  // Only their addresses are used, as buffers.
   const void* buffer() { return &buffers.emplace_back(); }
 };
 
@@ -26,7 +26,7 @@ TEST_F(AnswersOnTheirWay, OneThatIsAloneMayBeLargerThanAllThereIs) {
   EXPECT_FALSE(memory.take("b", buffer(), 10, second));
 }
 
-/// However many clients read slowly, there is something for the answer of the next one.
+/// However many clients read slowly, there is room for the next client's answer.
 TEST_F(AnswersOnTheirWay, WhateverManyClientsHoldTheNextOneFindsRoom) {
   HeldBuffers memory(1'000'000, 250'000);
   std::deque<HeldBuffers::Hold> holds;

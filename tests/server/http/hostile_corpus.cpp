@@ -12,8 +12,8 @@ const std::string kFields = "Host: a\r\nContent-Type: model/obj\r\n";
 const std::string kPost = "POST /fracture HTTP/1.1\r\n" + kFields;
 const std::string kChunks = "4\r\nmesh\r\n0\r\n\r\n";
 
-/// Every pair of a Transfer-Encoding and a Content-Length, in both orders and both protocol versions. What
-/// must come of it follows from RFC 9112, section 6, where it leaves a choice always the stricter one.
+/// Every pair of a Transfer-Encoding and a Content-Length, in both orders and both protocol versions. The
+/// expected results follow RFC 9112, section 6. If it leaves a choice, the stricter result is expected.
 void add_framing_pairs(Corpus& corpus) {
   struct Coding {
     const char* value;
@@ -81,7 +81,7 @@ void add_framing_pairs(Corpus& corpus) {
                             begin + (first ? te + cl : cl + te) + "\r\n" + kChunks, 400});
       }
     }
-    for (const Length& length : lengths)  // of HTTP/1.0 the connection ends with the answer
+    for (const Length& length : lengths)  // the connection ends with the answer
       corpus.push_back({"HTTP/" + std::string(version) + " CL '" + length.value + "'",
                         begin + line("Content-Length", length.value) + "\r\nmesh",
                         length.status == 0 ? 200 : length.status, length.status == 0 && !old});

@@ -1,6 +1,6 @@
-// The HTTP adapter under attack: what a rude, slow or confused client sends. Whatever comes, there is exactly
-// one answer or a close, no second request is read out of the first one's body, and the same process answers
-// the next one.
+// The HTTP adapter under attack by rude, slow or confused clients. In every case there is exactly one answer
+// or a closed connection, no second request is read out of the body of the first one, and the same process
+// answers the next request.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -28,7 +28,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 
 #define EXPECT_ALIVE(server) EXPECT_EQ((server).get("/version").status, 200)
 
-// Trap 1: Beast throws std::length_error out of run() on a long trailer field when its buffer is unbounded.
+// Trap 1: Beast throws std::length_error out of run() on a long trailer field if its buffer is unbounded.
 TEST(Hostile, AGiantTrailerFieldIsAnsweredAndTheProcessLives) {
   TestServer server;
   RawClient client(server.port());
@@ -73,7 +73,7 @@ TEST(Hostile, ManyChunksWithLongExtensionsAreBoundedInTotal) {
   EXPECT_ALIVE(server);
 }
 
-// Trap 2: whatever follows an ambiguous request on the connection must never be taken for a request.
+// Trap 2: bytes that follow an ambiguous request on the connection must never be taken for a request.
 TEST(Hostile, TheCorpusIsAnsweredOnceAndNothingIsSmuggled) {
   TestServer server;
   double expected = 0;
@@ -131,8 +131,8 @@ TEST(Hostile, ABodyOverTheLimitIsAnsweredWhileTheClientStillSends) {
     const std::string block(1 << 20, 'x');
     client.send(kPostObj +
                 (chunked ? "Transfer-Encoding: chunked\r\n\r\n" : "Content-Length: 33554432\r\n\r\n"));
-    // A client that does not look at the answer before it has sent everything: a server that closed at once
-    // would reset the connection, and on many systems that destroys the answer.
+    // The client reads the answer only after it has sent everything. A server that closed at once would reset
+    // the connection, and on many systems a reset discards the answer.
     for (int i = 0; i < 32; ++i)
       ASSERT_TRUE(client.send(chunked ? "100000\r\n" + block + "\r\n" : block)) << i;
     const auto reply = client.receive();
@@ -162,7 +162,7 @@ TEST(Hostile, SlowHeadersAndBodiesAre408AndIdleConnectionsJustClose) {
     EXPECT_EQ(reply->status, 408);
   }
   {
-    RawClient client(server.port());  // one byte now and then does not extend the time
+    RawClient client(server.port());  // A byte now and then does not extend the time.
     client.send("GET / HTTP/1.1\r\nX: ");
     std::thread drip([&] {
       // pause: a client that sends a byte now and then
@@ -254,7 +254,7 @@ TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
   for (const auto& client : clients) client->reset();
   require_eventually(kPatience, "all resets to be seen",
                      [&] { return metrics()["fracture_work_abandoned_total"] >= kClients; });
-  server.dispatcher.wait_idle();  // without the cancellation this would take for ever
+  server.dispatcher.wait_idle();  // Without the cancellation this would take forever.
   const Exposition after = metrics();
   EXPECT_EQ(after["fracture_work_abandoned_total"], kClients);
   EXPECT_EQ(after["fracture_results_computed_total"], 0);
@@ -264,7 +264,7 @@ TEST(Hostile, AHundredResetsAfterTheUploadLeaveNoWorkBehind) {
   EXPECT_ALIVE(server);
 }
 
-// Trap 4: at the limit of open files an accept loop without a pause spins.
+// Trap 4: at the limit of open files, an accept loop without a pause uses a whole processor.
 TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
 #ifdef FRACTURE_SANITIZED
   GTEST_SKIP()
@@ -278,13 +278,13 @@ TEST(Hostile, AtTheLimitOfOpenFilesTheServerNeitherSpinsNorDies) {
   rlimit low = saved;
   low.rlim_cur = 96;
   setrlimit(RLIMIT_NOFILE, &low);
-  try {  // both ends of a connection are descriptors of this process
+  try {  // Both ends of a connection are descriptors of this process.
     for (int i = 0; i < 200; ++i) clients.push_back(std::make_unique<RawClient>(server.port()));
   } catch (const std::runtime_error&) {
   }
   rusage before{}, after{};
   getrusage(RUSAGE_SELF, &before);
-  std::this_thread::sleep_for(milliseconds(1000));  // pause: a second in which nothing should be spent
+  std::this_thread::sleep_for(milliseconds(1000));  // pause: a second that should use no processor time
   getrusage(RUSAGE_SELF, &after);
   const double cpu = static_cast<double>(after.ru_utime.tv_sec - before.ru_utime.tv_sec +
                                          after.ru_stime.tv_sec - before.ru_stime.tv_sec) +

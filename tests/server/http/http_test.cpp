@@ -1,4 +1,4 @@
-// The HTTP adapter with a well-behaved client: what is asked, what comes back.
+// The HTTP adapter with a well-behaved client: requests and their answers.
 #include <gtest/gtest.h>
 
 #include <latch>

@@ -1,4 +1,4 @@
-// Content-Digest of requests, and the pages behind the types of problems.
+// Content-Digest of requests, and the pages that describe the types of problems.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -11,7 +11,7 @@
 namespace fracture::test {
 namespace {
 
-// RFC 9530, appendix B.1 and D: of {"hello": "world"} and a line feed.
+// RFC 9530, appendices B.1 and D: the digests of {"hello": "world"} and a line feed.
 const std::string kHello = "{\"hello\": \"world\"}\n";
 const std::string kSha256 = "sha-256=:RK/0qy18MlBSVnWgjwz6lZEWjP/lF5HF9bvEF8FabDg=:";
 const std::string kSha512 =
@@ -31,7 +31,7 @@ TEST(ContentDigest, AnotherBodyIsRefusedByEachOfThem) {
   }
 }
 
-// A field of 16 KiB has room for 280 of them.
+// A field of 16 KiB has room for 280 digests.
 TEST(ContentDigest, ABodyIsReadOnceForAnAlgorithmAndWithPolls) {
   const std::string body(4 << 20, 'x');
   const auto polls_of = [&](const std::string& field) {
@@ -65,7 +65,7 @@ TEST(ContentDigest, IsCheckedBeforeTheBodyIsUsed) {
   EXPECT_EQ(server.post("/fracture", kHello, obj + "Content-Digest: " + kSha256 + "\r\n").status, 200);
   EXPECT_EQ(server.control->imports, 1);
   for (const std::string& body :
-       {std::string("damaged"), std::string(1u << 20, 'x')}) {  // here, and on the pool
+       {std::string("damaged"), std::string(1u << 20, 'x')}) {  // small: on the io thread; large: in the pool
     const Reply refused = server.post("/fracture", body, obj + "Content-Digest: " + kSha256 + "\r\n");
     EXPECT_EQ(refused.status, 400);
     EXPECT_EQ(refused.problem(), "content-digest-mismatch");

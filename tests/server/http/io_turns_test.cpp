@@ -1,6 +1,6 @@
-// What an io thread does for one client while all others wait: nothing is hashed, inflated, parsed or sorted there beyond
-// what limits.hpp says. Every TestServer counts turns that do more, and fails if there are any; here is what goes to
-// the pool instead, and what is made once and for all.
+// An io thread does little for one client because all others wait for it: it hashes, inflates, parses and
+// sorts no more than limits.hpp allows. Every TestServer counts turns that do more, and fails if there are
+// any. These tests show which work goes to the pool instead, and which is done only once.
 #include <gtest/gtest.h>
 
 #include <future>
@@ -21,7 +21,7 @@ namespace {
 const std::string kOfGlb = "Content-Type: model/gltf-binary\r\n",
                   kJson = "Content-Type: application/json\r\n";
 
-/// A request as a session hands it to the Api, answered on this thread.
+/// Answers a request on this thread, as a session passes it to the Api.
 http::Response respond(TestServer& server, const std::string& method, const std::string& target,
                        const std::string& fields = "") {
   const auto request = std::make_shared<http::Request>();
@@ -60,7 +60,7 @@ TEST(IoTurns, WhatIsLongAndNeverChangesIsWrittenOnce) {
   EXPECT_EQ(server.get(mesh).body, server.post("/meshes", "a mesh").body);
 }
 
-/// One thread, which does nothing until the gate opens.
+/// A server whose only thread does nothing until the gate opens.
 struct Blocked : testing::Test {
   static TestServerOptions one_thread() {
     TestServerOptions options;
@@ -69,7 +69,7 @@ struct Blocked : testing::Test {
   }
   TestServer server{one_thread()};
   Gate gate;
-  std::string mesh, large;  // a stored mesh; an answer to it with many parameters
+  std::string mesh, large;  // a stored mesh; an answer to it that has many parameters
 
   void SetUp() override {
     mesh = server.post("/meshes", "a mesh").header("location");
@@ -126,7 +126,7 @@ TEST_F(Blocked, WhatIsMoreThanAMomentsWorkWaitsForThePool) {
     EXPECT_TRUE(eventually(kPatience, std::string(c.name) + " to wait for the pool",
                            [&] { return server.pool.queued() == answers.size(); }));
   }
-  // What is small, and is there, is answered by the io thread meanwhile.
+  // Meanwhile the io thread answers small requests whose results exist.
   EXPECT_EQ(server.post_json(mesh + "/fracture", "{\"sites\": 7}").status, 200);
   EXPECT_EQ(server.post("/fracture?sites=7", "a mesh").status, 200);
   EXPECT_EQ(server.get("/jobs").status, 200);
@@ -136,7 +136,7 @@ TEST_F(Blocked, WhatIsMoreThanAMomentsWorkWaitsForThePool) {
   for (auto& answer : answers) EXPECT_NE(answer.get(), 0);
 }
 
-// Each place in the queue was looked for by sorting the whole queue, for each job of the list.
+// Formerly, the whole queue was sorted once for each job in the list.
 TEST(IoTurns, AListOfJobsLooksAtTheQueueOnce) {
   TestServerOptions options;
   options.threads = 1;
@@ -144,7 +144,7 @@ TEST(IoTurns, AListOfJobsLooksAtTheQueueOnce) {
   TestServer server(options);
   Gate gate;
   server.control->during_cut = gate.hook();
-  constexpr int kJobs = 300;  // within the working memory of one client
+  constexpr int kJobs = 300;  // fits into the working memory of one client
   std::vector<std::string> jobs;
   for (int k = 0; k < kJobs; ++k)
     jobs.push_back(server.post("/fracture?seed=" + std::to_string(k), "mesh", kAsync).header("location"));
@@ -164,7 +164,7 @@ TEST(IoTurns, AListOfJobsLooksAtTheQueueOnce) {
 TEST(IoTurns, ABodyInChunksIsKeptInNoMoreThanItTakes) {
   TestServerOptions options;
   options.limits.max_bodies =
-      options.limits.max_body / 2;  // room for the body, not for the largest that there may be
+      options.limits.max_body / 2;  // room for this body, but not for the largest that is allowed
   TestServer server(options);
   const auto send = [&](std::size_t size, std::size_t chunk) {
     std::string wire = "POST /meshes HTTP/1.1\r\nHost: a\r\n" + kOfGlb + "Transfer-Encoding: chunked\r\n\r\n",

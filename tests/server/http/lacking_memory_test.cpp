@@ -1,5 +1,5 @@
-// One allocation after the other fails on the threads that read and write: a connection is lost by it, and
-// never the server's ear.
+// One allocation after another fails on the threads that read and write. A failure may cost a connection, but
+// the server still accepts the next one.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -15,13 +15,13 @@
 
 namespace {
 
-/// Allocations of other threads until one fails; 0: none does. Small ones never fail: Boost.Asio 1.81 takes
-/// the lock of a half-made strand when the allocation of its mutex throws.
+/// The number of allocations on other threads until one fails; 0: none fails. Small allocations never fail,
+/// because Boost.Asio 1.81 takes the lock of an unfinished strand if the allocation of its mutex throws.
 std::atomic<int> countdown{0};
 constexpr std::size_t kSmall = 256;
 thread_local bool is_spared = false;
-/// Allocations of this thread until one fails; 0: none does. Those that JSON may need never fail: the destructor of
-/// a value of nlohmann-json 3.11 allocates.
+/// The number of allocations on this thread until one fails; 0: none fails. Allocations that JSON may need
+/// never fail, because the destructor of a value in nlohmann-json 3.11 allocates.
 constexpr std::size_t kJson = 800;
 thread_local int own_countdown = 0;
 
@@ -59,7 +59,7 @@ TEST(LackingMemory, WhereverAnAllocationFailsTheNextConnectionIsAccepted) {
     {
       RawClient client(server.port());
       client.send("GET /version HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
-      client.receive();  // an answer, or the end
+      client.receive();  // an answer, or a closed connection
     }
     failed += countdown.exchange(0) <= 0;
     ASSERT_EQ(server.get("/version").status, 200) << "after allocation " << k;
@@ -77,7 +77,7 @@ TEST(LackingMemory, AJobThatCouldNotBeStartedLeavesNothing) {
   host.control->during_cut = [](const Execution&) { is_spared = true; };
   std::uint64_t failed = 0;
   bool started = false;
-  (void)keys_of(fracture_request("mesh", 0));  // makes the table of parameters
+  (void)keys_of(fracture_request("mesh", 0));  // builds the table of parameters
   for (int k = 1; !started; ++k) {
     ASSERT_LT(k, 2000);
     FractureRequest request = fracture_request("mesh", static_cast<std::uint64_t>(k));

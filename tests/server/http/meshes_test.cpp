@@ -1,4 +1,4 @@
-// Stored meshes over HTTP, and the path of a collision.
+// Stored meshes over HTTP, and the requests of a collision.
 #include <gtest/gtest.h>
 
 #include "common/digest/digest.hpp"
@@ -36,8 +36,8 @@ TEST(Meshes, PostNamesItItself) {
   EXPECT_EQ(created.header("location"), "/meshes/" + id_of("mesh"));
 }
 
-/// Requests that wait keep their meshes. A client that stores, uses and deletes them in turn comes to its part of the store,
-/// and there is room for the mesh of another one.
+/// Waiting requests keep their meshes. A client that stores, uses and deletes meshes in turn reaches its
+/// share of the store, and there is still room for another client's mesh.
 TEST(Meshes, DeletedMeshesOfQueuedRequestsCountAgainstTheStore) {
   Gate gate;
   TestServerOptions options;
@@ -146,7 +146,7 @@ TEST(Meshes, TheQuotaAndTheTimeToLiveHold) {
   EXPECT_EQ(server.put("/meshes/" + id_of(first), first).status, 201);
   EXPECT_EQ(server.put("/meshes/" + id_of(second), second).status, 201);
   EXPECT_EQ(server.get("/meshes/" + id_of(first)).status, 404);
-  // Asking for a mesh gives it its whole time again, so another one is asked for.
+  // Asking for a mesh restarts its time to live, so the test asks for another one.
   EXPECT_TRUE(eventually(kPatience, "the mesh to be forgotten", [&] {
     server.get("/meshes/" + id_of(first));
     return server.api.meshes().figures().expired == 1u;
@@ -161,7 +161,7 @@ TEST(Meshes, AMeshOfSeveralFilesHasTheDigestOfAll) {
   const std::string form =
       "--B\r\nContent-Disposition: form-data; name=mesh; filename=a.gltf\r\n\r\n{}\r\n"
       "--B\r\nContent-Disposition: form-data; name=file; filename=a.bin\r\n\r\nbytes\r\n--B--\r\n";
-  // As openapi.yaml describes it, written out.
+  // The digest as openapi.yaml describes it, written out.
   const std::string digest =
       "sha256:" +
       sha256("fracture files 2\n" +
@@ -191,7 +191,8 @@ TEST(Meshes, TheBodyOfACollisionIsSmallAndJson) {
   EXPECT_EQ(server.post_json("/fracture", R"({"mesh": "sha256:00"})").problem(), "not-found");
 }
 
-/// Where nobody is asked for a token, too, whoever stores most makes room, and all see and delete everything.
+/// If no token is required, the client that stores most still makes room for others, and all clients see and
+/// delete everything.
 TEST(Meshes, WhoStoresMostMakesRoomForOthers) {
   TestServerOptions options;
   options.store.quota_bytes = 200'000;

@@ -19,7 +19,7 @@ Exposition metrics(TestServer& server) {
   return parse_exposition(reply.body);
 }
 
-/// A request is counted after its answer has been written: waits until `family` has reached `value`.
+/// A request is counted after its answer has been written, so this waits until `family` has reached `value`.
 Exposition metrics_when(TestServer& server, const std::string& family, const std::string& label,
                         double value) {
   Exposition m;
@@ -110,7 +110,7 @@ TEST(Metrics, NoNameIsTakenForTheSumOfOthers) {
     file += "name" + std::to_string(k) + " 0123456789abcdef-name" + std::to_string(k) + "\n";
   options.server.tokens = *tenants::TokenFile::parse(file);
   TestServer server(options);
-  const Exposition m = metrics(server);  // throws where a name stands twice
+  const Exposition m = metrics(server);  // throws if a name is repeated
   std::size_t names = 0;
   for (const auto& [sample, value] : m.samples)
     names += sample.starts_with("fracture_tenant_requests_total{");

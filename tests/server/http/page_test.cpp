@@ -1,4 +1,4 @@
-// What browsers get at /, whether the server was built with its page or without.
+// The page that browsers get at /, with and without a page in the build.
 #include <gtest/gtest.h>
 
 #include "server/page/page.hpp"
@@ -11,7 +11,7 @@
 namespace fracture::test {
 namespace {
 
-/// As Firefox and Chromium send it.
+/// The Accept header of Firefox and Chromium.
 const std::string kBrowser =
     "Accept: text/html,application/xhtml+xml,application/xml;q=0.9,image/avif,image/webp,*/*;q=0.8\r\n";
 const std::string kPacked = "Accept-Encoding: gzip, deflate, br, zstd\r\n";

@@ -1,4 +1,4 @@
-// What errors are over HTTP.
+// How errors are sent over HTTP.
 #include "server/http/problem.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Clients behind a trusted proxy: each of them has its own turn, and anybody else is not believed.
+// Clients behind a trusted proxy take turns separately. Other senders of such headers are not believed.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -24,8 +24,8 @@ TestServerOptions behind_a_proxy(bool trusted) {
   return options;
 }
 
-/// Ten meshes of one client and then one of another wait for the only thread; what is imported as the how
-/// manieth the other's is.
+/// Ten meshes of one client and then one of another client wait for the only thread. Returns the position at
+/// which the other client's mesh is imported.
 std::size_t place_of_the_second_client(bool trusted, bool proxy_protocol) {
   TestServer server(behind_a_proxy(trusted));
   std::atomic<bool> open{false};

@@ -1,4 +1,5 @@
-// In what forms a result is sent: figures, codings, parts; and what is decided before any of it is made.
+// The forms in which a result is sent (reports, codings, parts), and what is decided before any of them is
+// made.
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 
@@ -83,7 +84,7 @@ TEST_F(Representations, EachCodingIsARepresentationOfItsOwn) {
   for (const std::string coding : {"gzip", "zstd"})
     for (const std::string accept : {"", "Accept: application/json\r\n"}) {
       const Reply plain = get(accept), reply = get(accept + "Accept-Encoding: " + coding + "\r\n");
-      if (plain.body.size() < 1024) continue;  // not worth it
+      if (plain.body.size() < 1024) continue;  // too small to be compressed
       ASSERT_EQ(reply.status, 200) << coding;
       EXPECT_EQ(reply.header("content-encoding"), coding);
       EXPECT_LT(reply.body.size(), plain.body.size() / 2) << coding;
@@ -205,7 +206,7 @@ TEST(Figures, AGlbWhoseLengthsLieHasNone) {
     EXPECT_FALSE(figures_in(std::vector<std::uint8_t>(size, 0xff), OutputFormat::kGlb)) << size;
 }
 
-// The answer is there: that it cannot be compressed now is no reason to keep it.
+// The answer exists. If it cannot be compressed now, it is sent uncompressed.
 TEST(RepresentationsOfABusyServer, AnAnswerIsSentAsItIsWhereNoThreadCanCompressIt) {
   TestServerOptions options;
   options.threads = 1;
@@ -233,14 +234,14 @@ TEST(RepresentationsOfABusyServer, AnAnswerIsSentAsItIsWhereNoThreadCanCompressI
   EXPECT_EQ(server.get(location, "Accept-Encoding: gzip\r\n").header("content-encoding"), "gzip");
 }
 
-/// With room enough for every deadline.
+/// Deadlines that no test reaches.
 TestServerOptions patient() {
   TestServerOptions options;
   options.limits.deadline = options.limits.realtime_deadline = kPatience;
   return options;
 }
 
-// What waits for the turn of a less urgent class is not waited for.
+// A realtime request does not wait for a compression that is queued in a less urgent class.
 TEST(RepresentationsOfABusyServer, ACollisionCompressesForItselfWhatABatchRequestWaitsFor) {
   Gate gate;
   TestServer server(patient());
@@ -268,7 +269,7 @@ TEST(RepresentationsOfABusyServer, ACollisionCompressesForItselfWhatABatchReques
   EXPECT_EQ(later->body, urgent->body);
 }
 
-// A job's own class ends with its computation: for its answer somebody waits.
+// The job's low priority ends with its computation, because a client waits for its answer.
 TEST(RepresentationsOfABusyServer, TheAnswerOfAJobIsCompressedBeforeFurtherJobs) {
   Gate first, others;
   std::atomic<int> cuts{0};

@@ -74,7 +74,7 @@ TEST(RequestHead, AnythingAboutFramingThatTwoParsersCouldReadDifferentlyIsRefuse
       {"Content-Length: \r\n", 400},
       {"Content-Length: 5.0\r\n", 400},
       {"Content-Length : 5\r\n", 400},
-      {"Content_Length: 5\r\n", 200},  // another field, which we do not read
+      {"Content_Length: 5\r\n", 200},  // another field, which the server does not read
       {"Host: b\r\n", 400},
       {"X: a\nTransfer-Encoding: chunked\r\n", 400},
       {"X: a\rTransfer-Encoding: chunked\r\n", 400},
@@ -142,7 +142,8 @@ TEST(RequestHead, LimitsHaveTheirOwnStatus) {
   EXPECT_EQ(status_of("GET / HTTP/1.1\r\nHost: a\r\nX: " + std::string(limits.max_header, 'a')), 431);
 }
 
-// What is looked at for each part is no more than so many parts, however short they are.
+// The work for each field and each of its members is bounded by limits on their number, however short they
+// are.
 TEST(RequestHead, FieldsAndTheirMembersAreFew) {
   const auto repeated = [](const std::string& text, std::size_t count) {
     std::string all;
@@ -217,7 +218,7 @@ TEST(Multipart, PartsAreViewsOfTheBodyWithNameFileAndType) {
 }
 
 TEST(Multipart, ABoundaryInsideTheMeshThatIsNoBoundaryLineIsRefused) {
-  // "\r\n--Bnot" begins like a delimiter: RFC 2046 forbids it inside a part, so the body is damaged.
+  // "\r\n--Bnot" begins like a delimiter. RFC 2046 forbids that inside a part, so the body is damaged.
   EXPECT_FALSE(
       parse_multipart("--B\r\nContent-Disposition: form-data; name=m\r\n\r\nx\r\n--Bnot\r\n--B--", "B"));
 }
@@ -226,7 +227,7 @@ TEST(Multipart, EveryTruncationIsRefusedAndNoneReadsPastTheEnd) {
   const std::string whole = "--B\r\nContent-Disposition: form-data; name=m\r\n\r\nx\r\n--B--";
   ASSERT_TRUE(parse_multipart(whole, "B"));
   for (std::size_t n = 0; n < whole.size(); ++n) {
-    const std::string cut(whole, 0, n);  // a copy of its own, so that ASan sees its end
+    const std::string cut(whole, 0, n);  // a separate copy, so that ASan sees where it ends
     EXPECT_FALSE(parse_multipart(cut, "B")) << n;
   }
 }

@@ -111,7 +111,7 @@ TEST_F(Results, FurtherRequestsMayNameThem) {
   EXPECT_EQ(parameters_of(again).at("seed"), 3);
   EXPECT_EQ(parameters_of(again).at("density"), 5);
   EXPECT_FALSE(parameters_of(again).contains("of"));
-  // By its JSON too, of a stored mesh, with the whole address.
+  // The same in JSON, for a stored mesh, with the full address.
   const std::string id = server.post("/meshes").json().at("id");
   const Reply stored = server.post_json("/meshes/" + id + "/fracture",
                                         nlohmann::json{{"of", "http://host:1" + of}, {"density", 5}}.dump(),

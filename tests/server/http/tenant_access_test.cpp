@@ -1,4 +1,4 @@
-// Names of a token file: what each may ask, and how often.
+// Names in a token file: what each may request, and how often.
 #include <gmock/gmock.h>
 
 #include "tests/server/http/with_tenants.hpp"
@@ -89,7 +89,7 @@ TEST(TenantAccess, UsageStandsByNameInTheMetrics) {
   server.get("/version", by("greedy"));
   server.get("/version", by("greedy"));
   server.post("/fracture", "a mesh", kObj + by("quiet"));
-  // A request is counted when it is over, a moment after who asked has its answer.
+  // A request is counted a moment after its client has received the answer.
   for (const char* line : {"fracture_tenant_requests_total{tenant=\"greedy\"} 2",
                            "fracture_tenant_over_share_total{tenant=\"greedy\"} 1",
                            "fracture_tenant_requests_total{tenant=\"quiet\"} 1",

@@ -1,5 +1,5 @@
-// A digest is no access token: of two names, what one has made or uploaded is not there for the other, by
-// whatever address. And without names everything is as it was.
+// A digest is not an access token: whatever one name has made or uploaded is hidden from another, under every
+// address. Without names everything stays shared.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -221,7 +221,7 @@ TEST(Tenants, ARequestOfSeveralStepsHasOnePlaceAmongTheComputationsOfItsName) {
   TestServer server(with_tenants({tenant("ana", {"fracture"}, {{"computations", 1}})}));
   const std::string body = gzip(std::string(2u << 20, 'x'));
   const std::string fields = kObj + by("ana") + "Content-Encoding: gzip\r\nAccept-Encoding: zstd\r\n";
-  for (int seed = 0; seed < 10; ++seed)  // decoded, computed, compressed; and again at once
+  for (int seed = 0; seed < 10; ++seed)  // decoded, computed, compressed; the next follows at once
     EXPECT_EQ(server.post("/fracture?seed=" + std::to_string(seed), body, fields).status, 200) << seed;
 }
 

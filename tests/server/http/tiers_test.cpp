@@ -1,4 +1,4 @@
-// The tiers under a whole server: what is asked for again after a restart, and what a broken tier does.
+// The cache tiers of a whole server: what is found after a restart, and what a broken tier does.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -63,7 +63,8 @@ TEST_F(Tiers, AnAnswerFromTheDiskCanBeNamedByAFurtherRequest) {
   EXPECT_EQ(further.body, server.post("/fracture?density=7&sites=5").body);
 }
 
-// Where the parameters stand in the file was written beside where the figures do, instead of the parameters.
+// The earlier version also stored the position of the parameters in the file, after that of the report,
+// instead of the parameters themselves.
 TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
   Reply made;
   {
@@ -80,7 +81,7 @@ TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
     const std::vector<std::uint8_t> payload(stored->entry.payload.begin(), stored->entry.payload.end());
     const TextRange figures = figures_in(payload, OutputFormat::kGlb).value();
     const std::string text(payload.begin(), payload.end()), name = "\"parameters\":";
-    const std::size_t begin = text.find(name, figures.at) + name.size();  // the last of the fake's figures
+    const std::size_t begin = text.find(name, figures.at) + name.size();  // the last in the fake's report
     std::string metadata(stored->entry.metadata);
     const std::size_t ranges = metadata.find('\n', metadata.find('\n') + 1) + 1;
     const std::size_t digests = metadata.size() - 2 * sizeof(Digest::bytes);
@@ -89,7 +90,7 @@ TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
                          std::to_string(begin) + " " + std::to_string(figures.at + figures.size - 1 - begin) +
                          "\n");
     std::filesystem::remove(entries_in(options.service.tiers.folder).at(0));
-    cache.reset();  // a folder has one owner
+    cache.reset();  // A folder has only one owner.
     DiskCache(options.service.tiers.folder, 1 << 30).insert({key, metadata, payload});
   }
   TestServer server(options);
@@ -100,8 +101,8 @@ TEST_F(Tiers, AnEntryOfAnEarlierVersionIsRead) {
   EXPECT_EQ(server.post("/fracture?density=7&of=" + location).status, 200);
 }
 
-/// An entry whose sum and digests are right and whose parameters are a stranger's: who can write to the folder can make it,
-/// or put the same into a Redis without keys.
+/// An entry whose checksum and digests are right but whose parameters are forged. Anybody who can write to
+/// the folder, or to a Redis without keys, can make one.
 TEST_F(Tiers, AForgedEntryIsNeitherGivenNorNamedAndIsReplaced) {
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   std::string objects;
@@ -172,7 +173,7 @@ TEST_F(Tiers, AnAnswerIsNotBelievedForTheDigestBesideIt) {
     server.service.tiers().flush();
   }
   const std::string key = made.header("content-location").substr(std::string("/fractures/sha256:").size());
-  // Who may write to a tier changes the answer, and everything that is no more than a checksum.
+  // An attacker who can write to a tier changes the answer and every checksum.
   {
     DiskCache cache(options.service.tiers.folder, 1 << 30);
     const auto stored = cache.find(key);
@@ -205,7 +206,7 @@ TEST_F(Tiers, ATierThatCannotBeUsedIsSeenInTheMetrics) {
   }
   std::ofstream(folder.path + "/file") << "x";
   options.service.tiers.folder = folder.path + "/file";
-  options.service.tiers.redis.address = "127.0.0.1:1";  // nobody listens there
+  options.service.tiers.redis.address = "127.0.0.1:1";  // Nobody listens there.
   TestServer server(options);
   EXPECT_EQ(metric(server, "disk"), "0");
   EXPECT_EQ(metric(server, "redis"), "1") << "not asked yet";
@@ -216,7 +217,7 @@ TEST_F(Tiers, ATierThatCannotBeUsedIsSeenInTheMetrics) {
 TEST_F(Tiers, WithoutAUsableFolderOrARedisRequestsAreAnsweredAllTheSame) {
   std::ofstream(folder.path + "/file") << "x";
   options.service.tiers.folder = folder.path + "/file";
-  options.service.tiers.redis.address = "127.0.0.1:1";  // nobody listens there
+  options.service.tiers.redis.address = "127.0.0.1:1";  // Nobody listens there.
   TestServer server(options);
   EXPECT_TRUE(server.service.tiers().disk_unusable());
   for (int seed = 0; seed < 10; ++seed)

@@ -1,4 +1,4 @@
-// What one client may take of the connections, the memory and the time of all.
+// How much of the shared connections, memory and time a single client may take.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -84,10 +84,10 @@ TEST_F(BodyMemory, AChunkedBodyIsSmallUntilItIsNot) {
   EXPECT_EQ(chunked(100 * kKiB), 503);
 }
 
-// What a chunk has beside its bytes is bounded by these, not by what a body may have.
+// The data that a chunk adds to its bytes has its own limit; the limit for bodies does not apply.
 TEST_F(BodyMemory, AChunkedBodyIsForTheMostPartBody) {
   TestServer server(options);
-  constexpr std::size_t kEnough = 64 * kMiB;  // far more than the kernel holds between the two
+  constexpr std::size_t kEnough = 64 * kMiB;  // far more than the kernel buffers between the two
   const auto sent_until_answered = [&](const std::string& chunk, int& status) {
     std::string many;
     while (many.size() < 100 * kKiB) many += chunk;
@@ -121,7 +121,7 @@ TEST_F(BodyMemory, AnAddressHasAShareWhichItsOnlyBodyMayExceed) {
   TestServer server(options);
   EXPECT_EQ(server.get("/limits").json().at("max_bodies_per_address_bytes"), 4 * kMiB);
   EXPECT_EQ(server.post("/fracture", std::string(6 * kMiB, 'x')).status, 200) << "alone";
-  // The thread that handed the body on may hold it a moment longer than the answer takes.
+  // The thread that passed the body on may hold it a moment longer than the answer takes.
   ASSERT_TRUE(
       eventually(kPatience, "an empty budget", [&] { return server.api.bodies().whole().used() == 0; }));
   const auto first = uploading(server, 4 * kMiB, 3 * kMiB);
@@ -152,7 +152,7 @@ TEST(BodyTime, ABodyHasATotalTimeHoweverSteadyItIs) {
   client.send(announce(1 * kMiB));
   std::thread steady([&] {
     for (int i = 0; i < 2000 && client.send(std::string(100, 'x')); ++i)
-      std::this_thread::sleep_for(milliseconds(10));  // pause: a client that sends steadily, and slowly
+      std::this_thread::sleep_for(milliseconds(10));  // pause: a client that sends steadily and slowly
   });
   const auto reply = client.receive();
   client.half_close();
@@ -166,7 +166,7 @@ struct Answers : testing::Test {
   TestServerOptions options;
   static constexpr std::size_t kSize = 32 * kMiB;
   Answers() { options.limits.max_answers = options.limits.max_answers_per_address = 48 * kMiB; }
-  /// A client that does not read its answer, which waits to be read.
+  /// A client that does not read its answer. The answer is ready to be read.
   static std::unique_ptr<RawClient> not_reading(TestServer& server, int seed) {
     const std::uint64_t before = server.api.answers().used();
     auto client = std::make_unique<RawClient>(server.port());
@@ -187,7 +187,7 @@ TEST_F(Answers, AClientThatReadsTooSlowlyIsCut) {
   client.send(announce(4) + "mesh");
   std::size_t read = 0;
   for (int i = 0; i < 4000 && client.receive_some(8 * kKiB, read); ++i)
-    std::this_thread::sleep_for(milliseconds(10));  // pause: steadily, so that there is never a stall
+    std::this_thread::sleep_for(milliseconds(10));  // pause: steady reads, so that there is never a stall
   EXPECT_LT(read, kSize);
   EXPECT_TRUE(
       eventually(kPatience, "the end of the connection", [&] { return server.server.connections() == 0; }));
@@ -226,14 +226,14 @@ TEST(AdminListener, IdleConnectionsGiveWay) {
   std::vector<std::unique_ptr<RawClient>> idle;
   for (int i = 0; i < 100; ++i) {
     idle.push_back(std::make_unique<RawClient>(server.server.admin_port()));
-    if (i % 2 == 1) idle.back()->send("GET /livez HT");  // half a header is no request either
+    if (i % 2 == 1) idle.back()->send("GET /livez HT");  // Half a header is not a request either.
   }
   for (int i = 0; i < 20; ++i) EXPECT_EQ(ask(server.server.admin_port(), "GET", "/livez").status, 200);
 }
 
 TEST(AdminListener, WhoAsksAndDoesNotReadGivesWay) {
   TestServer server;
-  std::string many;  // answers for more than the sockets hold
+  std::string many;  // The answers to these are larger than the socket buffers.
   for (int k = 0; k < 1500; ++k) many += "GET /metrics HTTP/1.1\r\nHost: a\r\n\r\n";
   std::vector<std::unique_ptr<RawClient>> deaf;
   for (int i = 0; i < sized(20, 40); ++i) {

@@ -1,5 +1,5 @@
-// What goes between server and import worker, as values: every Mesh comes back bit for bit, and no bytes that
-// a worker could send break a promise.
+// Messages between the server and an import worker, as values: every Mesh comes back bit for bit, and no
+// bytes that a worker could send break an invariant.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Two triangles with everything a Mesh can have.
+/// Two triangles with everything that a Mesh can have.
 Mesh full_mesh() {
   Mesh mesh;
   mesh.frame = {0.0254, true, true, true};
@@ -54,7 +54,7 @@ Mesh decoded(const std::vector<std::byte>& bytes) {
   return std::move(*mesh);
 }
 
-/// Decodes what encoding would send for this mesh; what the decoder says against it.
+/// Decodes the encoded mesh. Returns the decoder's objection.
 std::string objection_to(const Mesh& mesh, const ImportLimits& limits = {}) {
   try {
     (void)decode_reply(encode_reply(mesh), limits);
@@ -171,7 +171,7 @@ TEST(MeshCodec, TruncatedAndMutatedBytesAreRefusedOrKeepThePromises) {
 
 TEST(MeshCodec, LengthsThatCannotBeAreRefusedBeforeAnythingIsAllocated) {
   std::vector<std::byte> bytes = encode_reply(full_mesh());
-  // Magic, kind, unit and three flags; then the number of positions.
+  // Magic number, kind, unit and three flags; then the number of positions.
   const std::size_t at = 4 + 4 + 8 + 3;
   for (const std::uint64_t count : {std::uint64_t{1} << 40, ~std::uint64_t{0}, ~std::uint64_t{0} / 12 + 1}) {
     std::memcpy(&bytes[at], &count, sizeof count);

@@ -1,4 +1,4 @@
-// A zygote that forks a worker as the real one does, and is gone before it could tell.
+// A zygote that forks a worker as the real one does, and dies before it reports the worker.
 #include <sched.h>
 #include <signal.h>
 #include <sys/syscall.h>

@@ -1,4 +1,5 @@
-// What keeps files apart: a process for each, what is known of those that killed theirs, and the sandbox.
+// How files are isolated from each other: one process for each file, a memory of files that killed their
+// process, and the sandbox.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <seccomp.h>
@@ -17,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// For this process and its children: no further filter can be loaded.
+/// Prevents this process and its children from loading further filters.
 void deny_seccomp() {
   const auto filter = seccomp_init(SCMP_ACT_ALLOW);
   const auto refused = SCMP_ACT_ERRNO(EPERM);
@@ -49,7 +50,7 @@ TEST(ImportIsolation, TheZygoteHasOneThreadAndReadsNoFile) {
   const std::string proc = "/proc/" + std::to_string(pool.zygote_pid());
   EXPECT_EQ(std::distance(fs::directory_iterator(proc + "/task"), {}), 1);
   EXPECT_TRUE(import_with(pool, kTetrahedron));
-  // Its one connection carries no more than requests to fork: the file went to the worker.
+  // Its only connection carries nothing but requests to fork: the file went to the worker.
   ASSERT_TRUE(settles(pool));
   EXPECT_NE(pool.pids().at(0), pool.zygote_pid());
   EXPECT_EQ(pool.counters().zygotes, 1u);
@@ -107,7 +108,7 @@ TEST(ImportIsolation, AFileThatKilledItsReaderIsRefusedAtOnceWithTheSameError) {
     EXPECT_EQ(pool.counters().remembered, before.remembered + 1) << command;
     EXPECT_EQ(pool.counters().started, before.started) << command << ": without a process";
   }
-  // The same bytes as another format are another input, and what a reader refuses is not remembered.
+  // The same bytes in another format are a different input. A refusal by a reader is not remembered.
   EXPECT_FALSE(pool.import(bytes_of("! exit"), MeshFormat::kObj, {}, {}, {}, digest_of("! exit")));
   const std::uint64_t remembered = pool.counters().remembered;
   for (int k = 0; k < 2; ++k) EXPECT_FALSE(import_with(pool, "! try open"));
@@ -143,7 +144,7 @@ TEST(ImportIsolation, AFileThatRanOutOfTimeIsNotTriedWithAsLittleAgain) {
     }
     return pool.counters();
   };
-  const ImportCounters first = within(1500ms);  // of which it had at least a tenth
+  const ImportCounters first = within(1500ms);  // of which the import had at least a tenth
   EXPECT_EQ(first.interrupted, 1u);
   ASSERT_TRUE(settles(pool));
   const ImportCounters settled = pool.counters(), less = within(100ms);
@@ -183,7 +184,7 @@ TEST(ImportIsolation, WhereTheSandboxIsRequiredAndCannotBeHadNothingStarts) {
   ImportPoolConfig config = config_of(FRACTURE_IMPORT_PROGRAM, 1);
   config.worker.require_sandbox = true;
   { ImportPool pool(config); }
-  // As in a container whose own filter allows no further ones; for the whole of a process.
+  // As in a container whose own filter allows no further filters. This affects a whole process.
   EXPECT_EXIT(
       {
         deny_seccomp();

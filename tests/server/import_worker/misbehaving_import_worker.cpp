@@ -1,5 +1,5 @@
-// The import worker around an import that does what the file says: for tests of the server's side and of the
-// sandbox. Whatever is no command is imported.
+// The import worker with an import that does what the file says, for tests of the server's side and of the
+// sandbox. A file that is not a command is imported.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -22,7 +22,7 @@ tl::unexpected<Error> told(long result, int error) {
               result >= 0 ? "succeeded with " + std::to_string(result) : "errno " + std::to_string(error));
 }
 
-/// Tries a call that the sandbox should refuse, and tells how it ended.
+/// Tries a call that the sandbox should refuse, and reports the result.
 tl::unexpected<Error> attempt(const std::string& what) {
   errno = 0;
   long result = -1;
@@ -41,7 +41,7 @@ tl::unexpected<Error> attempt(const std::string& what) {
   return told(result, errno);
 }
 
-/// Writes that the compiler may not leave out.
+/// Writes to each page in a way that the compiler cannot optimize out.
 void touch(std::vector<char>& block) {
   for (std::size_t k = 0; k < block.size(); k += 4096) const_cast<volatile char&>(block[k]) = 1;
 }
@@ -65,7 +65,7 @@ Expected<Mesh> obey(const ImportJob& job) {
     int ends[2];
     char byte = 0;
     if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0) (void)!::read(ends[0], &byte, 1);
-    for (;;) ::sched_yield();  // the sandbox allows no waiting without a descriptor
+    for (;;) ::sched_yield();  // The sandbox allows no wait without a descriptor.
   }
   if (text == "spin")
     for (std::atomic<unsigned> k{0};;) ++k;
@@ -76,7 +76,7 @@ Expected<Mesh> obey(const ImportJob& job) {
     for (;;) touch(blocks.emplace_back(16u << 20));
   }
   static bool somebody_was_here = false;
-  if (text == "stay") {  // what a file that took its reader over would do
+  if (text == "stay") {  // as if a file had taken over its reader
     somebody_was_here = true;
     return triangle(2);
   }

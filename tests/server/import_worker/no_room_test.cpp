@@ -1,5 +1,5 @@
-// Lack of memory, descriptors or processes on this machine is no fault of the file that is to be read: kOverloaded, to be asked
-// again, and never remembered.
+// If this machine lacks memory, descriptors or processes, the file is not to blame: the error is kOverloaded,
+// which invites a retry, and it is not remembered.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -35,7 +35,7 @@ class Limited {
   rlimit before_{};
 };
 
-/// Bytes of a line of /proc/self/status.
+/// The value of a line in /proc/self/status, in bytes.
 std::uint64_t status_of(const std::string& name, pid_t pid) {
   std::ifstream status("/proc/" + std::to_string(pid) + "/status");
   for (std::string line; std::getline(status, line);)
@@ -43,8 +43,8 @@ std::uint64_t status_of(const std::string& name, pid_t pid) {
   return 0;
 }
 
-/// The machine, not the file, lacks memory: the limit of data is beside that of the address space, as a strict accounting
-/// of memory (vm.overcommit_memory=2) is.
+/// The machine lacks memory; the file is not to blame. The limit of data is separate from the limit of the
+/// address space, as with strict memory accounting (vm.overcommit_memory=2).
 TEST(NoRoom, LackOfMemoryOfTheMachineIsNoFaultOfTheFileAndIsNotRemembered) {
   std::uint64_t data = 0;
   {
@@ -75,7 +75,7 @@ TEST(NoRoom, LessThanAnImportMayHaveIsLackOfRoomToo) {
     ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
     space = pool.zygote_hello().address_space;
   }
-  // As whoever starts the server under `ulimit -v`, but for the server itself.
+  // As if the server had been started under `ulimit -v`, but without limiting the server itself.
   const TemporaryFolder folder;
   const std::string program = folder / "limited";
   std::ofstream(program) << "#!/bin/sh\nulimit -v " << (space >> 10) + (64u << 10) << "\nexec '"
@@ -91,7 +91,7 @@ TEST(NoRoom, LessThanAnImportMayHaveIsLackOfRoomToo) {
   EXPECT_TRUE(import_with(pool, kTetrahedron));
 }
 
-/// What the program and its libraries take is not the file's.
+/// The memory of the program and its libraries is not charged to the file.
 TEST(NoRoom, AMebibyteIsEnoughForASmallFile) {
   ImportPoolConfig config = config_of(FRACTURE_IMPORT_PROGRAM, 1);
   config.worker.memory_bytes = 1u << 20;
@@ -111,7 +111,7 @@ TEST(NoRoom, WithoutReadersThereIsNoRoom) {
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
   ASSERT_TRUE(settles(pool));
-  // No further descriptor can be had: no shared memory for a file.
+  // No further descriptor is available, so there is no shared memory for a file.
   const rlimit none{3, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
   std::optional<Expected<Mesh>> result;
@@ -129,7 +129,7 @@ TEST(NoRoom, WithoutReadersThereIsNoRoom) {
   EXPECT_TRUE(eventually(kPatience, "the file to be read", [&] {
     try {
       return import_with(pool, kTetrahedron).has_value();
-    } catch (const Interrupted&) {  // of a reader that could not be started then
+    } catch (const Interrupted&) {  // no reader could be started
       return false;
     }
   })) << "it is not remembered";

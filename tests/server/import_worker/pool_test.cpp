@@ -1,4 +1,4 @@
-// The pool and its processes: what a file can do to its worker, and what that does to everybody else.
+// The pool and its processes: what a file can do to its worker, and how that affects others.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::size_t open_descriptors() {
 TEST(ImportPool, GivesTheSameMeshAsThisProcessBitForBit) {
   ImportPool pool(config_of(FRACTURE_IMPORT_PROGRAM));
   std::vector<MeshFile> files = test_meshes();
-#ifndef FRACTURE_SANITIZED  // Assimp leaks some of them, here as in the worker
+#ifndef FRACTURE_SANITIZED  // Assimp leaks memory on some of them, here as in the worker.
   for (const char* name : {"3DS/fels.3ds",
                            "AC/Wuson.ac",
                            "ASE/MotionCaptureROM.ase",
@@ -86,21 +86,21 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
     const std::vector<pid_t> before = pool.pids();
     auto doomed = std::async(std::launch::async, [&] { return import_with(pool, "! hang"); });
     ASSERT_TRUE(eventually(kPatience, "a worker to be busy", [&] { return pool.counters().busy == 1; }));
-    pid_t victim = pool.pids().front();  // the busy come first
+    pid_t victim = pool.pids().front();  // the busy ones are listed first
     // Others go on meanwhile.
     for (int k = 0; k < 10; ++k) EXPECT_TRUE(import_with(pool, kTetrahedron));
     ASSERT_EQ(::kill(victim, signal), 0);
-    if (signal == SIGKILL) {  // from outside: once more
+    if (signal == SIGKILL) {  // A kill from outside is followed by another attempt.
       victim = next_reader(pool, victim);
       ASSERT_EQ(::kill(victim, signal), 0);
     }
     const Expected<Mesh> result = doomed.get();
     ASSERT_FALSE(result);
-    // What comes from outside says nothing about the file: the kernel is short of memory.
+    // A signal from outside says nothing about the file: the kernel may be short of memory.
     const bool outside = signal == SIGKILL;
     EXPECT_EQ(result.error().code, outside ? ErrorCode::kOverloaded : ErrorCode::kImporterCrashed);
     EXPECT_EQ(result.error().retry_after.count() > 0, outside);
-#ifdef FRACTURE_SANITIZED  // whose handlers turn the signal into an exit
+#ifdef FRACTURE_SANITIZED  // The sanitizer's handlers turn the signal into an exit.
     if (signal != SIGSEGV)
 #endif
       EXPECT_THAT(result.error().detail, HasSubstr("signal " + std::to_string(signal)));
@@ -112,7 +112,7 @@ TEST(ImportPool, AWorkerKilledInMidImportCostsItsRequestOnly) {
   EXPECT_TRUE(settles(pool));
 }
 
-// The kernel short of memory ends a reader that is waiting, or one in mid-file.
+// A kernel that is short of memory kills a reader that waits, or one in the middle of a file.
 TEST(ImportPool, AFileWhoseReaderSomebodyElseKilledIsReadByAnother) {
   ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
   ASSERT_EQ(::kill(pool.pids().at(0), SIGKILL), 0);
@@ -130,12 +130,12 @@ TEST(ImportPool, AFileWhoseReaderSomebodyElseKilledIsReadByAnother) {
   EXPECT_EQ(pool.counters().started, 5u) << "one at the start, and one after each end";
 }
 
-// A reader that was taken over may be deaf to SIGXCPU: the SIGKILL that follows is of its own making.
+// A compromised reader may ignore SIGXCPU. The SIGKILL that follows is then its own fault.
 TEST(ImportPool, AReaderThatIsDeafToItsLimitIsNoVictim) {
   ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
   config.worker.cpu = 1s;
   ImportPool pool(config);
-  const rlimit second_alone{2, 2};  // as if the first one were not heard
+  const rlimit second_alone{2, 2};  // as if the first signal were ignored
   ASSERT_EQ(::prlimit(pool.pids().at(0), RLIMIT_CPU, &second_alone, nullptr), 0);
   const Expected<Mesh> spun = import_with(pool, "! spin");
   ASSERT_FALSE(spun);
@@ -148,7 +148,7 @@ TEST(ImportPool, AReaderThatIsDeafToItsLimitIsNoVictim) {
   EXPECT_EQ(pool.counters().remembered, 1u);
 }
 
-// As `bake` reads the files of its user.
+// This is how `bake` reads its user's files.
 TEST(ImportPool, FilesOfOneOwnerMayShareAProcessUntilOneGoesWrong) {
   ImportPoolConfig config = config_of(FRACTURE_MISBEHAVING_PROGRAM, 1);
   config.files_per_worker = 3;
@@ -180,7 +180,7 @@ TEST(ImportPool, EveryWayToDieHasItsError) {
     EXPECT_TRUE(import_with(pool, kTetrahedron)) << "after " << command;
     return error;
   };
-#ifndef FRACTURE_SANITIZED  // whose handlers turn the signal, and the exit, into an exit of their own
+#ifndef FRACTURE_SANITIZED  // The sanitizer's handlers turn the signal and the exit into another exit.
   EXPECT_THAT(error_of("! exit").detail, HasSubstr("exit code 7"));
   EXPECT_THAT(error_of("! null").detail, HasSubstr("signal 11"));
 #endif
@@ -188,7 +188,8 @@ TEST(ImportPool, EveryWayToDieHasItsError) {
   EXPECT_EQ(error_of("! exit").code, ErrorCode::kImporterCrashed);
   EXPECT_THAT(error_of("! lie").detail, HasSubstr("names no vertex"));
   EXPECT_THAT(error_of("! lie about code").detail, HasSubstr("code that imports do not use"));
-  // 1.1 GiB where the limits allow three times 256 MiB: by the limit of output, of memory, or of the reply.
+  // 1.1 GiB, although the limits allow three times 256 MiB. The limit of output, of memory or of the reply
+  // ends it.
   EXPECT_EQ(error_of("! unfold").code, ErrorCode::kImporterLimit);
   const Error spun = error_of("! spin");
   EXPECT_EQ(spun.code, ErrorCode::kImporterLimit) << spun.detail;
@@ -269,7 +270,7 @@ TEST(ImportPool, TheSandboxOpensNothingAndReachesNobody) {
 }
 
 TEST(ImportPool, WorkersHaveNoEnvironmentAndNoDescriptorsOfTheServer) {
-  const int ours = ::open("/dev/null", O_RDONLY);  // without close-on-exec, as a careless library would
+  const int ours = ::open("/dev/null", O_RDONLY);  // without close-on-exec, like a careless library
   ImportPool pool(config_of(FRACTURE_IMPORT_PROGRAM, 1));
   const std::string proc = "/proc/" + std::to_string(pool.pids().at(0));
   std::ifstream status(proc + "/status");
@@ -278,7 +279,7 @@ TEST(ImportPool, WorkersHaveNoEnvironmentAndNoDescriptorsOfTheServer) {
   if (pool.hello().seccomp == 1) {
     EXPECT_THAT(text, HasSubstr("Seccomp:\t2"));
   }
-  // Not dumpable: /proc shows descriptors to root only.
+  // The process is not dumpable, so /proc shows its descriptors to root only.
   std::error_code error;
   std::size_t descriptors = 0;
   for (fs::directory_iterator it(proc + "/fd", error), end; !error && it != end; it.increment(error))
@@ -293,10 +294,10 @@ TEST(ImportPool, LeaksNoDescriptorsAndNoProcesses) {
   {
     ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 2));
     EXPECT_TRUE(import_with(pool, kTetrahedron));
-    // A worker that is being started has both ends of its socket here.
+    // While a worker starts, both ends of its socket are open here.
     ASSERT_TRUE(settles(pool));
     const std::size_t per_worker = open_descriptors() - static_cast<std::size_t>(pool.counters().workers);
-    for (int k = 0; k < sized(6, 20); ++k) {  // each a file of its own, which is not remembered
+    for (int k = 0; k < sized(6, 20); ++k) {  // each one a different file, which is not remembered
       const ImportFile part{std::to_string(k), {}};
       const auto died = [&](const char* command) {
         const Expected<Mesh> mesh = pool.import(bytes_of(command), MeshFormat::kOff, std::span(&part, 1), {},
@@ -322,7 +323,7 @@ TEST(ImportPool, ManyThreadsShareFewWorkers) {
     threads.emplace_back([&, t] {
       for (int k = 0; k < each; ++k) {
         const bool bad = (t + k) % 8 == 0;
-        const ImportFile part{std::to_string(t * each + k), {}};  // so that the bad one is not remembered
+        const ImportFile part{std::to_string(t * each + k), {}};  // so that a bad file is not remembered
         const std::string bytes = bad ? "! exit" : kTetrahedron;
         const Expected<Mesh> result = pool.import(bytes_of(bytes), MeshFormat::kOff, std::span(&part, 1), {},
                                                   {}, digest_of(bytes, std::span(&part, 1)));

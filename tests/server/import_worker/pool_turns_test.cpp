@@ -1,4 +1,5 @@
-// Imports take turns: what they spend is told to their computations, and nobody reads for ever while others wait.
+// Imports take turns: the time that they use is charged to their computations, and no import reads forever
+// while others wait.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -14,7 +15,7 @@
 namespace fracture::test {
 namespace {
 
-/// Of a computation whose urgency a test decides; it counts what is said to have been spent for it.
+/// The turn of a computation whose urgency the test decides. It counts the time that is charged to it.
 struct ToldTurn : Turn {
   explicit ToldTurn(bool urgent) : is_in_a_hurry(urgent) {}
   void give_way() override {}
@@ -41,7 +42,7 @@ TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
                          std::chrono::duration_cast<std::chrono::steady_clock::duration>(patience);
     return import_with(pool, file, execution);
   };
-  // Of a machine with other work it gets a part of the time.
+  // On a busy machine the import gets only a part of the time.
   EXPECT_THROW((void)import_for(spins, "! spin", kWaits), Interrupted);
   EXPECT_GT(spins.spent, 0.05 * kWaits.count());
   auto hanging = std::async(std::launch::async,
@@ -53,7 +54,7 @@ TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
   EXPECT_LT(waits.spent, 0.5 * kWaits.count());
 }
 
-/// An import that does not end by itself, as long as this lives.
+/// An import that does not end by itself, for as long as this object lives.
 struct Endless {
   Endless(ImportPool& pool, const char* command, Turn* turn) {
     Execution execution;
@@ -76,7 +77,7 @@ struct Endless {
   std::thread thread;
 };
 
-/// Somebody who waits for no longer than tests do.
+/// Imports a mesh for a client that waits no longer than the tests' patience.
 Expected<Mesh> read_for(ImportPool& pool, Turn& turn) {
   Execution execution;
   execution.turn = &turn;
@@ -117,7 +118,7 @@ TEST(ImportPool, UrgentWorkHasItsTurnAtOnceAndKeepsIt) {
     const Endless urgent(pool, "! spin", &realtime);
     EXPECT_TRUE(are(pool, 1, 1));
     const double before = batch.spent;
-    // Somebody in a hurry comes to wait for what waits here.
+    // An urgent client begins to wait for this import while it waits.
     auto promoted = std::async(std::launch::async, [&] { return read_for(pool, hurried); });
     const int asked = hurried.asked;
     EXPECT_TRUE(eventually(kPatience, "it to wait", [&] { return hurried.asked >= asked + 20; }));
@@ -142,7 +143,7 @@ TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNobodyWaiting) {
   EXPECT_TRUE(settles(pool));
 }
 
-/// A computation that stands still for another one.
+/// A computation that pauses for another one.
 TEST(ImportPool, AnImportStandsStillWithItsComputation) {
   struct Standing : ToldTurn {
     Standing() : ToldTurn(false) {}

@@ -1,4 +1,4 @@
-// What an import sets aside before its worker takes it: little for small files, more where they unfold.
+// How much memory an import reserves before its worker uses it: little for small files, more if they expand.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,7 +14,7 @@
 namespace fracture::test {
 namespace {
 
-/// A tetrahedron and how often: no byte of the file for each.
+/// A GLB with `count` instances of a tetrahedron. The instances take no bytes in the file.
 [[maybe_unused]] std::string instances(std::uint32_t count) {
   Tetrahedron tet;
   tet.json["accessors"].push_back({{"componentType", 5126}, {"count", count}, {"type", "VEC3"}});
@@ -46,7 +46,7 @@ struct ImportReservation : testing::Test {
   }
 };
 
-#ifndef FRACTURE_SANITIZED  // there a worker has no limit of memory
+#ifndef FRACTURE_SANITIZED  // With sanitizers a worker has no memory limit.
 
 TEST_F(ImportReservation, ASmallFileTakesLittle) {
   allow(2ull << 30);

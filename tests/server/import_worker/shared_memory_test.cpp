@@ -1,4 +1,4 @@
-// What a worker wrote is what the server reads, whatever the worker does afterwards.
+// The server reads what the worker wrote, whatever the worker does afterwards.
 #include "server/import_worker/shared_memory.hpp"
 
 #include <gtest/gtest.h>
@@ -59,14 +59,14 @@ TEST_P(SealedBytesOf, MoveToAnotherOwner) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, SealedBytesOf, testing::Values(0, 1, 4096, 1'000'000));
 
-/// With no address space left for a mapping it is copied into what the program has.
+/// Without address space for a mapping, the bytes are copied into memory that the program already has.
 TEST(SealedBytesWithoutRoom, AreCopied) {
 #if defined(FRACTURE_SANITIZED)
   GTEST_SKIP() << "the sanitizers reserve terabytes";
 #endif
   const std::vector<std::byte> bytes = numbered(50'000);
   const Descriptor memory = memory_with(bytes);
-  numbered(100'000);  // room that the program keeps
+  numbered(100'000);  // memory that the program keeps
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
   const rlimit none{1 << 20, before.rlim_max};

@@ -1,4 +1,4 @@
-// Whose calls for the disk are made when: what one client writes holds up nobody else.
+// The order of calls for the disk: the writes of one client do not delay another client.
 #include "server/jobs/disk_work.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(DiskWork, CallsOfAClientAreMadeInTheirOrderAndOneAtATime) {
         order[k % 3].push_back(k);
         --at_once[k % 3];
       });
-  }  // which does all that was asked for
+  }  // The destructor makes all remaining calls.
   EXPECT_EQ(most, 1);
   for (int client = 0; client < 3; ++client) {
     EXPECT_EQ(order[client].size(), 100u);

@@ -1,5 +1,5 @@
-// Jobs that outlive their server. Here the process stays and the server goes, in order; jobs_restart_test.cpp
-// kills real ones.
+// Jobs that outlive their server. Here the server is shut down and the process stays; jobs_restart_test.cpp
+// kills real servers.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -19,7 +19,7 @@ std::size_t files_in(const std::string& folder) {
   return n;
 }
 
-/// As a process that is killed would leave it: the mark of a job that has begun stays.
+/// A killed process leaves the mark of a job that has begun.
 void leave_mark(const TemporaryFolder& folder, const std::string& job) {
   std::ofstream(folder / "jobs/begun/" + job.substr(6), std::ios::app) << "x";
 }
@@ -27,14 +27,14 @@ void leave_mark(const TemporaryFolder& folder, const std::string& job) {
 struct Durable : testing::Test {
   TemporaryFolder folder;
   Gate gate;
-  /// Of a server whose computations wait for the gate, those that it goes on with included.
+  /// Options of a server whose computations wait at the gate, including the jobs that it resumes.
   TestServerOptions gated() {
     TestServerOptions options = durable(folder);
     options.control = std::make_shared<FakeControl>();
     options.control->during_cut = gate.hook();
     return options;
   }
-  /// A job that is running when its server stops.
+  /// Starts a job and stops the server while the job runs. Returns its address.
   std::string interrupted(const std::string& query = "?sites=5", const std::string& mesh = "mesh") {
     TestServer server(gated());
     const Reply accepted = server.post("/fracture" + query, mesh, kAsync);
@@ -94,7 +94,7 @@ TEST_F(Durable, AJobThatTheServerEndedInTwiceHasFailed) {
   leave_mark(folder, job);
   {
     TestServer server(gated());
-    wait_for_state(server, job, "running");  // once is no verdict
+    wait_for_state(server, job, "running");  // A single interruption does not fail a job.
   }
   leave_mark(folder, job);
   TestServer server(durable(folder));
@@ -106,7 +106,7 @@ TEST_F(Durable, AJobThatTheServerEndedInTwiceHasFailed) {
   EXPECT_EQ(server.control->cuts, 0);
 }
 
-/// Whoever ends the server again is alone when it happens, so that nobody else is taken for it.
+/// The job that kills the server must be alone when it does, so that no other job is blamed.
 TEST_F(Durable, SuspectsAreTriedAfterTheOthersAndOneByOne) {
   const std::string first = interrupted("?sites=5"), second = interrupted("?sites=6"),
                     innocent = interrupted("?sites=7");
@@ -114,7 +114,7 @@ TEST_F(Durable, SuspectsAreTriedAfterTheOthersAndOneByOne) {
   leave_mark(folder, second);
   gate.arrived = 0;
   std::optional<TestServer> server(std::in_place, gated());
-  // Three that were interrupted in turn: each server before resumed those before it.
+  // All three were interrupted in turn, because each server resumed the earlier ones.
   wait_for_state(*server, innocent, "running");
   EXPECT_EQ(server->get(first).json().at("state"), "queued");
   EXPECT_EQ(server->get(second).json().at("state"), "queued");
@@ -123,13 +123,13 @@ TEST_F(Durable, SuspectsAreTriedAfterTheOthersAndOneByOne) {
   for (const std::string& job : {innocent, first, second}) wait_for_state(*server, job, "done");
 }
 
-/// The mark of a process that died is no other process's to take back.
+/// Another process must not remove the mark of a process that died.
 TEST_F(Durable, ASuspectThatWaitsThroughADrainStaysOne) {
   const std::string suspect = interrupted("?sites=5"), innocent = interrupted("?sites=7");
   leave_mark(folder, suspect);
   leave_mark(folder, innocent);
   {
-    TestServer server(gated());  // one of the two begins; then all are told to stop
+    TestServer server(gated());  // One of the two begins; then all are told to stop.
     EXPECT_TRUE(eventually(kPatience, "one to run", [&] { return gate.arrived > 0; }));
   }
   EXPECT_EQ(files_in(folder / "jobs/begun"), 2u);
@@ -154,7 +154,7 @@ TEST_F(Durable, ACancelledJobStaysCancelled) {
 
 TEST_F(Durable, AJobThatWaitsToGoOnCanBeCancelled) {
   const std::string job = interrupted();
-  leave_mark(folder, job);  // a suspect, behind the one that runs
+  leave_mark(folder, job);  // a suspect, queued behind the one that runs
   const std::string other = interrupted("?sites=6");
   TestServer server(gated());
   wait_for_state(server, other, "running");
@@ -187,7 +187,7 @@ TEST_F(Durable, ManyJobsGoOnEachOnce) {
   EXPECT_EQ(files_in(folder / "jobs/records"), 40u);
   EXPECT_EQ(files_in(folder / "jobs/meshes"), 1u);
   TestServerOptions options = durable(folder);
-  options.max_queue = 2;  // they wait for room in the queue as anybody does
+  options.max_queue = 2;  // They wait for room in the queue like all others.
   TestServer server(options);
   for (const std::string& job : jobs) wait_for_state(server, job, "done");
   EXPECT_EQ(server.control->cuts, 40);
@@ -196,7 +196,7 @@ TEST_F(Durable, ManyJobsGoOnEachOnce) {
 }
 
 TEST_F(Durable, WhatIsAskedForIsTheSameAfterARestart) {
-  std::map<std::string, std::string> addresses;  // of the results, by job
+  std::map<std::string, std::string> addresses;  // the address of each job's result
   {
     TestServer server(durable(folder));
     const std::string of = server.post("/fracture?sites=5", "mesh").header("content-location").substr(11);

@@ -1,5 +1,5 @@
-// A server that is started while another one has the folder: not ready, without the folder's jobs, until the other one lets it
-// go; then it has both, and goes on with the jobs.
+// A server that starts while another one owns the folder. It is not ready and does not have the folder's jobs
+// until the other server releases the folder. Then it takes over folder and jobs, and resumes the jobs.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -76,7 +76,8 @@ TEST_F(Handover, TheSecondServerIsReadyWhenItHasTheFolderWithItsJobsAndResults) 
         << "the newest first, whoever took them";
 }
 
-/// A job that is done is nothing without its result: the folder of the jobs is not taken before that of the disk tier.
+/// A finished job is useless without its result, so the folder of jobs is not taken before the disk tier's
+/// folder.
 TEST_F(Handover, TheFolderOfTheJobsComesAfterTheOneOfTheResults) {
   std::string job;
   {
@@ -95,7 +96,7 @@ TEST_F(Handover, TheFolderOfTheJobsComesAfterTheOneOfTheResults) {
   EXPECT_EQ(next.find(job).state, JobState::kDone);
 }
 
-/// Of a clock that was wrong, or of a stranger.
+/// From a machine with a wrong clock, or forged.
 TEST_F(Handover, AJobOfTheFutureSaysNothingAboutTheTimeOfLaterOnes) {
   const std::string old = leave_job(folder.path, 1);
   {

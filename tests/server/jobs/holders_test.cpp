@@ -1,4 +1,4 @@
-// Whose jobs leave for others: never those of a client that has no more than the one who comes.
+// Evicting jobs for other clients: a client keeps its jobs if it has no more jobs than the new client.
 #include <gtest/gtest.h>
 
 #include "tests/server/support/job_server.hpp"
@@ -54,7 +54,7 @@ TEST_F(Holders, WhoHasMostGivesUpItsOldest) {
   std::vector<std::string> mine;
   for (std::uint64_t seed = 100; seed < 103; ++seed) mine.push_back(started("few", seed));
   for (std::uint64_t seed = 1; seed < 50; ++seed)
-    started("many", seed % 5);  // known answers, for the most part
+    started("many", seed % 5);  // the answers of most of them are known
   for (const std::string& job : mine) EXPECT_TRUE(jobs->find(job)) << job;
   EXPECT_FALSE(jobs->find(first));
   EXPECT_EQ(jobs->figures().jobs, 10u);
@@ -67,7 +67,8 @@ TEST_F(Holders, WhoHasMostGivesUpItsOldest) {
   EXPECT_EQ(jobs->figures().jobs, 10u);
 }
 
-/// However many clients have one each, who comes next has a place, and takes it from who has two.
+/// However many clients have one job each, the next client finds a place: a client with two jobs gives one
+/// up.
 TEST_F(Holders, ManyThatHaveOneTakeNothingFromEachOtherButForWhoIsNew) {
   begin(10);
   const std::string mine = started("few", 1000);
@@ -78,7 +79,7 @@ TEST_F(Holders, ManyThatHaveOneTakeNothingFromEachOtherButForWhoIsNew) {
   EXPECT_EQ(jobs->figures().evicted, 1u);
   EXPECT_FALSE(jobs->find(mine)) << "the older one of the two";
   const std::size_t before = jobs->figures().evicted;
-  started("one more", 2001);  // which has as many as each of the others: its own leaves
+  started("one more", 2001);  // It now has more than the others, so its own job is evicted.
   EXPECT_EQ(jobs->figures().evicted, before + 1);
   EXPECT_EQ(jobs->figures().jobs, 10u);
 }
@@ -138,7 +139,7 @@ TEST_F(Holders, JobsThatAreRefusedOrCancelledAreCountedNoMore) {
   started("a", 1);
 }
 
-/// A thousand jobs whose answer is known already cost next to nothing: those of others stay, also after a restart.
+/// A thousand jobs with known answers cost next to nothing. The jobs of others stay, even after a restart.
 TEST(DurableHolders, FinishedJobsOfOthersOutliveAFloodOfKnownAnswers) {
   const TemporaryFolder folder;
   TestServerOptions options = durable(folder);

@@ -1,4 +1,4 @@
-// Jobs as files: what is written is found again, within bounds, and what is damaged is put aside.
+// Jobs as files: written jobs are found again, within limits, and damaged files are put aside.
 #include "server/jobs/job_folder.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ constexpr std::uint64_t kNoShare = UINT64_MAX;
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-/// The folder of the only server that uses it.
+/// A folder that this object has taken; no other server uses it.
 struct TakenFolder : JobFolder {
   explicit TakenFolder(JobFolderConfig config) : JobFolder(std::move(config)) {
     EXPECT_TRUE(take().value_or(false)) << "another one has it";
@@ -158,7 +158,7 @@ TEST_F(Folder, EveryDamageOfARecordIsPutAside) {
     EXPECT_EQ(files("meshes"), 0u) << "nobody needs it any more";
     std::ofstream(path, std::ios::binary) << whole;  // for the next round
   }
-  // Another job's record under this name, a folder, a name that is no id, a file of terabytes.
+  // Another job's record under this name, a folder, a name that is not an id, and a file of terabytes.
   fs::rename(path, folder / "records/" + record(9).id);
   fs::create_directory(path);
   std::ofstream(folder / "records/..x") << "x";
@@ -219,7 +219,7 @@ TEST_F(Folder, MarksCountTheProcessesThatDidNotComeBack) {
       EXPECT_EQ(found[0].begun, ended);
     }
     f.begun(record(1).id);
-    f.not_begun(record(1).id);  // a process that was told to stop takes it back
+    f.not_begun(record(1).id);  // A process that is told to stop removes its mark.
     f.begun(record(1).id);
   }
 }

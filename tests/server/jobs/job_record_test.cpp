@@ -1,4 +1,4 @@
-// What stands in the record of a job is checked as a request is: a folder may hold what a stranger has written there.
+// The record of a job is checked like a request, because a stranger may have written to the folder.
 #include "server/jobs/job_record.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/// With a sum that is right.
+/// A record with a correct checksum.
 std::string signed_text(const std::string& text) {
   return "fracture job 1\n" + sha256(text).hex() + "\n" + text;
 }

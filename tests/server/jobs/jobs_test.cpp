@@ -1,4 +1,4 @@
-// Prefer: respond-async, and what becomes of it.
+// Prefer: respond-async, and the life of the job.
 #include <gtest/gtest.h>
 
 #include "tests/server/support/job_server.hpp"
@@ -50,7 +50,7 @@ TEST(Jobs, ACancelledJobStopsItsComputation) {
   EXPECT_EQ(ask(server.port(), "DELETE", job).status, 204);
   const auto cancelled = wait_for_state(server, job, "cancelled");
   EXPECT_EQ(cancelled.at("error").at("type"), "/problems/cancelled");
-  server.dispatcher.wait_idle();  // the gate is closed: it would never end by itself
+  server.dispatcher.wait_idle();  // The gate is closed, so the computation would never end by itself.
   EXPECT_EQ(server.control->cancelled, 1);
 }
 
@@ -89,11 +89,11 @@ TEST(Jobs, TheEventsTellEveryChangeOnceAndEndWithTheJob) {
   const std::string job = server.post("/fracture", "mesh", kAsync).header("location");
   RawClient client(server.port());
   client.send("GET " + job +
-              "/events HTTP/1.0\r\nHost: test\r\n\r\n");  // unchunked: ends with the connection
+              "/events HTTP/1.0\r\nHost: test\r\n\r\n");  // without chunks: the body ends with the connection
   const auto head = client.receive();
   ASSERT_TRUE(head);
   EXPECT_EQ(head->header("content-type"), "text/event-stream");
-  ASSERT_TRUE(client.receive_until("\n\n"));  // a first event has come before the job may end
+  ASSERT_TRUE(client.receive_until("\n\n"));  // The first event must arrive before the job may end.
   require_eventually(kPatience, "a computation to come to the gate", [&] { return gate.arrived > 0; });
   gate.open = true;
   const std::string stream = client.receive_all();
@@ -143,7 +143,7 @@ TEST(Jobs, AServerThatStopsEndsItsStreamsAndItsJobs) {
     server.server.stop_accepting();
     stream = client.receive_all();
     EXPECT_FALSE(client.timed_out());
-  }  // waits for everything: would hang on a job that goes on
+  }  // The destructor waits for all work. It would hang if the job went on.
   EXPECT_EQ(control->cancelled, 1);
   EXPECT_NE(stream.find("\r\n0\r\n\r\n"), std::string::npos) << stream;
 }
@@ -170,7 +170,7 @@ TEST(Jobs, FinishedJobsAreForgottenAfterTheirTimeAndGiveUpTheirBytesForOthers) {
   EXPECT_EQ(other.api.jobs().figures().result_bytes, 0u);
 }
 
-/// The deadlines of requests are over before the computation may go on.
+/// The deadlines of requests pass before the computation may go on.
 TEST(Jobs, AJobHasADeadlineOfItsOwnWhateverTheRouteAndThePriority) {
   TestServerOptions options;
   options.limits.deadline = options.limits.realtime_deadline = std::chrono::milliseconds(20);
@@ -178,7 +178,7 @@ TEST(Jobs, AJobHasADeadlineOfItsOwnWhateverTheRouteAndThePriority) {
   Gate gate;
   server.control->during_cut = gate.hook();
   const std::string mesh = "/meshes/sha256:" + sha256("mesh").hex();
-  // The mesh is prepared within the 20 ms, or on another try.
+  // The mesh is prepared within 20 ms, or on another attempt.
   ASSERT_TRUE(
       eventually(kPatience, "the stored mesh", [&] { return server.put(mesh, "mesh").status / 100 == 2; }));
   const Reply stored = server.post_json(mesh + "/fracture", "{}", "Prefer: respond-async\r\n");
@@ -187,7 +187,7 @@ TEST(Jobs, AJobHasADeadlineOfItsOwnWhateverTheRouteAndThePriority) {
   ASSERT_EQ(stored.status, 202) << stored.body;
   ASSERT_EQ(urgent.status, 202) << urgent.body;
   for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "running");
-  // pause: the deadline of requests that somebody waits for passes, and the jobs go on
+  // pause: the deadline of requests passes, and the jobs go on
   std::this_thread::sleep_for(5 * options.limits.deadline);
   gate.open = true;
   for (const Reply* reply : {&stored, &urgent}) wait_for_state(server, reply->header("location"), "done");
@@ -220,7 +220,7 @@ TEST(Jobs, AJobIsBackgroundWorkWhateverTheRouteAndThePriority) {
   wait_for_state(server, job, "done");
 }
 
-/// What others' memory crowds out, once or twice, is no failure of a job: it begins again when there is room.
+/// A job that others crowd out of memory once or twice does not fail. It begins again when there is room.
 TEST(Jobs, AJobThatIsCrowdedOutOfMemoryBeginsAgain) {
   TestServer server;
   std::atomic<int> attempts{0};
@@ -235,7 +235,7 @@ TEST(Jobs, AJobThatIsCrowdedOutOfMemoryBeginsAgain) {
   wait_for_state(server, job, "done");
   EXPECT_EQ(attempts, 3);
 
-  // Where memory is truly exhausted, trying again would not help.
+  // If memory is truly exhausted, another attempt would not help.
   server.control->cut_error = [] { return Error{ErrorCode::kOutOfMemory, "Memory is exhausted."}; };
   const std::string failed = server.post("/fracture?seed=2", "mesh", kAsync).header("location");
   EXPECT_EQ(wait_for_state(server, failed, "failed").at("error").at("status"), 503);

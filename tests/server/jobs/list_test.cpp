@@ -1,4 +1,4 @@
-// GET /jobs: the newest first, in pages, each name's own.
+// GET /jobs: the newest job first, in pages, and each name's own jobs.
 #include <gtest/gtest.h>
 
 #include "tests/server/support/job_server.hpp"
@@ -45,7 +45,7 @@ TEST_F(Listed, PagesFollowEachOtherWithoutGapOrRepetition) {
     all.insert(all.end(), ids.begin(), ids.end());
     page = reply.json().value("next", "");
     EXPECT_EQ(reply.header("link"), page.empty() ? "" : "<" + page + ">; rel=\"next\"");
-    // A job that is gone, or comes, between two pages changes nothing for the others.
+    // A job that vanishes or arrives between two pages does not affect the others.
     if (pages == 0) {
       EXPECT_EQ(ask(server.port(), "DELETE", jobs[1]).status, 204);
       server.post("/fracture?seed=99", "mesh", kAsync);

@@ -1,4 +1,4 @@
-// The mark of a job that has begun: it is on the disk while this process computes the job, and no longer.
+// The mark of a job that has begun is on the disk only while this process computes the job.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -35,8 +35,8 @@ TEST(Marks, AJobThatWasStoppedHasNoneThoughOthersStillWaitForItsComputation) {
   EXPECT_FALSE(fs::exists(mark_of(folder, job)));
 }
 
-/// Its thread is about to leave the mark when the job is stopped: the mark is a pipe, and whoever opens one
-/// to write waits until it is open to read.
+/// The job is stopped just before its thread leaves the mark. The mark is a pipe: a thread that opens it for
+/// writing blocks until it is opened for reading.
 TEST(Marks, AreTakenBackAfterTheyWereLeft) {
   struct Descriptor {
     ~Descriptor() {
@@ -47,7 +47,7 @@ TEST(Marks, AreTakenBackAfterTheyWereLeft) {
   const TemporaryFolder folder;
   const std::string job = leave_job(folder.path, 1);
   Gate gate;
-  Descriptor reading;  // until nobody writes any more
+  Descriptor reading;  // open until there are no writers
   JobsHost host(folder.path);
   host.control->during_cut = gate.hook();
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);

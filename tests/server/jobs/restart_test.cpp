@@ -1,5 +1,5 @@
-// kill -9 of a real server, in every state of a job: what was accepted is found again under its id, and
-// finishes.
+// A real server is killed with SIGKILL in every state of a job. Each accepted job is found again under its id
+// and finishes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace fracture::test {
 namespace {
 
-/// A sphere of 2 * rings * rings triangles, with bumps so that nothing is round by accident.
+/// A sphere of 2 * rings * rings triangles. Its bumps avoid coordinates that are round by accident.
 std::string sphere(int rings) {
   std::string obj;
   char line[128];
@@ -49,7 +49,7 @@ std::string sphere(int rings) {
 struct Restart : testing::Test {
   TemporaryFolder folder;
   std::optional<ServeProcess> server;
-  /// Small enough that no 202 waits for a thread that computes (kReadInline).
+  /// Small enough (kReadInline) that a 202 never waits for a thread of the pool.
   const std::string mesh = sphere(55);
 
   void start() {

@@ -1,4 +1,4 @@
-// What an earlier process left goes on a few at a time, and who is refused holds up nobody else.
+// Jobs of an earlier process resume a few at a time. A job that is refused does not delay others.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace fracture::test {
 namespace {
 
-/// Of a name that may have no computation now.
+/// The account of a name whose share allows no computations.
 std::shared_ptr<tenants::Account> account_over_its_share(const std::string& name) {
   tenants::Tenant tenant;
   tenant.name = name;
@@ -21,8 +21,8 @@ struct Resume : testing::Test {
   TemporaryFolder folder;
   Gate gate;
   std::atomic<int> asked{
-      0};  ///< for the terms of a job: once for its owner, and once in each attempt to go on with it
-  /// Ana is over her share.
+      0};  ///< how often the terms of a job were requested: once for its owner, and once in each attempt
+  /// Ana's account is over its share.
   Jobs::TermsOf terms_of() {
     return [this, account = account_over_its_share("ana")](const std::string& owner) {
       ++asked;
@@ -55,7 +55,7 @@ TEST_F(Resume, HowManyEverFinishWhoIsRefusedIsTriedOnceWhenTheDiskComesToIt) {
   EXPECT_LE(asked - before, 2) << "that which was queued, and one for the job that has finished";
 }
 
-/// Its mesh is read when it could begin.
+/// The mesh of a job is read only when the job could begin.
 TEST_F(Resume, WhoIsOverItsShareCostsTheDiskNothing) {
   const std::string job = leave_job(folder.path, 1, "ana");
   std::filesystem::remove_all(folder / "jobs/meshes");
@@ -66,7 +66,8 @@ TEST_F(Resume, WhoIsOverItsShareCostsTheDiskNothing) {
   EXPECT_EQ(host.find(job).state, JobState::kQueued) << "nobody has missed it yet";
 }
 
-/// Twice as many go on as there are threads, but for a first one. They compute while the gate is closed.
+/// At most twice as many jobs as threads are resumed, apart from a client's first. They compute while the
+/// gate is closed.
 TEST_F(Resume, JobsOfOneClientLeaveAPlaceForAnother) {
   for (std::uint64_t seed = 1; seed <= 9; ++seed) leave_job(folder.path, seed, "ana");
   const std::string bobs = leave_job(folder.path, 10, "bob");
@@ -113,13 +114,13 @@ TEST_F(Resume, AJobThatIsCancelledWhileItIsRefusedIsCancelled) {
   EXPECT_EQ(host.control->cuts, 0);
 }
 
-/// It may compute for so long, not in each of its attempts.
+/// The deadline limits the time over all attempts, not in each one.
 TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
   Crowd crowd;
   const std::string job = leave_job(folder.path, 2, "", std::chrono::seconds(1));
   JobsHost resumed(folder.path);
   crowd.hook(*resumed.control);
-  resumed.start(1);  // holds the memory
+  resumed.start(1);  // it takes all of the memory
   require_eventually(kPatience, "the first job to hold its memory", [&] { return crowd.gate.arrived == 1; });
   resumed.resume();
   EXPECT_TRUE(eventually(kPatience, "the job to be given up", [&] {
@@ -130,11 +131,11 @@ TEST_F(Resume, TheDeadlineOfAJobRunsFromItsFirstAttemptOn) {
   EXPECT_LE(crowd.cuts, 2) << "it has begun once";
 }
 
-/// Its mesh is read once, and then not before there is room for what it needs.
+/// The mesh is read once, and not again before there is enough memory.
 TEST_F(Resume, WhoNeedsMoreThanIsFreeCostsTheDiskNothingTwice) {
   const std::string job = leave_job(folder.path, 1);
   JobsHost host(folder.path);
-  std::vector<MemoryBudget::Reservation> others;  // until nothing is left, of what is for small ones either
+  std::vector<MemoryBudget::Reservation> others;  // until none is left, not even for small ones
   for (const std::uint64_t bytes : {std::uint64_t{64} << 20, std::uint64_t{4} << 10}) do {
       others.emplace_back(host.dispatcher.working());
     } while (others.back().grow_to(bytes));
@@ -158,7 +159,7 @@ TEST_F(Resume, AJobThatNeverGetsAPlaceFailsAtItsDeadline) {
   EXPECT_EQ(host.control->cuts, 0);
 }
 
-/// One that throws is a suspect: were it to count as being computed, the other suspect would never go on.
+/// A job whose terms throw is a suspect. If it counted as computing, the other suspect would never go on.
 TEST_F(Resume, WhatCannotBeGoneOnWithFailsAndTheOthersGoOn) {
   const std::string bad = leave_job(folder.path, 1, "bad"), worse = leave_job(folder.path, 2, "worse"),
                     good = leave_job(folder.path, 3);
@@ -182,7 +183,7 @@ TEST_F(Resume, ASuspectHoldsBackNobodyWhoHasBegunInThisProcess) {
   folder.write("jobs/begun/" + suspect, "x");  // as a process that died leaves it
   JobsHost host(folder.path);
   crowd.hook(*host.control);
-  crowd.bytes = 1000;  // that much is free
+  crowd.bytes = 1000;  // This much memory is free.
   host.resume();
   require_eventually(kPatience, "the suspect to run", [&] { return crowd.gate.arrived == 1; });
   const std::string job = host.start(2);

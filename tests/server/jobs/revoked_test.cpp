@@ -1,4 +1,4 @@
-// A token that is revoked, expires or loses its scope while somebody reads on with it: nothing more is read.
+// A token is revoked, expires or loses its scope while a client still reads with it: nothing more is sent.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -26,13 +26,14 @@ struct Revoked : testing::Test {
   void in_force(const std::vector<nlohmann::json>& tenants) {
     server.server.replace_tokens(*tenants::TokenFile::parse(tenant_file(tenants)));
   }
-  /// Closed, with no word of the end of the job and no end of the answer.
+  /// Returns whether the connection closed without an event for the end of the job and without an end of the
+  /// answer.
   static bool is_cut_off(RawClient& stream) {
     const std::string all = stream.receive_all();
     return !stream.timed_out() && all.find("event: done") == std::string::npos &&
            !all.ends_with("\r\n0\r\n\r\n");
   }
-  /// A stream of this name's that has told where the job is.
+  /// A stream of events for this name. It has already reported the state of the job.
   std::unique_ptr<RawClient> stream(const std::string& name) {
     auto client = std::make_unique<RawClient>(server.port());
     client->send("GET " + job + "/events HTTP/1.1\r\nHost: a\r\n" + by(name) + "\r\n");

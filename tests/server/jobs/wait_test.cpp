@@ -1,4 +1,4 @@
-// Prefer: wait (RFC 7240): the client waits for a while, the server on no thread.
+// Prefer: wait (RFC 7240): the client waits for a while, but no thread of the server does.
 #include <gtest/gtest.h>
 
 #include "server/http/prefer.hpp"

@@ -1,4 +1,4 @@
-// Jobs that wait for memory: others held what they turned out to need, and they begin again when it is free.
+// Jobs that wait for memory: others held the memory that they needed, and they begin again when it is free.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,8 +16,8 @@ struct WaitingJob : testing::Test {
   Crowd crowd;
   std::optional<JobsHost> host;
 
-  /// One job is at the gate, and the next one is crowded out by it. The ids of both.
-  /// `spoil`: what happens to the folder once it is in use.
+  /// Runs one job up to the gate and a second one that the first crowds out. Returns both ids. `spoil`
+  /// changes the folder once it is in use.
   std::pair<std::string, std::string> crowded_out(
       const std::string& its_folder, const Terms& terms = {}, const std::function<void()>& spoil = [] {}) {
     host.emplace(its_folder);
@@ -34,7 +34,7 @@ struct WaitingJob : testing::Test {
   void wait_until_it_waits(const std::string& job) {
     require_eventually(kPatience, "a job to be crowded out", [&] { return crowd.crowdings <= 0; });
     host->wait_for(job, JobState::kQueued);
-    host->jobs.flush();  // another attempt was refused
+    host->jobs.flush();  // makes another attempt, which is refused
   }
 };
 
@@ -48,7 +48,8 @@ TEST_F(WaitingJob, BeginsAgainWhenTheMemoryIsFree) {
   EXPECT_EQ(crowd.cuts, 3);
 }
 
-/// It holds more than half of the working memory, and somebody waits for an answer that needs some of that.
+/// The job holds more than half of the working memory, and a client waits for an answer that needs some of
+/// it.
 TEST_F(WaitingJob, BeginsAgainWhenItsMemoryWasGivenUpForAWaitingClient) {
   host.emplace("");
   std::atomic<int> cuts{0};
@@ -73,7 +74,7 @@ TEST_F(WaitingJob, BeginsAgainWhenItsMemoryWasGivenUpForAWaitingClient) {
   require_eventually(kPatience, "the answer", [&] { return answered.load(); });
   EXPECT_TRUE(eventually(kPatience, "the job to begin again and end", [&] {
     host->jobs
-        .sweep();  // as the server does every ten seconds: the request may have held its memory at the first attempt
+        .sweep();  // as the server does every ten seconds: at the first attempt the request may still have held its memory
     return host->find(job).state == JobState::kDone;
   }));
   EXPECT_GE(cuts, 3)
@@ -98,7 +99,7 @@ TEST_F(WaitingJob, BeginsAgainWhenItWasHurriedAndIsOneTooManyNow) {
   std::atomic<int> cuts{0};
   host_engine->cut_error = [&]() -> std::optional<Error> {
     if (cuts++ > 0) return std::nullopt;
-    return Error{ErrorCode::kOverloaded, "No more of its class may run."};  // as the worker pool says it
+    return Error{ErrorCode::kOverloaded, "No more of its class may run."};  // the worker pool's error
   };
   host.emplace("", host_engine);
   host->wait_for(host->start(1), JobState::kDone);
@@ -125,7 +126,7 @@ TEST_F(WaitingJob, KeepsItsPercent) {
   EXPECT_GE(host->wait_for(job, JobState::kDone).percent, percent);
 }
 
-/// What it needed in an attempt it needs in the next ones, though another product is the first to grow then.
+/// A job reserves as much as in any earlier attempt, even if another product is the first to grow this time.
 TEST_F(WaitingJob, IsGivenAsMuchAsInAnyAttemptBefore) {
   constexpr std::uint64_t kNeeded = 64u << 20;
   host.emplace();
@@ -145,7 +146,7 @@ TEST_F(WaitingJob, IsGivenAsMuchAsInAnyAttemptBefore) {
   host->idle();
 }
 
-/// Else it would begin only when no other computation holds any memory.
+/// Otherwise it would begin only when no other computation holds any memory.
 TEST_F(WaitingJob, LeavesAQuarterToOthersIfItNeededLess) {
   host.emplace();
   const std::uint64_t capacity = host->dispatcher.working().capacity();
@@ -163,7 +164,7 @@ TEST_F(WaitingJob, LeavesAQuarterToOthersIfItNeededLess) {
   host->idle();
 }
 
-/// Also where it is read from the disk again.
+/// This also holds after the job has been read from the disk.
 TEST_F(WaitingJob, IsChargedToWhoeverAskedForIt) {
   tenants::Tenant tenant;
   tenant.name = "ana";
@@ -193,7 +194,7 @@ TEST_F(WaitingJob, IsCancelledThere) {
   EXPECT_EQ(crowd.cuts, 2) << "it does not begin again";
 }
 
-/// Before it in the queue is one that is refused, and has time.
+/// The job ahead of it in the queue is refused but has time left.
 TEST_F(WaitingJob, FailsAtItsDeadlineWhereverItStandsInTheQueue) {
   const auto [holder, first] = crowded_out("");
   ++crowd.crowdings;
@@ -211,7 +212,7 @@ TEST_F(WaitingJob, FailsAtItsDeadlineWhereverItStandsInTheQueue) {
   EXPECT_EQ(host->find(holder).state, JobState::kRunning);
 }
 
-/// A drain goes on while a job is unfinished that the next process would not have.
+/// A drain waits for an unfinished job that the next process would not have.
 TEST_F(WaitingJob, ThatIsNotOnTheDiskIsWaitedForByADrain) {
   crowded_out("");
   EXPECT_EQ(host->jobs.figures().unfinished, 2u);
@@ -235,7 +236,7 @@ TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutInADrain) {
     job = draining.start(2);
     require_eventually(kPatience, "both to run", [&] { return crowd.gate.arrived == 2; });
     draining.jobs.stop_resuming();
-    crowd.gate.open = true;  // who comes first is crowded out
+    crowd.gate.open = true;  // The first one to end is crowded out.
     EXPECT_TRUE(eventually(kPatience, "the other one to be done", [&] {
       return draining.jobs.figures().unfinished == draining.jobs.figures().waiting;
     }));
@@ -248,11 +249,11 @@ TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutInADrain) {
   EXPECT_EQ(next.wait_for(job, JobState::kDone).percent, 100);
 }
 
-/// Its computation says that memory is missing when it was told to stop, but had not seen that yet.
+/// The computation reports a lack of memory after it was told to stop, but before it noticed.
 TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutWhileThatStops) {
   std::string first, job;
   {
-    Gate gate;  // of the second job
+    Gate gate;  // for the second job
     JobsHost stopping(folder.path);
     crowd.hook(*stopping.control);
     stopping.control->during_cut = [&, hold = gate.hook()](const Execution& execution) {
@@ -263,7 +264,7 @@ TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutWhileThatSt
     require_eventually(kPatience, "the first job to run", [&] { return crowd.gate.arrived == 1; });
     job = stopping.start(2);
     require_eventually(kPatience, "the second job to run", [&] { return gate.arrived == 1; });
-    // stop() tells the first job first, and with it us.
+    // stop() first notifies the first job, and its watcher opens the gate.
     const auto seen = stopping.find(first).version;
     EXPECT_TRUE(stopping.jobs.watch(first, seen, [&](const JobView&) {
       gate.open = true;

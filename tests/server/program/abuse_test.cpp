@@ -1,4 +1,4 @@
-// The real program under clients that mean it harm, while others work.
+// The real program under attack while other clients work.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -19,13 +19,13 @@ Exposition metrics(ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
 }
 
-/// The public listener has no connection left, soon.
+/// Returns whether the public listener soon has no connection left.
 testing::AssertionResult all_closed(ServeProcess& server) {
   return eventually(kPatience, "all connections to close",
                     [&] { return metrics(server)["fracture_connections"] == 0; });
 }
 
-/// Clients that ask one request after another until told to stop, each on a connection of its own.
+/// Clients that send one request after another until told to stop, each on a new connection.
 class Foreground {
  public:
   Foreground(std::uint16_t port, int clients) {
@@ -39,7 +39,7 @@ class Foreground {
           } catch (const std::runtime_error&) {
             ++failed;
           }
-          // pause: this client is polite, and leaves the others their turns
+          // pause: a polite client leaves the others their turns
           std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
       });
@@ -74,7 +74,7 @@ TEST_P(SlowHttp, FiveHundredSlowClientsAreClosedAndTheOthersServed) {
   if (saved.rlim_max < 2048) GTEST_SKIP() << "the limit of open files is " << saved.rlim_max;
   ServeProcess server({"--max-connections-per-address", "1000", "--header-timeout", "1", "--body-grace", "1",
                        "--write-stall", "1", "--idle", "1"});
-  // Something large to read slowly.
+  // A large answer for clients that read slowly.
   const Reply large = ask(server.port, "POST", "/fracture?sites=3000", kObj, kCube);
   ASSERT_EQ(large.status, 200);
   const std::string base = "http://127.0.0.1:" + std::to_string(server.port);
@@ -100,8 +100,8 @@ TEST_P(SlowHttp, FiveHundredSlowClientsAreClosedAndTheOthersServed) {
   EXPECT_GE(m["fracture_connections_total"], kSlow) << read_file(folder / "output");
   const double refused = m.sum("fracture_requests_total", "status=\"408\""),
                untaken = m["fracture_answers_undelivered_total"];
-  // Every slow client was told (408) or, when it did not take its answer, cut off. slowhttptest itself gives
-  // some up when its time is over.
+  // Every slow client got a 408 or, if it did not read its answer, was cut off. slowhttptest itself gives up
+  // on some clients when its time ends.
   EXPECT_GE(refused + untaken, 0.9 * kSlow) << refused << " times 408, " << untaken << " answers not taken\n"
                                             << read_file(folder / "output");
   server.signal(SIGTERM);
@@ -115,8 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SlowMode{"read", {"-X", "-w", "10", "-y", "20", "-n", "2", "-z", "8", "-u", "LARGE"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-// A server with few descriptors: connections beyond them wait or are turned away, those that are open are
-// served.
+// A server with few descriptors: open connections are served, and further ones wait or are refused.
 TEST(FewDescriptors, OpenConnectionsAreServedAndNewOnesWhenThereIsRoom) {
   const auto prlimit = find_program("prlimit");
   if (!prlimit) GTEST_SKIP() << "prlimit (util-linux) is not installed";

@@ -1,5 +1,5 @@
-// The representations of a result, chosen by Accept, from the real program: one GLB, one JSON text, the
-// figures.
+// The representations of a result from the real program, chosen by Accept: a GLB, a single JSON document, or
+// the report.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -19,7 +19,7 @@ Reply fractured(const ServeProcess& server, const std::string& accept) {
              kTetrahedron);
 }
 
-/// extras.fracture of the root node.
+/// Returns extras.fracture of the root node.
 nlohmann::json root_figures(const nlohmann::json& document) {
   const std::size_t scene = document.at("scene");
   const std::size_t root = document.at("scenes").at(scene).at("nodes").at(0);
@@ -56,7 +56,7 @@ TEST(Accept, GltfJsonIsTheSameAssetAsOneText) {
     EXPECT_EQ(uri.rfind("data:application/octet-stream;base64,", 0), 0u) << uri.substr(0, 60);
     EXPECT_EQ(root_figures(gltf), root_figures(glb));
     gltf.at("buffers").at(0).erase("uri");
-    EXPECT_EQ(gltf, glb);  // nothing but the buffer's place differs
+    EXPECT_EQ(gltf, glb);  // only the place of the buffer differs
   }
 }
 

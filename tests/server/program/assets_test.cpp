@@ -1,6 +1,6 @@
-// Real assets, posted to the real program with every format enabled: each gets an answer (fragments, or a 4xx
-// that names its reason) from one and the same process. The answers are listed in the build folder.
-// FRACTURE_TEST_FULL=1: every site count and every file; otherwise a sample.
+// Real assets, posted to the real program with every format enabled. The same process answers each of them,
+// with fragments or with a 4xx that names its reason. The answers are listed in the build folder. With
+// FRACTURE_TEST_FULL=1 every site count and every file is tested; otherwise a sample.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,8 @@ std::string read_whole(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// A server whose log is read while it runs (a full pipe would stop it); the last line outlives it.
+/// A server whose log is read while it runs, because a full pipe would stop it. The last line remains
+/// available afterwards.
 class Server {
  public:
   Server()
@@ -47,7 +48,7 @@ class Server {
   }
   bool alive() { return process_.alive(); }
   std::uint16_t port() const { return process_.port; }
-  /// Resident memory, MiB.
+  /// Resident memory in MiB.
   double memory() const {
     std::ifstream status("/proc/" + std::to_string(process_.pid()) + "/status");
     for (std::string line; std::getline(status, line);)
@@ -61,7 +62,8 @@ class Server {
   std::thread reader_;
 };
 
-/// The file and what it names, as a form; the answer as figures. No reply: status 0.
+/// Posts the file and the files that it refers to as a form. Returns the report, or status 0 if there is no
+/// reply.
 Reply post(Server& server, const std::string& path, const std::string& query) {
   const std::string bytes = read_whole(path);
   std::string extension = fs::path(path).extension().string();
@@ -86,7 +88,7 @@ Reply post(Server& server, const std::string& path, const std::string& query) {
   }
 }
 
-/// One line: status and figures, or the reason.
+/// A single line: the status with the main numbers, or the reason.
 std::string summary_of(const Reply& reply) {
   if (reply.status != 200)
     return std::to_string(reply.status) + " " + reply.problem() + ": " + reply.json().value("detail", "");
@@ -95,7 +97,7 @@ std::string summary_of(const Reply& reply) {
          certificate.at("volume_out").dump();
 }
 
-/// The reason without what is particular to the file: names in quotes, numbers.
+/// The reason without the parts that belong to the file: quoted names and numbers.
 std::string reason_of(const Reply& reply) {
   std::string reason;
   bool quoted = false;
@@ -155,7 +157,8 @@ TEST(Assets, EveryModelOfAssimpGetsAnAnswerFromTheSameProcess) {
     const Reply reply = post(*server, file.string(), "sites=10");
     const std::string name = fs::relative(file, folder).generic_string();
     if (reply.status == 0) {
-      // A server that lives keeps its connections: one without an answer is given time to be seen dead.
+      // A live server keeps its connections. If there is no answer, wait a moment to see whether the server
+      // died.
       const bool dead{eventually(std::chrono::seconds(1), "its end", [&] { return !server->alive(); })};
       ++died;
       ++tally[dead ? "died" : "no answer"];
@@ -177,7 +180,7 @@ TEST(Assets, EveryModelOfAssimpGetsAnAnswerFromTheSameProcess) {
   for (const auto& [reason, count] : reasons) list << "reason " << count << ' ' << reason << '\n';
   EXPECT_EQ(died, 0u);
   EXPECT_TRUE(server->alive());
-  // Freed memory goes back to the system once the server is idle.
+  // Freed memory returns to the system once the server is idle.
   constexpr double kGrowth = 64;
   EXPECT_TRUE(
       eventually(kPatience, "freed memory to go back", [&] { return server->memory() < before + kGrowth; }));

@@ -1,5 +1,5 @@
-// bake of a folder as a process: the same bytes in shards, one at a time, through a server, and after bake or
-// server have been killed half-way.
+// bake of a folder as a process. It writes the same bytes in shards, one file at a time, through a server,
+// and after bake or the server was killed halfway.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -17,7 +17,7 @@
 namespace fracture::test {
 namespace {
 
-/// The lines of a report but for what differs between two runs into two folders.
+/// The lines of a report, without the members that differ between two runs into two folders.
 std::vector<nlohmann::json> without_times(const std::string& path, const std::string& folder) {
   std::vector<nlohmann::json> lines;
   std::ifstream file(path);
@@ -73,7 +73,7 @@ TEST(BakeOfAFolder, GivesTheSameBytesHoweverItIsDividedOrInterrupted) {
   EXPECT_EQ(outputs(folder / "killed"), whole) << "nothing half-written is left";
 }
 
-/// A server behind a door that stays open while it is killed and another one takes its place.
+/// A server behind a relay. The relay stays open while the server is killed and another one replaces it.
 class Farm {
  public:
   void restart() {

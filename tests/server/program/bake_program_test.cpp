@@ -1,4 +1,4 @@
-// bake as its user meets it: pipes, misspelt words, places that are refused, what it says, and how it ends.
+// bake as its user runs it: pipes, misspelt words, refused paths, its messages and its exit codes.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -73,12 +73,12 @@ TEST_F(BakeProgram, StandardOutputThatIsATerminalIsRefused) {
 }
 
 TEST_F(BakeProgram, ASignalEndsTheWaitForAPipe) {
-  // The shell holds both ends of the pipe. The fourth digit from the right of SigCgt has bit 14, SIGTERM: it
-  // is caught.
+  // The shell holds both ends of the pipe. The fourth hexadecimal digit from the right of SigCgt contains bit
+  // 14, SIGTERM; the digits listed here mean that the program catches it.
   const std::string caught =
       "for k in $(seq 6000); do grep -Eq 'SigCgt:.*[4567cdef][0-9a-f]{3}$' /proc/$!/status && break; "
       "sleep 0.01; done; ";
-  // The tenth of a second more is for the write that blocks.
+  // The additional tenth of a second is for the write that blocks.
   const std::string written =
       "for k in $(seq 6000); do grep -q encode .err && break; sleep 0.01; done; sleep 0.1; ";
   const std::string stop = "kill -TERM $!; wait $!";
@@ -99,7 +99,7 @@ TEST_F(BakeProgram, RefusesWhatItWouldLoseBeforeAnythingIsBaked) {
   const std::size_t before = files();
   fs::create_hard_link(folder / "cube.glb", folder / "hard.glb");
   fs::create_symlink("cube.glb", folder / "soft.glb");
-  // In place of devices: whoever runs this as root keeps theirs, whatever the program does.
+  // Pipes and links replace devices, because a failing test that runs as root would damage real ones.
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   fs::create_symlink("/dev/stdout", folder / "descriptor");
   for (const std::string command :
@@ -167,7 +167,7 @@ TEST_F(BakeProgram, ResultsInTheFolderOfTheMeshesAreNotBakedAgain) {
   EXPECT_EQ(outputs(folder / "elsewhere").size(), 3u);
 }
 
-// -- what it says
+// -- messages
 
 TEST_F(BakeProgram, WarnsInTheSameWordsForOneFileAndForMany) {
   const std::string far = " --sites 5 --keep-center 99,0,0 --keep-radius 1";
@@ -258,9 +258,9 @@ TEST_F(BakeProgram, TakesMemoryInBytesAndNothingElse) {
   }
 }
 
-// -- answers that do not prove themselves, from servers that let them out
+// -- answers that fail their certificate, from servers that send them anyway
 
-/// A server whose answers are changed on their way.
+/// A server whose answers are changed in transit.
 class Tampered {
  public:
   explicit Tampered(std::function<std::string(std::string)> change) : change_(std::move(change)) {}
@@ -294,7 +294,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-/// As of a server that does not look at its certificates.
+/// The reply of a server that does not check its certificates.
 std::string opened(std::string reply) {
   const std::size_t end = reply.find("\r\n\r\n");
   const std::size_t digest = reply.find("sha-256=:");
@@ -319,7 +319,7 @@ TEST_F(BakeProgram, AnAnswerThatDoesNotProveItselfIsNotWrittenForOneFileAndForMa
       json::parse(bytes("many/bake.ndjson").substr(0, bytes("many/bake.ndjson").find('\n'))).at("status"),
       "unsound");
 
-  // The kept failure is the mesh and the command; here, where nothing tampers, it succeeds.
+  // The kept failure consists of the mesh and the command. Without the tampering relay the command succeeds.
   const fs::directory_iterator kept(folder / "kept");
   const json request = json::parse(read_file(kept->path() / "request.json"));
   EXPECT_EQ(request.at("certificate").at("open_edges"), 7);
@@ -350,7 +350,7 @@ TEST_F(BakeProgram, AServersWordThatAnAnswerIsUnsoundIsExitCode4) {
   EXPECT_THAT(bytes("many/bake.ndjson"), HasSubstr("\"status\":\"unsound\""));
 }
 
-// -- failures that are kept
+// -- kept failures
 
 TEST_F(BakeProgram, TheCommandOfAKeptFailureReproducesTheAnswer) {
   const json parameters = {{"sites", 20},

@@ -1,4 +1,4 @@
-// What is there to watch a bake with: the source paper's insertion, and what each stage made.
+// Options that show how a bake works: the source paper's insertion, and the output of each stage.
 #include <gmock/gmock.h>
 
 #include <vector>
@@ -54,7 +54,7 @@ TEST_F(BakeProgram, DumpsWhatEachStageMade) {
   EXPECT_LT(tetrahedra, 1) << "the sites lie in the cube";
   EXPECT_NEAR(signed_volume(meshes[4]), 1, 1e-5) << "moved apart, and whole";
 
-  // All but the fragments lie at the same place.
+  // All stages except the fragments have the same position.
   Box solid, sites, fragments;
   for (const Vec3f& p : meshes[1].positions) solid.add(to_double(p));
   for (const Vec3f& p : meshes[2].positions) sites.add(to_double(p));

@@ -1,4 +1,5 @@
-// The real program as a process of its own: real meshes over HTTP, bad input, bake against serve, signals.
+// The real program as a separate process: real meshes over HTTP, bad input, bake compared with serve, and
+// signals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -91,7 +92,7 @@ TEST_F(EndToEnd, AHitOnAnEarlierAnswerSaysWhatItChangedAndIsTheSameFromNothing) 
     const Reply figures = ask(server.port, "POST", path, json + "Accept: application/json\r\n", of + hit);
     EXPECT_GE(figures.json().at("delta").at("new").size(), 6u);
     parameters = figures.json().at("parameters");
-    // Once more, on what the server has kept.
+    // Once more, with the answer that the server has kept.
     const Reply third =
         ask(server.port, "POST", path, json,
             R"({"of": ")" + second.header("content-location") + R"(", "delta": "only", )" + hit);
@@ -221,7 +222,7 @@ TEST_F(EndToEnd, SigtermDrainsAndExitsWithZero) {
   kept.send("GET /version HTTP/1.1\r\nHost: a\r\n\r\n");
   ASSERT_TRUE(kept.receive());
   server.signal(SIGTERM);
-  // The signal is taken by a thread that has to be scheduled first.
+  // A thread of the server handles the signal, and must be scheduled first.
   require_eventually(kPatience, "the server to take the signal",
                      [&] { return ask(server.admin_port, "GET", "/readyz").status != 200; });
   EXPECT_EQ(ask(server.admin_port, "GET", "/readyz").status, 503);
@@ -237,10 +238,10 @@ TEST_F(EndToEnd, AWorkingRequestIsFinishedAfterSigint) {
   RawClient client(server.port);
   client.send("POST /fracture?sites=3000 HTTP/1.1\r\nHost: a\r\n" + kObj +
               "Content-Length: " + std::to_string(kCube.size()) + "\r\n\r\n" + kCube);
-  // pause: the signal is to come when the header may have been read, or not yet
+  // pause: the signal comes when the header may or may not have been read
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
   server.signal(SIGINT);
-  // The header may or may not have been read when the signal came; a request that was read is answered.
+  // If the header was read before the signal came, the request is answered.
   const auto reply = client.receive();
   if (reply) {
     EXPECT_EQ(reply->status, 200);

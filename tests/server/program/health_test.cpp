@@ -1,4 +1,5 @@
-// fracture-server health: 0 when the server answers 200, 2 when it is asked wrongly, 1 for every other reason. It names the reason.
+// fracture-server health exits with 0 if the server answers 200, with 2 for a wrong command line, and with 1
+// for every other reason. It names the reason.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -14,7 +15,7 @@
 namespace fracture::test {
 namespace {
 
-/// The exit code, and everything on standard error.
+/// Returns the exit code and the whole standard error.
 std::pair<int, std::string> health(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "health");
   Process process(std::move(arguments));

@@ -1,5 +1,5 @@
-// Killer bodies and dying workers, over HTTP against the real program: the right status, the same process, no
-// memory kept, no file read, nobody else affected.
+// Harmful bodies and dying workers, over HTTP against the real program. The status is right, the same process
+// goes on, no memory is kept, no file is read, and no other client is affected.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -77,7 +77,7 @@ TEST(BakeOfAFifo, EndsWhenItIsInterrupted) {
   EXPECT_EQ(WEXITSTATUS(status), 124) << "interrupted, not killed";
 }
 
-/// A server on free ports whose log is read while it runs: a full pipe would stop it.
+/// A server on free ports whose log is read while it runs, because a full pipe would stop it.
 class Server : public ServeProcess {
  public:
   explicit Server(std::vector<std::string> flags = {})
@@ -97,19 +97,19 @@ class Server : public ServeProcess {
     }
     return pids;
   }
-  /// Those that read files: all in the session of the zygote, which leads it.
+  /// The processes that read files. All are in the session that the zygote leads.
   std::vector<pid_t> workers() const {
     std::vector<pid_t> pids = children();
     std::erase_if(pids, [](pid_t pid) { return ::getsid(pid) == pid; });
     return pids;
   }
-  /// A line of /metrics that begins with this; empty where there is none.
+  /// The line of /metrics that begins with `name`; empty if there is none.
   std::string metric(const std::string& name) const {
     const std::string text = ask(admin_port, "GET", "/metrics").body;
     const std::size_t at = text.find("\n" + name);
     return at == std::string::npos ? "" : text.substr(at + 1, text.find('\n', at + 1) - at - 1);
   }
-  /// Resident memory of the server itself, MiB.
+  /// Resident memory of the server itself, in MiB.
   double memory() const {
     std::ifstream status("/proc/" + std::to_string(pid()) + "/status");
     for (std::string line; std::getline(status, line);)
@@ -155,7 +155,7 @@ std::string gzip(const std::string& text) {
 
 TEST(ImportIsolation, AClientThatLeavesEndsTheProcessThatReadsItsFile) {
   Server server;
-  for (const pid_t worker : server.workers()) ::kill(worker, SIGSTOP);  // it reads for ever
+  for (const pid_t worker : server.workers()) ::kill(worker, SIGSTOP);  // The stopped worker reads forever.
   {
     RawClient client(server.port);
     client.send("POST /fracture?format=off HTTP/1.1\r\nHost: a\r\nContent-Length: " +
@@ -222,7 +222,7 @@ TEST(ImportAttack, KillerBodiesGetTheirStatusAndLeaveNothingBehind) {
     ASSERT_TRUE(server.alive()) << killer.what;
   }
   EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
-#ifndef FRACTURE_SANITIZED  // whose quarantine keeps what was freed
+#ifndef FRACTURE_SANITIZED  // The sanitizer's quarantine keeps freed memory.
   EXPECT_LT(server.memory() - before, 32) << "MiB of growth";
 #endif
 }
@@ -241,8 +241,8 @@ std::string large_obj(int n) {
   return obj;
 }
 
-/// The worker that has been reading for a while, at most 2 s from now; 0: there is none. Those that were
-/// forked meanwhile, and wait, have used no processor time to speak of.
+/// Waits for a worker that has been reading for a while. Returns 0 if there is none. Workers that were forked
+/// meanwhile only wait, and have used hardly any processor time.
 pid_t busy_worker(const Server& server) {
   const auto ticks = [](pid_t pid) {
     std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
@@ -272,7 +272,7 @@ TEST(ImportAttack, AWorkerKilledInMidImportCostsItsRequestAloneA422) {
     pid_t victim = busy_worker(server);
     ASSERT_NE(victim, 0);
     ::kill(victim, signal);
-    if (signal == SIGKILL) {  // somebody else's doing: the file is read once more
+    if (signal == SIGKILL) {  // a kill from outside: the file is read once more
       EXPECT_TRUE(eventually(kPatience, "the first reader to be gone", [&] {
         const std::vector<pid_t> left = server.workers();
         return std::count(left.begin(), left.end(), victim) == 0;
@@ -328,7 +328,7 @@ TEST(ImportAttack, AFileOverTheMemoryOfAWorkerIs422) {
 #ifdef FRACTURE_SANITIZED
   GTEST_SKIP() << "the sanitizers reserve terabytes: no limit of the address space";
 #else
-  // Enough for small files, too little for the mesh.
+  // Enough for small files, too little for this mesh.
   Server server({"--import-memory", std::to_string(16u << 20)});
   EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
   const Reply reply = post(server, "obj", large_obj(500));
@@ -345,13 +345,13 @@ TEST(ImportAttack, TheWorkersEndWithTheServer) {
     EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
     workers = server.children();
     ASSERT_GE(workers.size(), 2u) << "the zygote too";
-  }  // killed with SIGKILL
+  }  // The server is killed with SIGKILL.
   for (const pid_t pid : workers) {
     EXPECT_TRUE(eventually(kPatience, "the end of process " + std::to_string(pid), [&] {
       if (::kill(pid, 0) != 0) return true;
       std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
       const std::string text{std::istreambuf_iterator<char>(stat), {}};
-      return text.find(") Z ") != std::string::npos;  // whoever inherited it has not reaped it yet
+      return text.find(") Z ") != std::string::npos;  // a zombie that its new parent has not reaped yet
     }));
   }
 }

@@ -14,7 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-/// Stops the server and parses what it has logged since it listened; every line must be one JSON object.
+/// Stops the server and parses the lines that it has logged since it began to listen. Every line must be a
+/// JSON object.
 std::vector<json> log_of(ServeProcess& server) {
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
@@ -71,7 +72,7 @@ TEST(Logs, EveryRequestIsOneJsonLineWithItsFigures) {
   EXPECT_EQ(lines[2].at("status"), 400);
 }
 
-// A header of 16 KiB is no line of 16 KiB: what a client wrote is cut, wherever it stands in its request.
+// A header of 16 KiB must not make a log line of 16 KiB: client text is cut in every part of the request.
 TEST(Logs, NoRequestMakesALongLine) {
   ServeProcess server;
   const std::string far(3'000, 'x'), far_method(15'000, 'X');
@@ -102,7 +103,7 @@ TEST(Logs, TheStartIsLoggedWithEverySetting) {
 }
 
 TEST(Logs, ALogThatNobodyReadsStopsNeitherTheServerNorItsEnd) {
-  ServeProcess server;  // its standard error is a pipe of 64 KiB that nobody empties from here on
+  ServeProcess server;  // Its standard error is a pipe of 64 KiB that no process empties from here on.
   for (int i = 0; i < 1000; ++i)
     ASSERT_EQ(ask(server.port, "GET", "/version", "X-Request-Id: " + std::string(64, 'x') + "\r\n").status,
               200);

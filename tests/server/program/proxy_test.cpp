@@ -1,4 +1,4 @@
-// The same attacks with a proxy in front, and a server that is replaced behind one.
+// The same attacks with a proxy in front of the server, and a rolling restart behind a proxy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ struct BehindProxy : testing::TestWithParam<Proxy::Kind> {
   }
 };
 
-// Where proxy and server disagree about where a request ends, the server sees a request that the proxy never
-// sent.
+// If the proxy and the server disagree about where a request ends, the server sees a request that the proxy
+// never sent.
 TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
   TestServer server;
   Proxy proxy(GetParam(), server.port());
@@ -37,11 +37,11 @@ TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
                                 .sum("fracture_requests_total", "public"));
   };
   int answers = 0, passed = 0, refused = 0;
-  Proxy::Counts before = proxy.counts();  // of the probe that waited for it
+  Proxy::Counts before = proxy.counts();  // from the probe that waited for the proxy
   const int seen_before = before.seen;
   for (const HostileRequest& request : hostile_corpus()) {
     std::string all;
-    {  // closed before the counts are compared: nginx logs a request when it is done with the connection
+    {  // Close before comparing the counts: nginx logs a request when its connection is done.
       RawClient client(proxy.port);
       client.send(request.bytes + kSmuggled);
       all = client.receive_all();
@@ -77,8 +77,8 @@ TEST_P(BehindProxy, EveryHopCountsTheSameRequests) {
 INSTANTIATE_TEST_SUITE_P(Proxies, BehindProxy, testing::Values(Proxy::Kind::kHaproxy, Proxy::Kind::kNginx),
                          [](const auto& instance) { return std::string(Proxy::name(instance.param)); });
 
-// Two servers behind HAProxy, which asks /readyz: one is told to stop while clients ask without a pause. The
-// drain delay is ten times what the proxy needs to notice.
+// Two servers behind HAProxy, which asks /readyz. One of them is told to stop while clients send requests
+// without a pause. The drain delay is ten times the time that the proxy needs to notice.
 TEST(RollingRestart, SigtermUnderLoadBehindHaproxyFailsNoRequest) {
   if (!Proxy::installed(Proxy::Kind::kHaproxy)) GTEST_SKIP() << "haproxy is not installed";
   ServeProcess first({"--drain-delay", "3"}), second({"--drain-delay", "3"});

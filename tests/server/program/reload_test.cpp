@@ -1,4 +1,4 @@
-// SIGHUP: the token file is read again, a wrong one changes nothing; audit lines.
+// SIGHUP reads the token file again; a wrong file changes nothing. Also tests the audit lines.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -53,7 +53,7 @@ TEST(Reload, WhatIsNoFileIsRefusedAndNobodyWaitsForIt) {
   std::filesystem::remove(path);
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   server.signal(SIGHUP);
-  // Would somebody wait for a writer, this ended it.
+  // Ends the test if the server waits for a writer of the pipe.
   std::atomic<bool> done{false};
   std::thread watch([&] {
     if (!eventually(std::chrono::seconds(60), "the refusal", [&] { return done.load(); }))

@@ -1,5 +1,5 @@
-// The program with little memory, and with folders: what was given and cannot be had is refused, what another server has is
-// waited for.
+// The program with little memory, and with folders. Memory that was requested but is not available is
+// refused; a folder that another server owns is waited for.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -32,7 +32,7 @@ std::string contents_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What the program says when it is started so, and what it exits with.
+/// The output and the exit code of the program after it was started with these arguments.
 struct Ended {
   explicit Ended(std::vector<std::string> arguments, const std::string& output = "/dev/null") {
     arguments.insert(arguments.begin(), "serve");
@@ -51,7 +51,7 @@ std::vector<std::string> with(std::vector<std::string> flags) {
   return flags;
 }
 
-/// By what a server says that has too little.
+/// The smallest value, according to the message of a server that has too little.
 std::uint64_t least_memory() {
   const Ended refused(with({"--memory", "64MiB"}));
   const std::string words = "the smallest value that works is ";

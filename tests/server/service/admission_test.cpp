@@ -1,4 +1,4 @@
-// What a request is expected to cost, held against how many sites its pattern really makes.
+// The expected cost of a request, compared with the number of sites that its pattern really makes.
 #include "server/service/admission.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   parameters.max_volume = solid.report.volume / 1000;
   EXPECT_GE(expected_sites(parameters, &solid), 1000);
   EXPECT_EQ(expected_sites(parameters, nullptr, selection),
-            47);  // of a mesh that was not read yet nothing is known
+            47);  // nothing is known about a mesh that was not read yet
   parameters.max_volume = 1e-300;
   EXPECT_EQ(expected_sites(parameters, &solid), parameters.most_sites);
 }
@@ -90,7 +90,7 @@ TEST(Admission, CountsTheCellsOfAggregates) {
   parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}};
   EXPECT_EQ(expected_sites(parameters, &solid), 180);
   EXPECT_EQ(expected_sites(parameters, &solid, Selection{.refracture = Refracture{.sites = 7}}), 222);
-  parameters.pattern = GridPattern{};  // which knows none
+  parameters.pattern = GridPattern{};  // a grid has no such number
   parameters.hits.clear();
   EXPECT_EQ(expected_sites(parameters, nullptr), 20);
 }

@@ -1,4 +1,4 @@
-// What a control group allows, by the files that the kernel writes.
+// The limits of a control group, read from the files that the kernel writes.
 #include "server/service/control_group.hpp"
 
 #include <gtest/gtest.h>

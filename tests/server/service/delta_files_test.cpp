@@ -1,5 +1,5 @@
-// What the files of hits say of fragments: those that a hit leaves alone keep every bit, and those of a delta are as
-// those of the whole.
+// Fragments in the files of hits: a fragment that a hit leaves alone keeps every bit, and the fragments of a
+// delta equal those of the whole answer.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -23,7 +23,7 @@ std::map<std::uint64_t, json> motions_of(const FractureResult& glb) {
   return motions;
 }
 
-// The mass of all is a parameter, and a hit does not change how much there is.
+// The total mass is a parameter, and a hit does not change it.
 TEST_F(HitsTest, WhatAHitLeavesAloneKeepsItsMassToTheBit) {
   for (const double mass : {5.0, 0.37, 80.1}) {
     const json whole = {{"sites", 40}, {"mass", mass}, {"physics", "khr"}};
@@ -49,7 +49,7 @@ TEST_F(HitsTest, WhatAHitLeavesAloneKeepsItsMassToTheBit) {
   }
 }
 
-/// What each primitive of each fragment has: by id, and by the names of the attributes.
+/// The attributes of each primitive of each fragment: by id, then by attribute name.
 std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> attributes_of(
     const FractureResult& result) {
   std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> all;
@@ -80,10 +80,10 @@ std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> 
   return all;
 }
 
-// A client puts the fragments of a delta beside those that it has.
+// A client shows the fragments of a delta together with those that it has.
 TEST_F(HitsTest, FragmentsOfADeltaAreUnderTheReliefThatAClientHas) {
   const json hit = {{"local_point", {2, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 8}};
-  // The box has no normals; the fragments of the first answer have normals, tangents and a normal map.
+  // The box has no normals. The fragments of the first answer have normals, tangents and a normal map.
   const FractureAnswer box = ask({{"sites", 3}, {"interior_detail", "stone"}});
   const std::string with_tangents(box.result->file.begin(), box.result->file.end());
   for (const auto& [name, file, format] :

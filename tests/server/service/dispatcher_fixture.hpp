@@ -1,4 +1,4 @@
-// What tests of the dispatcher share: one with a fake engine on two threads, and what became of what was asked.
+// A fixture for tests of the dispatcher: a fake engine on two threads, and the outcome of each request.
 #pragma once
 
 #include <gtest/gtest.h>

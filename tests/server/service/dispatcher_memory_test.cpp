@@ -1,4 +1,4 @@
-// Computations begin when there is room for them, and hold what they make.
+// Computations begin when there is memory for them, and their reservation covers what they make.
 #include "tests/server/service/dispatcher_fixture.hpp"
 
 namespace fracture::test {
@@ -61,7 +61,7 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
   EXPECT_EQ(outcomes_of.at(1).error().extra->at("limit"), kMemory - kMemory / 8)
       << "the rest is for small ones";
 
-  // Two that would each fit alone: while one holds its memory, the other is sent away.
+  // Each of the two would fit alone. While one holds its memory, the other is refused.
   Gate gate;
   std::atomic<bool> first{true};
   control->during_cut = [&](const Execution& execution) {
@@ -86,7 +86,8 @@ TEST_F(DispatcherTest, AComputationThatNeverFitsIsRefusedByNameAndOneThatOthersC
   EXPECT_EQ(small.figures().working_bytes, 0u);
 }
 
-/// Two computations of one client; the second one finds that it needs more than the first one leaves to its client.
+/// Two computations of one client. The second one finds that it needs more memory than the first one leaves
+/// to that client.
 struct OwnHoldings : DispatcherTest {
   static constexpr std::uint64_t kMemory = 64u << 20;
   Dispatcher small{service, pool, {kMemory}};
@@ -150,14 +151,14 @@ TEST_F(OwnHoldings, AreNoShareOfAnotherClientWhoWaitsForTheSame) {
   small.wait_idle();
 }
 
-/// A job of ana holds memory at a gate, up to which it polls; bob waits for an answer that needs some.
+/// A job of ana holds memory and polls at a gate; bob waits for an answer that needs some of the memory.
 struct HeldInBackground : DispatcherTest {
   static constexpr std::uint64_t kMiB = 1u << 20;
   Dispatcher small{service, pool, {64 * kMiB}};  // an eighth is for small computations
   Gate gate;
-  std::map<std::string, std::optional<ErrorCode>> ends;  // by client; nothing: an answer
+  std::map<std::string, std::optional<ErrorCode>> ends;  // by client; nothing means an answer
 
-  std::atomic<std::uint64_t> makes{0};  ///< bytes, the next computation, beyond its estimate
+  std::atomic<std::uint64_t> makes{0};  ///< bytes that the next computation makes beyond its estimate
   std::atomic<int> cuts{0};
 
   HeldInBackground() {
@@ -216,11 +217,12 @@ TEST_F(HeldInBackground, IsGivenUpWhenTheTurnComesOfAComputationThatIsExpectedTo
   end();
 }
 
-/// They began to wait before bob did. The first job's memory is enough for both of them, but not for bob as well.
+/// The further jobs began to wait before bob did. The first job's memory is enough for both of them, but not
+/// for bob as well.
 TEST_F(HeldInBackground, IsNotTakenByFurtherJobsThatWaitForMemory) {
   Gate grows, busy;
   control->during_cut = [&](const Execution& execution) {
-    if (execution.turn->is_urgent()) return;  // bob's
+    if (execution.turn->is_urgent()) return;  // bob's computation
     if (cuts++ == 0) {
       grows.pass(execution);
       execution.made(Product::kImportBytes, 40 * kMiB);
@@ -242,7 +244,7 @@ TEST_F(HeldInBackground, IsNotTakenByFurtherJobsThatWaitForMemory) {
   end();
 }
 
-/// Bob uploads the mesh, and ana's job waits for it with its memory.
+/// Bob uploads the mesh. Ana's job waits for it and holds memory meanwhile.
 TEST_F(HeldInBackground, IsGivenUpByAJobThatWaitsForWhatAnotherClientComputes) {
   Gate reads;
   std::atomic<int> imports{0};
@@ -273,7 +275,7 @@ TEST_F(HeldInBackground, LeavesAThreadToOthersUntilItIsFree) {
     execution.made(Product::kImportBytes, makes);
     if (first) gate.pass_without_polls();
   };
-  begin_job(32 * kMiB);  // half as much more is set aside
+  begin_job(32 * kMiB);  // half as much more is reserved
   ask_as("bob", Priority::kBatch, 22 * kMiB);
   test::require_eventually(test::kPatience, "bob to need more", [this] { return cuts == 2; });
   ask_as("eve", Priority::kBatch, 0);
@@ -304,7 +306,7 @@ TEST_F(HeldInBackground, IsKeptFromOtherBackgroundWork) {
 struct MemoryLineTest : testing::Test {
   using Use = MemoryBudget::Use;
   ClientShares memory{MemoryBudget::Divided{100, 0, 0}, 100};
-  std::vector<std::string> asked;  // clients that room was to be made for
+  std::vector<std::string> asked;  // clients for which memory was requested
   MemoryLine line{memory, [this](const std::string& client, std::uint64_t) { asked.push_back(client); }};
   std::vector<std::string> went_on;
   std::vector<MemoryBudget::Reservation> held;
@@ -339,7 +341,7 @@ TEST_F(MemoryLineTest, GivesBackgroundWorkNothingWhileSomebodyNeedsWhatItGivesUp
   EXPECT_EQ(line.size(), 0u);
 }
 
-/// The first job that gives up its memory leaves enough for one of two.
+/// The first job that gives up its memory frees enough for only one of the two clients.
 TEST_F(MemoryLineTest, AsksForRoomAgainWhileSomebodyLacksIt) {
   for (int job = 0; job < 3; ++job) ASSERT_TRUE(take("ana", background, 30));
   EXPECT_FALSE(take("bob", waited_for, 35));

@@ -1,4 +1,4 @@
-// What several ask for is computed once, and ends with the last who waits for it.
+// Equal requests are computed once, and the computation ends when the last client that waits for it has left.
 #include <chrono>
 #include <future>
 #include <latch>
@@ -57,7 +57,7 @@ TEST_F(DispatcherTest, TheComputationDiesWithTheLastWhoWaits) {
   for (int i = 0; i < 5; ++i) ask(fracture_request("mesh"), terms);
   gate.wait_for(1);
   everybody.request_stop();
-  dispatcher.wait_idle();  // would hang if it went on: the gate is closed
+  dispatcher.wait_idle();  // would hang if the computation went on, because the gate is closed
   EXPECT_EQ(control->cancelled, 1);
   EXPECT_EQ(errors[ErrorCode::kCancelled], 5);
   EXPECT_EQ(dispatcher.figures().flights, 0u);
@@ -87,7 +87,7 @@ TEST_F(DispatcherTest, WaitingForAMeshHoldsNoThread) {
   };
   for (int seed = 0; seed < 20; ++seed) ask(fracture_request("slow", static_cast<std::uint64_t>(seed)));
   gate.wait_for(1);
-  std::promise<void> done;  // one thread imports, nineteen requests wait for it: the other thread is free
+  std::promise<void> done;  // One thread imports for all twenty requests; the other thread is free.
   EXPECT_FALSE(dispatcher.fracture(fracture_request("quick"), {}, [&](Expected<FractureAnswer> answer) {
     EXPECT_TRUE(answer);
     done.set_value();
@@ -111,7 +111,7 @@ TEST_F(DispatcherTest, WhoLeavesWhileWaitingForAMeshDoesNotStopItForTheOthers) {
     if (seed == 0) terms.gone = first.get_token();
     if (seed == 2) terms.gone = third.get_token();
     ask(fracture_request("mesh", static_cast<std::uint64_t>(seed)), terms);
-    if (seed == 0) gate.wait_for(1);  // it is the one that imports
+    if (seed == 0) gate.wait_for(1);  // the first request does the import
   }
   test::require_eventually(test::kPatience, "the queue to be empty", [&] { return pool.queued() == 0; });
   first.request_stop();
@@ -184,7 +184,7 @@ TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
   EXPECT_GE(overload->retry_after.count(), 1);
   EXPECT_LE(overload->retry_after.count(), 60);
   EXPECT_EQ(dispatcher.figures().refused, 1u);
-  ask(fracture_request("a"), terms);  // who only has to wait for what is in flight costs nothing
+  ask(fracture_request("a"), terms);  // a request that only waits for work in flight costs nothing
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(good, 3);
@@ -289,7 +289,8 @@ TEST_F(DispatcherTest, ComingAndGoingAtRandomNobodyIsForgotten) {
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
 }
 
-// What a computation makes is known while it is made: its reservation grows with it.
+// An answer that fails its certificate is remembered, so equal requests get the error without another
+// computation.
 TEST_F(DispatcherTest, AnAnswerThatDoesNotProveItselfIsNotComputedAgainAndAgain) {
   control->cut_error = [] {
     return Error{ErrorCode::kUnsound, "3 edges are open", {}, Figures(nlohmann::json{{"open_edges", 3}})};

@@ -1,4 +1,5 @@
-// Work without a flight (a body to decode, an entry to read): its deadline, its client's leaving, its place.
+// Errands, which are work without a flight (such as a body to decode or an entry to read): their deadline,
+// the departure of their client, and their place.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -23,7 +24,7 @@ struct Errands : testing::Test {
   std::latch gate{1};
   std::atomic<int> ran{0}, given_up{0};
   std::atomic<ErrorCode> why{ErrorCode::kInternal};
-  std::string words;  ///< of the last that was given up
+  std::string words;  ///< the detail of the last error
 
   void occupy() {
     pool.submit(Priority::kBatch, 0, [this](int) { gate.wait(); });
@@ -52,7 +53,7 @@ struct Errands : testing::Test {
 TEST_F(Errands, OneWhoseDeadlinePassesInTheQueueIsGivenUpThereAndHoldsNothing) {
   occupy();
   Terms terms;
-  // Nothing is predicted to wait where the job that runs costs nothing.
+  // The running job is said to cost nothing, so no wait is predicted.
   terms.deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
   ASSERT_FALSE(run(terms));
   EXPECT_TRUE(eventually(kPatience, "the end of its wait", [&] { return given_up == 1; }));

@@ -1,4 +1,4 @@
-// Start-time fair queueing: who is served when, counted by hand from the tags of the paper.
+// Start-time fair queueing: the order of service, computed by hand from the tags of the paper.
 #include "server/service/fair_queue.hpp"
 #include "tests/server/service/polling.hpp"
 
@@ -21,7 +21,7 @@ struct Item {
 
 using test::kBackground, test::kBatch, test::kRealtime;
 
-/// Serves one task after the other, and charges what it was said to cost.
+/// Serves one task after the other, and charges the stated cost.
 struct Queue : FairQueue<Item> {
   std::uint64_t last = 0;
   std::uint64_t add(const std::string& flow, double cost = 1, double weight = 1, Priority priority = kBatch) {

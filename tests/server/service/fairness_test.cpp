@@ -1,4 +1,5 @@
-// Processor time is shared between clients while it is used: who stands still for whom, and who gets how much.
+// Processor time is shared between clients while it is used: which computation pauses for which, and how much
+// time each gets.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -24,7 +25,8 @@ std::shared_ptr<tenants::Account> account_of(double cores) {
   return std::make_shared<tenants::Account>(tenants::Tenant{"a", {}, {}, shares}, /*isolated=*/true);
 }
 
-/// Says at each poll that it has used a millisecond elsewhere: what it gets is counted in polls, and no clock decides.
+/// Reports at each poll a millisecond of time used elsewhere. Its progress is counted in polls, so no clock
+/// decides.
 struct Using {
   Using(WorkerPool& pool, const Flow& flow, Priority priority = kBatch, double seconds = 0.001) {
     id = pool.submit(
@@ -130,7 +132,7 @@ TEST(Fairness, WhatIsUsedIsChargedToTheAccountBeforeTheEnd) {
 TEST(Fairness, WhoIsOverItsProcessorRateStandsStillAndTheOthersDoNot) {
   WorkerPool pool(2, 100);
   const Flow flow{"a", 1, account_of(0.001)};
-  Using over(pool, flow, kBatch, 100);  // more than it has in a day
+  Using over(pool, flow, kBatch, 100);  // more than it may use in a day
   EXPECT_TRUE(eventually(kPatience, "it to stand still", [&] { return pool.paused() == 1; }));
   const long before = over.polls;
   std::atomic<bool> own{false};

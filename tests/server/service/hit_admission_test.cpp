@@ -1,4 +1,5 @@
-// What is set aside for a hit: what it changes where the kept answer allows that, the whole answer where not.
+// How much memory is reserved for a hit: for the changes if the kept answer allows that, otherwise for the
+// whole answer.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -41,7 +42,7 @@ struct HitAdmissionTest : testing::Test {
   std::string address_of(const json& parameters) {
     return "/fractures/sha256:" + service.fracture(request(parameters), {}).value().result->key;
   }
-  /// When the computation says for the first time that it goes on.
+  /// Returns the memory that is reserved when the computation first reports progress.
   std::uint64_t held_for(const json& parameters) {
     std::atomic<std::uint64_t> held{0};
     Terms terms;

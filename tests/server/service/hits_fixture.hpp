@@ -1,4 +1,4 @@
-// A service with the real engine, a box to hit, and what is read from its answers.
+// A service with the real engine, a box to hit, and functions that read its answers.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ inline std::span<const std::byte> bytes(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-/// A closed box of 2 x 1 x 1 m, each side n x n squares, as OBJ text.
+/// A closed box of 2 x 1 x 1 m, each side divided into n x n squares, as OBJ text.
 inline std::string box_obj(int n) {
   std::string text;
   int vertices = 0;

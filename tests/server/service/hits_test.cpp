@@ -1,5 +1,5 @@
-// Hits on earlier answers, with the real engine: what `of` stands for, deltas, and that a kept answer changes
-// nothing but the time.
+// Hits on earlier answers, with the real engine: the meaning of `of`, deltas, and that a kept answer saves
+// time but changes nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace fracture::test {
 namespace {
 
-/// Does some material's name begin so?
+/// Returns whether the name of some material begins with `name`.
 bool has_material(const FractureResult& glb, std::string_view name) {
   const json document = document_of(glb);
   return std::any_of(document.at("materials").begin(), document.at("materials").end(),
@@ -24,7 +24,8 @@ TEST_F(HitsTest, AMaterialThatMakesWallsDoesSoInTheServer) {
   const FractureAnswer walls = ask({{"material", "ceramic"}, {"sites", 8}}),
                        solid = ask({{"material", "ceramic"}, {"sites", 8}, {"shell", 0}});
   EXPECT_NEAR(volume(solid), 2, 1e-6);
-  // Of 0.04 of the longest side, 0.08 m, or somewhat more, around all of 2 x 1 x 1 m.
+  // The walls are at least 0.04 of the longest side thick, which is 0.08 m, all around the box of 2 x 1 x 1
+  // m.
   EXPECT_LT(volume(walls), 1.2);
   EXPECT_GT(volume(walls), 2 - 1.84 * 0.84 * 0.84);
   EXPECT_TRUE(has_material(*walls.result, "Cavity"));
@@ -42,7 +43,7 @@ TEST_F(HitsTest, TheReliefOfCutsIsNotSentAgainWithADelta) {
   EXPECT_FALSE(document_of(*changed.result).contains("images"));
 }
 
-// The groups of aggregates lie in the diagram, and know the limits of size.
+// The groups of aggregates are part of the diagram, and depend on the size limits.
 TEST_F(HitsTest, DiagramsOfAggregatesAreThoseOfTheirLimits) {
   const json plain = {{"sites", 20},         {"cells_per_fragment", 6}, {"local_point", {2, 0.5, 0.5}},
                       {"local_radius", 0.3}, {"local_sites", 8},        {"local_rest", "fractured"}};
@@ -73,8 +74,8 @@ TEST_F(HitsTest, AnAddressStandsForItsParametersAndAKeptAnswerForAComputedOne) {
   EXPECT_EQ(parameters.at("density"), 500);
   EXPECT_FALSE(parameters.contains("of"));
 
-  // From nothing, with all parameters, by a server that has seen none of it; and without room to keep
-  // anything.
+  // Computed from scratch with all parameters, by a server without any kept answer, and by a server without
+  // room to keep any.
   FractureService fresh(config, test::engine_in_process());
   const auto cold = ask(fresh, mesh, parameters);
   ASSERT_TRUE(cold);
@@ -84,7 +85,7 @@ TEST_F(HitsTest, AnAddressStandsForItsParametersAndAKeptAnswerForAComputedOne) {
   FractureService forgetful(config, test::engine_in_process());
   EXPECT_EQ(ask(forgetful, mesh, parameters)->result->file, third.result->file);
 
-  // The same fragments as a plain request with all hits has, in the same nodes.
+  // A plain request with all hits has the same fragments in the same nodes.
   json plain = parameters;
   plain.erase("delta");
   plain.erase("local_new");
@@ -146,7 +147,7 @@ TEST_F(HitsTest, TheDeltaIsTheDifferenceOfBothAnswers) {
   const json figures = figures_of(*part.result), whole = figures_of(*after.result);
   EXPECT_EQ(figures.at("delta"), delta);
   EXPECT_EQ(figures.at("certificate"), whole.at("certificate"));
-  // Bonds: those of the whole with such a fragment, by the ids of both.
+  // The bonds are those of the whole answer that touch a named fragment, compared by both ids.
   std::map<std::set<std::uint64_t>, double> bonds, expected_bonds;
   const auto collect = [&](const json& from, auto& into) {
     const json& b = from.at("bonds");
@@ -186,7 +187,7 @@ TEST_F(HitsTest, AnchorsHoldWhatChangedAsTheyHoldItInTheWhole) {
     seen.insert(held);
   }
   EXPECT_EQ(seen.size(), 2u) << "the hit is at the edge of what is held";
-  // How many are held, and what carries what, is about all of them.
+  // The report's members on anchors and support describe all fragments, so a delta leaves them out.
   const json of_all = figures_of(*after.result).at("report"), of_part = figures_of(*part.result).at("report");
   for (const char* name : {"anchors", "support"}) {
     EXPECT_TRUE(of_all.contains(name)) << name;
@@ -220,7 +221,7 @@ TEST_F(HitsTest, AnAnswerMayBeAskedOtherThingsOfItsFragments) {
   EXPECT_EQ(ask({{"of", address(first)}, {"density", 9}}).result->file,
             ask({{"sites", 12}, {"density", 9}}).result->file);
   EXPECT_EQ(ask({{"of", address(first)}}).result, first.result);
-  // Hits on parts of a fragment would have to be hits on the fragment.
+  // Hits on parts of a fragment would have to be hits on that fragment.
   EXPECT_EQ(refused({{"of", address(parts)}, {"local_point", {0, 0, 0}}, {"local_radius", 1}}).pointer, "of");
 }
 

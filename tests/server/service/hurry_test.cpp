@@ -1,4 +1,4 @@
-// Who hurries others' work, or leaves it, keeps no thread from those who come after.
+// A client that hurries shared work, or leaves it, keeps no thread from later clients.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -12,7 +12,7 @@
 namespace fracture::test {
 namespace {
 
-/// One of background, and one that was hurried until it ran.
+/// One background task that computes, and one that was hurried until it ran.
 struct Demoted : testing::Test {
   WorkerPool pool{1, 100};
   Computing first{pool, 1, kBackground};
@@ -52,7 +52,7 @@ TEST_F(Demoted, OneThatFindsRoomGoesOn) {
   EXPECT_FALSE(third.was_ended);
 }
 
-/// The places of a class are for those who began there.
+/// The places of a class belong to tasks that began in it.
 TEST_F(Demoted, WhoWasHurriedDoesNotEndWhoBeganInTheClass) {
   pool.reclassify(first.id, kRealtime);
   pool.reclassify(second.id, kRealtime);
@@ -63,7 +63,7 @@ TEST_F(Demoted, WhoWasHurriedDoesNotEndWhoBeganInTheClass) {
   EXPECT_FALSE(first.was_ended);
 }
 
-/// Nor do those who began in it keep its places when they are less urgent.
+/// A task that began in a class does not keep its place there after it became less urgent.
 TEST_F(Demoted, WhoIsBackgroundNowLeavesBatchWorkItsPlace) {
   first.end = second.end = true;
   pool.wait_idle();
@@ -101,7 +101,7 @@ TEST_F(Demoted, WhoGoesOnHurriedKeepsThePlaceOfItsClass) {
   EXPECT_FALSE(ended);
 }
 
-/// Jobs that batch requests have joined, and stay.
+/// Batch requests have joined the jobs, and stay.
 TEST_F(Demoted, HoweverManyAreBatchWorkACollisionIsServed) {
   pool.reclassify(first.id, kBatch);
   hurry_until_it_runs(second, kRealtime);
@@ -126,7 +126,7 @@ TEST_F(LongHurry, EndsWhereAnotherCollisionWaits) {
 
 TEST_F(LongHurry, IsNotBegunAnewByWhoeverComesNext) {
   Computing hurried(pool, 1, kBackground);
-  // Two clients by turns: one of them always waits.
+  // Two clients in turn: one of them always waits.
   const auto hurry = [&] {
     pool.reclassify(hurried.id, kBackground);
     pool.reclassify(hurried.id, kRealtime);
@@ -151,7 +151,8 @@ TEST_F(LongHurry, OfBatchWorkEndsToo) {
   EXPECT_FALSE(joined.was_ended);
 }
 
-/// As many computations as there are threads stay at a station, and collisions that never leave wait for them.
+/// As many computations as there are threads stay at a station, and collisions that never leave wait for
+/// them.
 struct HurriedForEver : DispatcherTest {
   Gate gate;
   std::atomic<int> came{0};
@@ -177,10 +178,10 @@ struct HurriedForEver : DispatcherTest {
 
 TEST_F(HurriedForEver, ACutHoldsUpNobody) { others_are_answered(&FakeControl::during_cut); }
 
-/// It is done in another process: who waits for that does not stand still.
+/// The import runs in another process. A computation that waits for it does not pause.
 TEST_F(HurriedForEver, AnImportHoldsUpNobody) { others_are_answered(&FakeControl::during_import); }
 
-/// As many jobs as may run read their files; another one comes for which a collision waits, until that leaves.
+/// As many jobs as may run read their files. A collision waits for one more job, until the collision leaves.
 struct OneTooMany : DispatcherTest {
   Gate gate;
   Terms background, hurried;
@@ -212,12 +213,12 @@ TEST_F(OneTooMany, EndsWhileItReadsItsFile) {
   EXPECT_EQ(good, 2);
 }
 
-/// Who leads is ended for having been hurried, and not for the mesh.
+/// If the leader is ended because it was hurried, others that wait for its mesh go on.
 TEST_F(OneTooMany, DoesNotEndWhoWaitsForItsMesh) {
   ask(fracture_request("three"), hurried);
   gate.wait_for(3);
   ask(fracture_request("three"), background);  // the same answer
-  ask(fracture_request("three", 2), hurried);  // another one, of the same mesh
+  ask(fracture_request("three", 2), hurried);  // another answer for the same mesh
   ask(fracture_request("three", 2), background);
   require_eventually(kPatience, "it to wait for the mesh",
                      [&] { return pool.queued() == 0 && pool.running() == 3; });

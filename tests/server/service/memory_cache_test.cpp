@@ -33,7 +33,7 @@ TEST(MemoryCache, WhatComesBackSoonAfterItsEvictionIsKeptLonger) {
   Cache cache(100);
   for (int k = 0; k < 11; ++k) cache.insert(std::to_string(k), value(k), 10);
   ASSERT_FALSE(cache.find("0"));
-  cache.insert("0", value(0), 10);  // remembered: straight into main
+  cache.insert("0", value(0), 10);  // The key is remembered, so the entry goes straight to the main queue.
   for (int k = 100; k < 108; ++k) cache.insert(std::to_string(k), value(k), 10);
   EXPECT_TRUE(cache.find("0"));
 }
@@ -82,7 +82,7 @@ TEST(MemoryCache, AnEvictedValueLivesAsLongAsItsReaders) {
 
 TEST(MemoryCache, BytesStayWithinTheBudgetForAnyOrderOfSizesAndUses) {
   Cache cache(1000);
-  std::uint64_t state = 12345;  // a linear congruential generator: the test is the same everywhere
+  std::uint64_t state = 12345;  // a linear congruential generator, so that the test is the same everywhere
   const auto random = [&](std::uint64_t n) {
     state = state * 6364136223846793005ull + 1442695040888963407ull;
     return (state >> 33) % n;

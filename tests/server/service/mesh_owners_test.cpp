@@ -1,4 +1,4 @@
-// Meshes of several owners: what one stores is not there for another, and equal bytes are kept once.
+// Meshes of several owners: a mesh is hidden from other owners, and equal bytes are kept once.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -16,7 +16,7 @@ using Whose = MeshStore::Whose;
 
 struct MeshOwners : testing::Test {
   MeshStore store{{.quota_bytes = 100'000, .ttl = seconds(1000)}};
-  /// What a mesh takes besides its bytes.
+  /// The memory of a stored mesh apart from its bytes.
   const std::uint64_t around = stored_mesh("a", 1)->held() - 1;
 };
 

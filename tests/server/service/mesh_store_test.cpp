@@ -15,7 +15,7 @@ using std::chrono::seconds;
 using test::stored_mesh;
 using Put = MeshStore::Put;
 
-/// What a mesh takes besides its bytes.
+/// The memory of a stored mesh apart from its bytes.
 const std::uint64_t kAround = stored_mesh("a", 1)->held() - 1;
 
 TEST(MeshStore, TheLeastRecentlyUsedLeavesWhenTheQuotaIsReached) {
@@ -59,7 +59,7 @@ TEST(MeshStore, TheTimeToLiveBeginsAnewWithEachUse) {
   EXPECT_EQ(store.figures().expired, 2u);
 }
 
-#ifndef FRACTURE_SANITIZED  // whose allocator counts otherwise
+#ifndef FRACTURE_SANITIZED  // The sanitizers' allocator counts differently.
 TEST(MeshStore, ManySmallMeshesAreChargedWithTheTablesTheyStandIn) {
   MeshStore store({.quota_bytes = 100u << 20, .ttl = seconds(1000)});
   const std::string owner = "a name as long as names may be, which is 64 letters and no more.";
@@ -96,7 +96,7 @@ TEST(MeshStore, ADeletedMeshCountsUntilNobodyHoldsIt) {
   EXPECT_EQ(store.put(stored_mesh("b", 50'000)), Put::kCreated);
 }
 
-/// It would free nothing, so one that nobody uses leaves instead.
+/// Evicting a mesh in use would free nothing, so an unused one is evicted instead.
 TEST(MeshStore, AMeshThatIsHeldIsNotEvicted) {
   MeshStore store({.quota_bytes = 100 + 2 * kAround, .ttl = seconds(1000)});
   store.put(stored_mesh("a", 40));

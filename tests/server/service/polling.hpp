@@ -1,4 +1,4 @@
-// A computation of the worker pool that a test begins, watches and ends.
+// Computations in the worker pool that a test begins, watches and ends.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace fracture::test {
 inline constexpr Priority kRealtime = Priority::kRealtime, kBatch = Priority::kBatch,
                           kBackground = Priority::kBackground;
 
-/// Polls until it is told to end, or has to.
+/// Polls until it is told to end or is interrupted.
 struct Polling {
   explicit Polling(WorkerPool& pool, int threads = 1, Priority priority = kBatch) {
     id = pool.submit(priority, 0, [this, threads](int) {
@@ -45,7 +45,7 @@ struct Polling {
     end = true;
     EXPECT_TRUE(eventually(kPatience, "the job to end", [&] { return done.load(); }));
   }
-  /// It has begun.
+  /// Waits until it has begun.
   void wait() const {
     EXPECT_TRUE(eventually(kPatience, "the job to begin", [&] { return polls > 0; }));
   }
@@ -56,7 +56,7 @@ struct Polling {
   double paused_seconds = 0;
 };
 
-/// Which has begun.
+/// A computation that has begun.
 struct Computing : Polling {
   explicit Computing(WorkerPool& pool, int threads = 1, Priority priority = kBatch)
       : Polling(pool, threads, priority) {

@@ -1,5 +1,5 @@
-// What a computation sets aside of the memory that all share: by what is known of its mesh, put right when
-// more is.
+// The share of memory that a computation reserves: an estimate from the known figures of its mesh, corrected
+// when more figures are known.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -93,7 +93,7 @@ TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
     ASSERT_TRUE(small.grow_to(8));
     large.shrink_to(200);
     small.shrink_to(5);
-    large.shrink_to(300);  // is less already
+    large.shrink_to(300);  // it already holds less
     EXPECT_EQ(large.bytes(), 200u);
     EXPECT_EQ(whole.used(), 205u);
     EXPECT_EQ(whole.small_used(), 5u);
@@ -109,7 +109,8 @@ TEST_F(ReservationTest, OnesThatShrinkAreCountedInThePoolThatTheyAreIn) {
   EXPECT_EQ(whole.small_used(), 0u);
 }
 
-/// A client that is the only one comes to its share; of one thing it may have more, where the others leave that much.
+/// A client on its own may use its share. A single reservation may exceed that share if the other clients
+/// leave enough.
 TEST_F(ReservationTest, OneThingOfAClientMayBeLargerThanItsShare) {
   MemoryBudget whole(MemoryBudget::Divided{.capacity = 1000, .headroom = 100, .largest_small = 10},
                      {.large = 600, .small = 600});
@@ -136,14 +137,14 @@ TEST_F(ReservationTest, OneThingOfAClientMayBeLargerThanItsShare) {
   EXPECT_EQ(client->large + client->small + other->large, 0u);
 }
 
-/// However many come, each alone, there is something for the next one.
+/// However many clients arrive, some memory is left for the next one.
 TEST_F(ReservationTest, WhateverManyClientsHoldTheNextOneFindsRoom) {
   MemoryBudget whole(1'000'000, MemoryBudget::SmallPool{1000, 10}, {.large = 250'000, .small = 250});
   std::vector<MemoryBudget::Reservation> held;
   for (int client = 0; client < 250; ++client) {
     const auto name = std::make_shared<MemoryBudget::Client>();
     int taken = 0;
-    for (;; ++taken) {  // all that it is given, in pieces
+    for (;; ++taken) {  // takes all that it is granted, in pieces
       held.emplace_back(whole, name);
       if (!held.back().grow_to(100)) break;
     }
@@ -193,7 +194,7 @@ TEST_F(ReservationTest, LargeOnesLeaveSmallOnesTheirHeadroom) {
   EXPECT_EQ(whole.used(), 710u);
 }
 
-// A request is a few bytes; what is set aside for it is not.
+// A request takes a few bytes, but much more is reserved for it.
 TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   std::atomic<bool> open{false};
   control->during_cut = [&](const Execution& execution) {
@@ -222,10 +223,10 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
 }
 
-/// What is queued holds none of the memory that computing takes: neither of one client, nor of very many.
+/// Queued requests hold none of the memory for computing, whether they belong to one client or to very many.
 TEST_F(ReservationTest, WhateverIsQueuedLeavesRoomForOthers) {
   Gate gate;
-  control->during_cut = gate.hook_without_polls();  // it stands still for nobody
+  control->during_cut = gate.hook_without_polls();  // It pauses for no other task.
   int taken = 0;
   const auto add = [&](const std::string& client, int seed) {
     FractureRequest asked = request();
@@ -246,7 +247,8 @@ TEST_F(ReservationTest, WhateverIsQueuedLeavesRoomForOthers) {
   dispatcher.wait_idle();
 }
 
-/// Its turn comes while others hold the memory: it leaves its thread to those who need less, and goes on afterwards.
+/// Its turn comes while others hold the memory. It leaves its thread to requests that need less, and goes on
+/// afterwards.
 TEST_F(ReservationTest, WhoseTurnComesWithoutMemoryWaitsForIt) {
   WorkerPool two(2, 256);
   Dispatcher narrow(service, two, {.max_working_bytes = 256u << 20});
@@ -288,8 +290,8 @@ TEST_F(ReservationTest, WhoseTurnComesWithoutMemoryWaitsForIt) {
   EXPECT_EQ(narrow.figures().working_bytes, 0u);
 }
 
-/// A computation that has its memory waits for a mesh that somebody else is to prepare, and whose turn comes when there is
-/// none left: that one is refused, and the computation prepares the mesh itself.
+/// A computation that has its memory waits for a mesh that an upload is to prepare. The upload's turn comes
+/// when no memory is left. So the upload is refused, and the computation prepares the mesh itself.
 TEST_F(ReservationTest, NobodyWithMemoryWaitsForWhoWaitsForMemory) {
   WorkerPool two(2, 256);
   Dispatcher narrow(service, two, {.max_working_bytes = 64u << 20});
@@ -301,7 +303,7 @@ TEST_F(ReservationTest, NobodyWithMemoryWaitsForWhoWaitsForMemory) {
   upload.payer.flow = {"upload", 1};
   computing.payer.flow = {"computing", 1};
   computing.priority = Priority::kRealtime;  // its turn comes first
-  const std::string large(3u << 20, 'm');    // 40 MiB to prepare it
+  const std::string large(3u << 20, 'm');    // preparing it takes 40 MiB
   FractureRequest mesh = request();
   mesh.mesh = std::as_bytes(std::span(large));
   EXPECT_FALSE(narrow.prepare(mesh, upload, [&](auto prepared) {
@@ -355,7 +357,7 @@ TEST_F(ReservationTest, WhatNobodyWaitsForIsNotWaitedFor) {
     return full ? full->retry_after : std::chrono::seconds(0);
   };
   EXPECT_GT(retry_after(), std::chrono::seconds(1)) << "it is predicted to take longer";
-  gone.request_stop();  // it has its memory until it polls
+  gone.request_stop();  // It keeps its memory until it polls.
   EXPECT_TRUE(eventually(kPatience, "the prediction to leave it out",
                          [&] { return pool.predicted_wait(Priority::kBatch).count() == 0; }));
   EXPECT_EQ(retry_after(), std::chrono::seconds(1));

@@ -14,7 +14,7 @@
 namespace fracture {
 namespace {
 
-/// How often `work` polls the execution that it is given.
+/// Returns how often `work` polls the execution that it is given.
 template <class Work>
 int polls_of(Work work) {
   int polls = 0;
@@ -111,7 +111,7 @@ TEST_F(ServiceTest, KeysDifferInEverythingThatMattersAndBeginWithTheMesh) {
   const auto key_of = [&](const FractureRequest& r) { return service.fracture(r, {})->result->key; };
   FractureRequest r = request("mesh");
   keys.insert(key_of(r));
-  r.format = MeshFormat::kObj;  // the same bytes read as another format
+  r.format = MeshFormat::kObj;  // the same bytes read in another format
   keys.insert(key_of(r));
   keys.insert(key_of(request("mesh", 51)));
   keys.insert(key_of(request("mesh", 50, 2)));
@@ -136,7 +136,7 @@ TEST_F(ServiceTest, FurtherFilesAreInTheDigestByNameAndBytesWhateverTheirOrder) 
                                        digest_with({{"a.bin", bytes("2")}, {"b.bin", bytes("1")}}),
                                        digest_with({{"c.bin", bytes("1")}})};
   EXPECT_EQ(distinct.size(), 5u);
-  // As clients sort them: by bytes, of which those beyond ASCII are the highest.
+  // Sorted by bytes, as clients sort: names with bytes beyond ASCII come last.
   const std::string umlaut = "\xc3\xa4.bin";
   const std::string list = "files\n" + sha256("mesh").hex() + "\n5 a.bin " + sha256("1").hex() + "\n6 " +
                            umlaut + " " + sha256("2").hex() + "\n";
@@ -147,8 +147,8 @@ TEST_F(ServiceTest, FurtherFilesAreInTheDigestByNameAndBytesWhateverTheirOrder) 
 }
 
 TEST(ServiceKeys, NoMeshAloneHasTheDigestOfOneWithFiles) {
-  // The list of names and digests, with a tetrahedron in a name, is an OBJ: readers skip lines they do not
-  // know.
+  // A list of names and digests with a tetrahedron in one name is a valid OBJ, because readers skip lines
+  // that they do not know.
   const std::string name = "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
                     mesh = "{}", bytes = "b";
   FractureRequest several;

@@ -1,5 +1,5 @@
-// Who pays for a computation: everybody who waited for it, what was measured; and what a name may have at
-// once.
+// How computations are charged: all clients that waited for one pay for the measured time. Also tests how
+// much a name may have at once.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using test::eventually;
 using test::fracture_request;
 using test::kPatience;
 
-/// Computes until this thread has spent so much.
+/// Computes until this thread has used `seconds` of processor time.
 void spend(double seconds) {
   const double begin = processor_seconds_of_this_thread();
   while (processor_seconds_of_this_thread() < begin + seconds) {
@@ -54,7 +54,7 @@ TEST_F(Shares, WhoAsksForTheSameDoesNotWaitBehindTheQueueOfAnother) {
   WorkerPool one(1, 256);
   Dispatcher narrow(service, one);
   std::atomic<bool> open{false};
-  std::vector<std::uint64_t> order;  // seeds, by the only thread
+  std::vector<std::uint64_t> order;  // seeds in the order in which the only thread computes them
   control->during_cut = [&](const Execution& execution) {
     while (!open) execution.poll();
   };
@@ -137,7 +137,7 @@ TEST_F(Shares, EachPaysInTheClassOfItsOwnRequest) {
   ask_single("gate", of("c"));
   EXPECT_TRUE(eventually(kPatience, "the thread to be taken", [&] { return !first; }));
   ask_single("p", batch);
-  ask_single("p", hurried);  // which makes it realtime, at its own cost
+  ask_single("p", hurried);  // which makes it realtime, at b's cost
   for (int k = 0; k < 3; ++k) {
     ask_single(std::string("b") += std::to_string(k), hurried);
     ask_single(std::string("a") += std::to_string(k), own);
@@ -234,7 +234,7 @@ TEST_F(Shares, WhatWasMeasuredDecidesWhoseTurnItIs) {
   gate.count_down();
   single.wait_idle();
   EXPECT_EQ(done, 24);
-  // Those of a took 30 ms and those of b next to nothing, though both were said to cost the same.
+  // The meshes of a took 30 ms each and those of b next to nothing, although both had the same expected cost.
   const std::size_t last_of_b = order.rfind('b');
   EXPECT_LT(std::count(order.begin(), order.begin() + static_cast<long>(last_of_b), 'a'), 6) << order;
 }

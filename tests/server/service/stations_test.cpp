@@ -1,4 +1,4 @@
-// What a thread of the pool, of the timer or of a flight does when what it calls throws: the others go on.
+// Exceptions in code that a thread of the pool, of the timer or of a flight calls: other work goes on.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -45,7 +45,7 @@ TEST_F(Stations, AReplyThatThrowsCostsNobodyElseTheirAnswer) {
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
 }
 
-// A file may wait for a process that reads it, beside those of others.
+// A file may wait, together with others, for a process that reads it.
 TEST_F(Stations, AnImportKnowsWhetherSomebodyIsInAHurry) {
   std::atomic<int> urgent{0}, others{0};
   control->during_import = [&](const Execution& execution) {

@@ -1,4 +1,4 @@
-// Meshes as the store keeps them, made of nothing but a digest and a number of bytes.
+// Meshes as the store keeps them, made from only a digest and a number of bytes.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// No work waits for less urgent work: who stands back, when, and that nobody does so for ever.
+// No work waits for less urgent work: which task pauses and when, and that no task pauses forever.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -64,11 +64,11 @@ TEST(Turns, AllThreadsOfAJobStandStill) {
       gate.wait();
     });
   EXPECT_TRUE(test::eventually(test::kPatience, "both realtime jobs", [&] { return realtime == 2; }));
-  // Each pause ends by time; in some of them neither of the two polls again.
+  // Time ends each pause. In some pauses neither thread polls again.
   EXPECT_TRUE(test::eventually(test::kPatience, "a pause in which nobody computes", [&] {
     if (pool.paused() == 0) return false;
     const long before = polls[0] + polls[1];
-    // pause: what computes would poll thousands of times
+    // pause: a running computation would poll thousands of times
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     return polls[0] + polls[1] <= before + 2 && pool.paused() == 1;
   }));
@@ -120,7 +120,7 @@ TEST(Turns, ABatchJobDoesNotStandStillForEver) {
   std::atomic<bool> began{false};
   pool.submit(kRealtime, 0, [&](int) {
     began = true;
-    gate.wait();  // as if it waited for what the batch job holds
+    gate.wait();  // as if it waited for something that the batch job holds
   });
   EXPECT_TRUE(test::eventually(test::kPatience, "the realtime job to begin", [&] { return began.load(); }));
   const long before = batch.polls;
@@ -333,7 +333,7 @@ TEST(Turns, WhoFillsTheQueueLeavesTheOthersTheirPart) {
         kBatch, 1, [](int) {}, a);
   }
   EXPECT_TRUE(pool.full(kBatch, a));
-  // Of 20 places (FairShare) the second client may have half of what is free then: 3 of 20 - 13, not 4 of 20 - 14.
+  // The second client may have half of the free places (FairShare): 3 of 20 - 13, not 4 of 20 - 14.
   for (int k = 0; k < 3; ++k) {
     EXPECT_FALSE(pool.full(kBatch, b)) << k;
     pool.submit(

@@ -1,4 +1,4 @@
-// Who waits for what somebody else computes hurries it, for as long as they wait.
+// A client that waits for another client's computation hurries it for as long as it waits.
 #include "server/service/urgency.hpp"
 
 #include <gtest/gtest.h>
@@ -121,7 +121,7 @@ TEST(Urgency, ATaskThatBeginsBeforeItsNumberIsKnownLearnsIt) {
       return result.task();
     });
     require_eventually(kPatience, "the task to begin", [&] { return asks.load(); });
-    // pause: so that it asks before it is known
+    // pause: so that the task asks before its number is known
     seen.wait_for(std::chrono::milliseconds(20));
     return number;
   };
@@ -193,7 +193,8 @@ TEST(Urgency, APartIsHurriedNoLongerThanTheResultsThatNeedIt) {
   job.end_part(pool, *part);
 }
 
-// Who follows a part is told that it is over before it says itself that it waits: the task goes on meanwhile.
+// A part may end before a task has registered that it waits for it. The late registration then has no effect:
+// the task waits for the next part.
 TEST(Urgency, WhoComesTooLateToWaitForAPartWaitsForTheNextOne) {
   WorkerPool pool(1, 100);
   const auto lead = [&](Urgency& result) {
@@ -207,13 +208,13 @@ TEST(Urgency, WhoComesTooLateToWaitForAPartWaitsForTheNextOne) {
   mesh->end();
   result.goes_on(pool, [](Priority, const Flow&) { return WorkerPool::TaskId{0}; });
   result.waits_for(pool, diagram);
-  result.waits_for(pool, mesh);  // late
+  result.waits_for(pool, mesh);  // too late
   result.join(pool, Priority::kRealtime, {"game", 1});
   EXPECT_EQ(diagram->priority(), Priority::kRealtime);
   EXPECT_EQ(mesh->priority(), Priority::kBackground);
 }
 
-/// One thread, and a background job that polls at a gate: whoever is more urgent is answered meanwhile.
+/// One thread, and a background job that polls at a gate. More urgent requests are answered meanwhile.
 struct AJobAtTheGate : testing::Test {
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
   FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
@@ -245,7 +246,7 @@ struct AJobAtTheGate : testing::Test {
         cancelled += answer.error().code == ErrorCode::kCancelled;
     }));
   }
-  /// Whoever hurries the job leaves with `gone`.
+  /// Terms of a client that hurries the job. It leaves with `gone`.
   Terms hurried() const {
     Terms terms;
     terms.priority = Priority::kRealtime;
@@ -288,7 +289,7 @@ TEST_F(AJobAtTheGate, IsHurriedByWhoWaitsForItWithADeadlineAndNotBeyondThat) {
 TEST_F(AJobAtTheGate, IsHurriedInAPartByWhoWaitsForThatAndNotWhenTheyHaveLeft) {
   control->during_import = [&](const Execution& execution) { pass(execution); };
   begin_the_job();
-  ask(fracture_request("long", 2), hurried(), answered);  // another result of the same mesh
+  ask(fracture_request("long", 2), hurried(), answered);  // another result for the same mesh
   EXPECT_TRUE(eventually(kPatience, "it to wait for the mesh",
                          [&] { return pool.queued() == 0 && pool.running() == 1; }));
   gone.request_stop();

@@ -1,4 +1,5 @@
-// Those who wait for one computation: what each of them leaves behind, and what its failure costs the others.
+// Requests that wait for the same computation: what each leaves behind, and how the failure of one affects
+// the others.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,7 +15,7 @@
 namespace fracture::test {
 namespace {
 
-/// Told of the progress; there is no memory for one of its copies.
+/// A progress callback. One of its copies fails for lack of memory.
 struct Unlucky {
   Unlucky() = default;
   Unlucky(const Unlucky& other) : copies(other.copies) {
@@ -22,10 +23,10 @@ struct Unlucky {
   }
   void operator()(Stage, double) const {}
 
-  std::shared_ptr<std::atomic<int>> copies = std::make_shared<std::atomic<int>>(0);  ///< until one fails
+  std::shared_ptr<std::atomic<int>> copies = std::make_shared<std::atomic<int>>(0);  ///< until a copy fails
 };
 
-/// One request of "mesh" that is being computed, up to a gate.
+/// A request for "mesh" that is computed up to a gate.
 struct Waiters : testing::Test {
   std::shared_ptr<FakeControl> control = std::make_shared<FakeControl>();
   FractureService service{ServiceConfig{}, std::make_unique<FakeEngine>(control)};
@@ -106,7 +107,7 @@ TEST_F(Waiters, AFollowerThatCannotWaitCostsNobodyElseTheirAnswer) {
 }
 
 TEST_F(Waiters, APreparationThatLacksMemoryAnywhereIsAnsweredOnce) {
-  for (const int copy : {1, 2}) {  // to be queued with, to run with
+  for (const int copy : {1, 2}) {  // the copy for the queue, the copy for the run
     const Unlucky unlucky;
     Terms terms;
     terms.progress = unlucky;

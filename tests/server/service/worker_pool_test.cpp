@@ -14,7 +14,7 @@ namespace {
 
 using test::kBatch, test::kRealtime;
 
-/// One thread that is busy until release(), so that the order of what is queued can be seen.
+/// A single thread that is busy until release(), so that the order of queued tasks can be observed.
 struct BusyPool {
   explicit BusyPool(std::size_t max_queue = 100, double cost = 0) : pool(1, max_queue) {
     pool.submit(kBatch, cost, [this](int) { gate.wait(); });
@@ -102,7 +102,7 @@ TEST(WorkerPool, ResumedWorkAndQueuedWorkTakeTurns) {
 TEST(WorkerPool, BatchWorkAges) {
   BusyPool busy;
   busy.add(kBatch, 'b');
-  // pause: the pool reads the clock of the machine, and the job has to become old by it
+  // pause: the pool reads the machine's clock, and the job must become old by it
   std::this_thread::sleep_for(WorkerPool::kAging + std::chrono::milliseconds(100));
   busy.add(kRealtime, 'r');
   busy.add(kBatch, 'c');
@@ -119,7 +119,7 @@ TEST(WorkerPool, APromotedTaskGoesWithTheRealtimeOnesByItsArrival) {
   busy.pool.reclassify(promoted, kRealtime);
   busy.release();
   EXPECT_EQ(busy.order, "prb");
-  busy.pool.reclassify(promoted, kRealtime);  // long gone
+  busy.pool.reclassify(promoted, kRealtime);  // It ended long ago.
 }
 
 TEST(WorkerPool, ThePredictedWaitIsWhatGoesBeforeOverTheMeasuredThroughput) {
@@ -173,7 +173,7 @@ TEST(Pace, ANewcomerHasTheLowerMedianOfTheKnownOnesAndTheStartValue) {
   EXPECT_NEAR(pace.of("new"), 4, 1e-6);
 }
 
-/// One client's work takes ten thousand times what admission expects of it.
+/// The work of one client takes ten thousand times the admission's estimate.
 TEST(WorkerPool, OneClientsBadEstimatesAreNotTheOthersPredictions) {
   BusyPool busy(100, 0);
   busy.pool.submit(kBatch, 10, [](int) {}, {"known", 1});

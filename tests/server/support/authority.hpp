@@ -1,4 +1,4 @@
-// Certificates made on the spot, by the openssl program.
+// Certificates that the openssl program makes on the spot.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace fracture::test {
 
-/// An authority of its own; needs find_program("openssl").
+/// A separate certificate authority. Needs find_program("openssl").
 class Authority {
  public:
   explicit Authority(const TemporaryFolder& folder, const std::string& name)
@@ -20,7 +20,7 @@ class Authority {
   }
   std::string certificate(const std::string& of) const { return folder_ / (of + ".crt"); }
   std::string key(const std::string& of) const { return folder_ / (of + ".key"); }
-  /// Signs a certificate for what `names` says (an extension subjectAltName).
+  /// Signs a certificate for `names`, which is the value of the extension subjectAltName.
   void sign(const std::string& of, const std::string& names) const {
     folder_.write(of + ".ext", "subjectAltName=" + names + "\n");
     run({"req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj", "/CN=" + of,

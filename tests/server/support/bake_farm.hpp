@@ -1,4 +1,4 @@
-// A server that bakes are asked through, which can be rude.
+// A server for bakes that can misbehave.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,8 @@
 
 namespace fracture::bake {
 
-/// The real server, and a relay before it through which all requests go, one connection each.
+/// The real server, and a relay in front of it. All requests pass through the relay, each on its own
+/// connection.
 struct Farm {
   using Rude = std::function<std::optional<test::FakeReply>(const test::FakeRequest&)>;
 
@@ -26,7 +27,7 @@ struct Farm {
     }
     return test::pass_on(request, server.port());
   }
-  /// How many requests began with these words.
+  /// Number of requests that begin with `beginning`.
   int count(const std::string& beginning) const {
     int n = 0;
     for (const test::FakeRequest& request : relay.requests()) n += request.head.starts_with(beginning);
@@ -35,7 +36,7 @@ struct Farm {
 
   test::TestServer server;
   std::mutex mutex;
-  Rude rude;  ///< with the mutex
+  Rude rude;  ///< guarded by the mutex
   test::FakeServer relay{[this](const test::FakeRequest& request) { return answer(request); }};
 };
 

@@ -1,4 +1,4 @@
-// A folder of meshes to be baked, and what came of it.
+// A folder of meshes for bakes, and the outputs of a bake.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace fracture::test {
 
 namespace fs = std::filesystem;
 
-/// A unit cube whose positions and indices lie in "box data/box.bin".
+/// A unit cube whose positions and indices are in "box data/box.bin".
 inline void write_gltf_box(const TemporaryFolder& folder) {
   std::string buffer;
   const auto put = [&](const auto value) {
@@ -37,8 +37,8 @@ inline void write_gltf_box(const TemporaryFolder& folder) {
     "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})");
 }
 
-/// Boxes of different sides, the last one a glTF with a buffer of its own, and one mesh that cannot be
-/// broken.
+/// Boxes with different sides, the last one as a glTF with its own buffer, and a mesh that cannot be
+/// fractured.
 inline void write_meshes(const TemporaryFolder& folder, int count) {
   fs::create_directories(folder / "in/poison");
   write_gltf_box(folder);
@@ -51,7 +51,7 @@ inline void write_meshes(const TemporaryFolder& folder, int count) {
   folder.write("in/poison/sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 }
 
-/// All files but reports, by their paths below the folder.
+/// All files except reports, by their paths inside the folder.
 inline std::map<std::string, std::string> outputs(const std::string& folder) {
   std::map<std::string, std::string> files;
   if (!fs::exists(folder)) return files;

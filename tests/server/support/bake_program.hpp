@@ -21,13 +21,13 @@ struct BakeProgram : testing::Test {
         "cube.off",
         "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 "
         "4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
-    // Five of its six sides: it is mended, which is worth a warning.
+    // A box with five of its six sides. It is repaired, which causes a warning.
     folder.write(
         "tub.off",
         "OFF\n8 5 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 "
         "4\n4 1 2 6 5\n4 2 3 7 6\n");
   }
-  /// In the folder; `$f` is the program.
+  /// Runs a shell command in the folder; `$f` is the program.
   int shell(const std::string& command) {
     ChildProcess child({"/bin/sh", "-c",
                         "cd '" + folder.path + "' || exit 99; f='" FRACTURE_SERVER_PROGRAM "'; { " + command +

@@ -50,7 +50,7 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments, const std::string
   argv.push_back(nullptr);
   pid_ = ::fork();
   if (pid_ < 0) throw std::runtime_error("fork");
-  if (pid_ == 0) {  // between fork and exec only what is async-signal-safe
+  if (pid_ == 0) {  // between fork and exec only async-signal-safe calls
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     const int file = ::open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     ::dup2(file, 1);

@@ -1,4 +1,5 @@
-// Other programs as children of a test: they die with it, and are killed when their object goes.
+// Other programs as children of a test: they die with the test, and are killed when their object is
+// destroyed.
 #pragma once
 
 #include <sys/types.h>
@@ -12,7 +13,7 @@
 
 namespace fracture::test {
 
-/// Full path of a program in PATH or where Debian puts servers; nothing when it is not installed.
+/// Full path of a program in PATH or in Debian's folders for servers; nothing if it is not installed.
 std::optional<std::string> find_program(const std::string& name);
 
 /// A port of 127.0.0.1 that was free a moment ago.
@@ -31,7 +32,7 @@ class ChildProcess {
   void signal(int number);
   pid_t pid() const { return pid_; }
   bool alive();
-  /// The exit code, or 1000 + the signal that killed it.
+  /// Returns the exit code, or 1000 + the signal that killed it.
   int wait();
 
  private:

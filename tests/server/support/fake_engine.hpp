@@ -18,13 +18,13 @@ struct FakeControl {
   std::atomic<int> imports{0}, prepares{0}, diagrams{0}, cuts{0}, cancelled{0};
   /// Runs inside cut(); may block, throw, or poll the execution.
   std::function<void(const Execution&)> during_cut;
-  std::function<std::optional<Error>()> cut_error;  ///< of cut(), after during_cut
-  /// Runs inside import(); an error is returned as it is.
+  std::function<std::optional<Error>()> cut_error;  ///< result of cut(), after during_cut
+  /// Runs inside import(); an error is returned unchanged.
   std::function<Expected<Mesh>(std::string_view bytes)> import;
   std::function<void(const Execution&)> during_import;
-  /// Sees the further files of import().
+  /// Receives the further files of import().
   std::function<void(std::span<const ImportFile>)> files;
-  std::size_t glb_padding = 0;  ///< extra bytes of the answer
+  std::size_t glb_padding = 0;  ///< extra bytes in the answer
 };
 
 class FakeEngine final : public FractureEngine {
@@ -39,7 +39,7 @@ class FakeEngine final : public FractureEngine {
                          const Execution&) const override;
   Expected<Cut> cut(const Solid&, const CutBase& base, const FractureParameters&, const Selection&,
                     const Execution& execution) const override;
-  /// A GLB or glTF whose JSON says what was asked; no geometry.
+  /// Returns a GLB or glTF without geometry whose JSON repeats the request.
   GltfFile encode(const FracturedSolid& fractured, const GltfOptions& options, OutputFormat format,
                   const Execution&) const override;
 

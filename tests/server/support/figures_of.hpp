@@ -1,4 +1,4 @@
-// What an answer's file says of itself.
+// The report inside an answer's file.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace fracture::test {
 
-/// The extras.fracture object of the root node, from where the result says that it stands.
+/// The extras.fracture object of the root node, read at the position that the result states.
 inline nlohmann::json figures_of(const FractureResult& result) {
   const std::span<const std::uint8_t> text = result.bytes_of(result.figures);
   return nlohmann::json::parse(text.begin(), text.end());

@@ -1,4 +1,4 @@
-// A request as the dispatcher takes it.
+// A request in the form that the dispatcher takes.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace fracture::test {
 
-/// Owns its bytes.
+/// The request owns its bytes.
 inline FractureRequest fracture_request(const std::string& mesh, std::uint64_t seed = 1) {
   FractureRequest r;
   const auto text = std::make_shared<const std::string>(mesh);

@@ -1,4 +1,4 @@
-// Where computations of a fake engine stay until the test lets them go.
+// A gate that holds the computations of a fake engine until the test releases them.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,9 @@
 
 namespace fracture::test {
 
-/// Holds every computation that passes, until it is opened. It opens when it is destroyed. A hook may outlive its gate: a
-/// server that is declared before the gate still computes when the gate is gone.
+/// Holds every computation that arrives, until it is opened. It opens when it is destroyed. A hook may
+/// outlive its gate, because a server that is declared before the gate still computes after the gate is
+/// destroyed.
 class Gate {
   struct State {
     std::atomic<int> arrived{0};
@@ -28,21 +29,21 @@ class Gate {
   Gate& operator=(const Gate&) = delete;
   ~Gate() { open = true; }
 
-  /// An interruption gets through, and more urgent work is done meanwhile.
+  /// Waits and polls: an interruption passes through, and more urgent work is done meanwhile.
   void pass(const Execution& execution) {
     wait(*state_, [&execution] { execution.poll(); });
   }
   void pass_without_polls() {
     wait(*state_, [] {});
   }
-  /// pass(), as a hook of FakeControl.
+  /// pass() as a hook for FakeControl.
   std::function<void(const Execution&)> hook() {
     return [state = state_](const Execution& execution) { wait(*state, [&execution] { execution.poll(); }); };
   }
   std::function<void(const Execution&)> hook_without_polls() {
     return [state = state_](const Execution&) { wait(*state, [] {}); };
   }
-  /// Waits until n computations have come.
+  /// Waits until n computations have arrived.
   void wait_for(int n) const {
     require_eventually(kPatience, "computations to come to the gate", [&] { return arrived >= n; });
   }

@@ -1,4 +1,4 @@
-// Compressed bodies, as clients send and get them.
+// Compressed bodies, as clients send and receive them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 namespace fracture::test {
 
-/// One gzip member, as small as zlib makes it.
+/// Returns a single gzip member, as small as zlib can make it.
 inline std::string gzip(const std::string& text) {
   z_stream stream{};
   deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY);

@@ -1,4 +1,4 @@
-// Pools of import workers as the tests use them.
+// Pools of import workers for tests.
 #pragma once
 
 #include <chrono>
@@ -30,7 +30,7 @@ inline ImportPoolConfig config_of(const char* program, int workers = 2) {
 inline const std::string kTetrahedron =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
-/// For the pool to know an input by.
+/// A digest by which the pool recognizes an input.
 inline std::string digest_of(std::string_view bytes, std::span<const ImportFile> files = {}) {
   std::string list = sha256(bytes).hex();
   for (const ImportFile& file : files) list += sha256(file.name).hex() + sha256(file.bytes).hex();
@@ -41,11 +41,12 @@ inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, cons
   return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution, digest_of(bytes));
 }
 
-/// The worker that reads once this one, killed, does not.
+/// Waits for the worker that reads after `killed` has died. Returns its process id.
 inline pid_t next_reader(const ImportPool& pool, pid_t killed) {
   pid_t next = -1;
   require_eventually(kPatience, "another worker to read", [&] {
-    // The busy come first; whoever is first before and after somebody was busy was that one.
+    // Busy workers are listed first. A worker that is first both before and after the pool was busy is the
+    // busy one.
     const std::vector<pid_t> before = pool.pids();
     if (before.empty() || pool.counters().busy != 1) return false;
     const std::vector<pid_t> after = pool.pids();
@@ -55,7 +56,7 @@ inline pid_t next_reader(const ImportPool& pool, pid_t killed) {
   return next;
 }
 
-/// Children of this process, zombies too.
+/// Number of children of this process, including zombies.
 inline std::size_t children() {
   std::size_t count = 0;
   for (const auto& task : fs::directory_iterator("/proc/self/task")) {
@@ -65,7 +66,8 @@ inline std::size_t children() {
   return count;
 }
 
-/// Waits until nothing is being read, begun or buried: the zygote, and the workers that wait for a file.
+/// Waits until no file is read and no worker starts or ends. The zygote and the workers that wait for a file
+/// remain.
 inline bool settles(const ImportPool& pool) {
   return eventually(kPatience, "the children to be gone", [&] {
     const ImportCounters c = pool.counters();

@@ -1,4 +1,4 @@
-// What tests of jobs share: a server that keeps its jobs in a folder.
+// A server that keeps its jobs in a folder, for tests of jobs.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace fracture::test {
 
 inline const std::string kAsync = "Content-Type: model/gltf-binary\r\nPrefer: respond-async\r\n";
 
-/// The job's document when it has that state.
+/// Waits until the job has that state. Returns its document.
 inline nlohmann::json wait_for_state(TestServer& server, const std::string& job, const std::string& state,
                                      const std::string& fields = "") {
   nlohmann::json document;
@@ -25,7 +25,7 @@ inline nlohmann::json wait_for_state(TestServer& server, const std::string& job,
   return document;
 }
 
-/// With disk tier and jobs in the folder.
+/// Options with the disk tier and the jobs in the folder.
 inline TestServerOptions durable(const TemporaryFolder& folder) {
   TestServerOptions options;
   options.threads = 4;

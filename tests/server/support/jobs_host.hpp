@@ -1,4 +1,4 @@
-// Jobs without an HTTP server around them, so that a test itself starts, resumes, sweeps and stops them.
+// Jobs without an HTTP server, so that a test itself starts, resumes, sweeps and stops them.
 #pragma once
 
 #include <atomic>
@@ -18,12 +18,12 @@
 
 namespace fracture::test {
 
-/// Until then no test is busy with a job.
+/// A deadline that no test reaches.
 inline std::chrono::steady_clock::time_point far_off() {
   return std::chrono::steady_clock::now() + std::chrono::minutes(10);
 }
 
-/// With a folder: the disk tier in it, and the jobs in its "jobs".
+/// With a folder, it has a disk tier in that folder and its jobs in the subfolder "jobs".
 struct JobsHost {
   explicit JobsHost(const std::string& folder = "", std::shared_ptr<FakeControl> its_control = nullptr)
       : control(its_control ? std::move(its_control) : std::make_shared<FakeControl>()),
@@ -34,7 +34,7 @@ struct JobsHost {
     idle();
   }
 
-  /// A job of its own for each `seed`. Its id, when it has been accepted.
+  /// Starts a different job for each `seed`. Returns its id once it is accepted.
   std::string start(std::uint64_t seed, Terms terms = {}, const std::string& owner = "") {
     terms.priority = Priority::kBackground;
     if (terms.deadline == std::chrono::steady_clock::time_point::max()) terms.deadline = far_off();
@@ -46,7 +46,7 @@ struct JobsHost {
     if (accepted.wait_for(kPatience) != std::future_status::ready) throw std::runtime_error("not accepted");
     return accepted.get();
   }
-  /// What the folder had goes on, charged to nobody.
+  /// Resumes the jobs in the folder. No client is charged for them.
   void resume() {
     jobs.resume([](const std::string&) { return Terms{}; }, [](const JobView&) {});
   }
@@ -65,7 +65,7 @@ struct JobsHost {
         << "it is " << name_of(view.state);
     return view;
   }
-  /// Nothing is computed any more, and what that came to is on the disk.
+  /// Waits until nothing is computed any more and all results are on the disk.
   void idle() {
     jobs.flush();
     dispatcher.wait_idle();
@@ -90,7 +90,7 @@ struct JobsHost {
   Jobs jobs;
 };
 
-/// A job as an earlier process left it in the folder of a JobsHost. Its id.
+/// Leaves a job in the folder of a JobsHost, as an earlier process would. Returns its id.
 inline std::string leave_job(const std::string& folder, std::uint64_t seed, const std::string& owner = "",
                              std::chrono::milliseconds patience = std::chrono::minutes(10)) {
   const FractureRequest request = fracture_request("mesh", seed);
@@ -113,14 +113,14 @@ inline std::string leave_job(const std::string& folder, std::uint64_t seed, cons
   return record.id;
 }
 
-/// Hooks of an engine. The first computation stays at the gate and holds its memory until that is opened; the
-/// next ones find that they need more than is left then, one after the other.
+/// Hooks for an engine. The first computation stays at the gate and holds its memory until the gate is
+/// opened. Meanwhile the next ones find, one after the other, that they need more than is left.
 struct Crowd {
   Gate gate;
   std::atomic<int> cuts{0};
   std::atomic<int> crowdings{1};                             ///< attempts that are still to be crowded out
-  std::atomic<std::uint64_t> bytes{std::uint64_t{1} << 40};  ///< what they say they need
-  std::atomic<bool> wait{false};                             ///< the others come to the gate, too
+  std::atomic<std::uint64_t> bytes{std::uint64_t{1} << 40};  ///< the need that they report
+  std::atomic<bool> wait{false};                             ///< the others also stop at the gate
   std::function<void(const Execution&)> hold = gate.hook();
 
   void hook(FakeControl& control) {

@@ -1,4 +1,4 @@
-// What a FailureKeeper has left in its folder.
+// Reads the files that a FailureKeeper has left in its folder.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the kernel says of another process: memory of it and its children, processor time.
+// The kernel's numbers for another process: its memory and that of its children, and its processor time.
 #pragma once
 
 #include <time.h>
@@ -14,7 +14,7 @@
 
 namespace fracture::test {
 
-/// Bytes; 0 when it has ended. What two processes share counts in both.
+/// Resident bytes; 0 if it has ended. Memory that two processes share is counted in both.
 inline std::uint64_t resident_bytes(const std::string& pid) {
   std::ifstream statm("/proc/" + pid + "/statm");
   std::uint64_t total = 0, resident = 0;
@@ -33,14 +33,14 @@ inline std::vector<std::string> children_of(const std::string& pid) {
   return all;
 }
 
-/// Of it, its children and theirs.
+/// Resident bytes of the process and all its descendants.
 inline std::uint64_t resident_bytes_with_children(const std::string& pid) {
   std::uint64_t sum = resident_bytes(pid);
   for (const std::string& child : children_of(pid)) sum += resident_bytes_with_children(child);
   return sum;
 }
 
-/// Processor seconds of all its threads, which no other process on the machine adds to; 0 when it has ended.
+/// Processor seconds of all its threads, independent of other processes on the machine; 0 if it has ended.
 inline double processor_seconds(pid_t pid) {
   clockid_t clock{};
   timespec time{};
@@ -48,7 +48,7 @@ inline double processor_seconds(pid_t pid) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Processor seconds of all processes of this machine since it was started, waiting not counted.
+/// Processor seconds of all processes on this machine since it was started, without waiting time.
 inline double processor_seconds_of_the_machine() {
   std::ifstream stat("/proc/stat");
   std::string cpu;
@@ -57,7 +57,7 @@ inline double processor_seconds_of_the_machine() {
   return (user + nice + system + irq + softirq + stolen) / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
-/// The resident memory of a process and its children at its peak, looked at every few milliseconds.
+/// The peak of the resident memory of a process and its children, sampled every few milliseconds.
 class ResidentPeak {
  public:
   explicit ResidentPeak(pid_t pid)
@@ -65,7 +65,7 @@ class ResidentPeak {
           while (!stop_) {
             const std::uint64_t now = resident_bytes_with_children(root);
             if (now > peak_) peak_ = now;
-            // pause: how often it is looked at
+            // pause: the sampling interval
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
           }
         }) {}

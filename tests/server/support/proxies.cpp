@@ -25,7 +25,7 @@ Proxy::Proxy(Kind kind, const std::vector<Server>& servers) : port(free_port()) 
                  folder_.write("haproxy.cfg",
                                "global\n  maxconn 200\n  log stdout format raw local0\n"
                                "defaults\n  mode http\n  log global\n"
-                               // the time to connect, -1 when nothing was sent on
+                               // The time to connect, -1 if nothing was sent on.
                                "  log-format \"request %Tc %ST\"\n"
                                "  timeout connect 2s\n  timeout client 3s\n  timeout server 20s\n"
                                "  timeout http-request 2s\n  timeout http-keep-alive 3s\n"

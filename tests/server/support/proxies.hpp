@@ -1,6 +1,6 @@
 // HAProxy and nginx in front of a server, as children of the test on loopback ports, with all their files in
-// a temporary folder. Each logs one line `request <figure> <status>` for each request it saw; the figure is
-// negative or missing when the request was not sent on.
+// a temporary folder. Each logs one line `request <figure> <status>` for each request that it saw; the figure
+// is negative or missing if the request was not sent on.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ class Proxy {
   };
 
   Proxy(Kind kind, std::uint16_t server_port) : Proxy(kind, std::vector<Server>{{server_port}}) {}
-  /// Returns when it listens.
+  /// Returns once the proxy listens.
   Proxy(Kind kind, const std::vector<Server>& servers);
 
   struct Counts {

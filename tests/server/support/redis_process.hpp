@@ -1,4 +1,4 @@
-// A real redis-server, and one that only pretends to be.
+// A real redis-server, and an impostor that only pretends to be one.
 #pragma once
 
 #include <arpa/inet.h>
@@ -21,8 +21,8 @@
 
 namespace fracture::test {
 
-/// A redis-server with its files in the folder, on a socket there; or, where the further lines of its
-/// configuration ask for a port, on that.
+/// A redis-server with its files in the folder. It listens on a socket there, or on a port if the additional
+/// configuration asks for one.
 class RedisProcess {
  public:
   explicit RedisProcess(const TemporaryFolder& folder, const std::string& configuration = "",
@@ -55,7 +55,7 @@ class RedisProcess {
   }
 
  private:
-  /// The file is there before anybody listens on it.
+  /// The socket file exists before anybody listens on it.
   bool accepts() const {
     sockaddr_storage storage{};
     if (port_ == 0) {
@@ -80,7 +80,7 @@ class RedisProcess {
   std::unique_ptr<ChildProcess> process_;
 };
 
-/// Answers every connection with what it is told to, whatever was asked.
+/// Answers every connection as it is told to, whatever was asked.
 class Impostor {
  public:
   explicit Impostor(std::function<void(int)> answer) : answer_(std::move(answer)) {

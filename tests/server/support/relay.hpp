@@ -1,4 +1,4 @@
-// What stands before a server: passes requests on, and ports at which nobody listens.
+// A relay in front of a server, and ports on which no process listens.
 #pragma once
 
 #include <chrono>
@@ -10,8 +10,8 @@
 
 namespace fracture::test {
 
-/// The server's whole answer, after which the connection is closed; where there is no server or it dies,
-/// what came of it.
+/// Passes a request on. Returns the server's whole answer, after which the connection is closed. If there is
+/// no server or it dies, returns the bytes received so far.
 inline FakeReply pass_on(const FakeRequest& request, std::uint16_t server_port) {
   try {
     RawClient client(server_port);
@@ -24,7 +24,8 @@ inline FakeReply pass_on(const FakeRequest& request, std::uint16_t server_port) 
   }
 }
 
-/// A port of 127.0.0.1 that refuses connections as long as this lives: nobody else can listen there.
+/// A port of 127.0.0.1 that refuses connections for as long as this object lives, because no other process
+/// can listen on it.
 class DeafPort {
  public:
   DeafPort() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

@@ -1,4 +1,4 @@
-// The program as a process of its own, and the server as one on free ports.
+// The program as a separate process, and a server process on free ports.
 #pragma once
 
 #include <fcntl.h>
@@ -56,8 +56,8 @@ class Process {
       if ((line += part).back() == '\n') break;
     return line;
   }
-  /// The first line from here on that contains `text`, warnings before it skipped. Empty: there is none, or other lines have
-  /// come for kPatience.
+  /// Returns the next line that contains `text` and skips warnings before it. Returns an empty line at the
+  /// end, or if only other lines arrived for kPatience.
   std::string error_line_with(const std::string& text) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {
@@ -67,14 +67,15 @@ class Process {
     return {};
   }
   void signal(int number) { ::kill(pid_, number); }
-  /// The exit code, or 1000 + the signal that killed it.
+  /// Returns the exit code, or 1000 + the signal that killed it.
   int wait() {
     int status = 0;
     ::waitpid(pid_, &status, 0);
     ended_ = true;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
   }
-  /// SIGTERM, and after two seconds another one: what still computes then is given up. The exit code, as of wait().
+  /// Sends SIGTERM, and another one after two seconds, which cancels the remaining computations. Returns the
+  /// exit code as wait() does.
   int stop() {
     signal(SIGTERM);
     const auto ended = [this] {
@@ -117,7 +118,7 @@ class ServeProcess : public Process {
     };
     unless_given("--threads", "2");
     unless_given("--drain-delay", "0");
-    unless_given("--allow-host", "*");  // these clients call it as they like
+    unless_given("--allow-host", "*");  // the clients of tests use any Host
     if (other_server_program()) flags = known_settings(flags);
     all.insert(all.end(), flags.begin(), flags.end());
     return all;

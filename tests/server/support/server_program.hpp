@@ -1,5 +1,6 @@
-// Which program the tests start as the server: ours, or another build of it that FRACTURE_TEST_SERVER names,
-// to show that a test fails there. Settings that the other one does not know are left out.
+// The server program that the tests start: this build, or another build that FRACTURE_TEST_SERVER names. With
+// an older build one can show that a test fails there. Settings that the other build does not know are left
+// out.
 #pragma once
 
 #include <sys/resource.h>
@@ -21,7 +22,7 @@ inline std::string server_program() {
   return other ? other : FRACTURE_SERVER_PROGRAM;
 }
 
-/// Of settings, each with its value behind it, those that the program's --help names.
+/// Returns those settings, with their values, that the program's --help names.
 inline std::vector<std::string> known_settings(const std::vector<std::string>& settings) {
   if (!other_server_program()) return settings;
   static const std::string help = [] {
@@ -43,10 +44,10 @@ inline std::vector<std::string> known_settings(const std::vector<std::string>& s
   return known;
 }
 
-/// Whether its names of tokens may have shares; else they are lines.
+/// Returns whether the program's token file can give shares to names; otherwise the file is plain lines.
 inline bool knows_shares() { return !known_settings({"--trusted-proxy", "192.0.2.1"}).empty(); }
 
-/// A build without limits may take all the memory of the machine, and others are killed for it.
+/// An older build without limits may use all memory of the machine, and other processes would be killed.
 inline void protect_the_machine_from(pid_t pid) {
   const rlimit most{std::uint64_t{4} << 30, std::uint64_t{4} << 30};
   if (other_server_program()) ::prlimit(pid, RLIMIT_AS, &most, nullptr);

@@ -1,4 +1,4 @@
-// A folder of a test's own, gone at its end.
+// A test's own folder, deleted at the end of the test.
 #pragma once
 
 #include <stdlib.h>
@@ -26,7 +26,7 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   std::string operator/(const std::string& name) const { return path + "/" + name; }
-  /// The path of a new file with this text.
+  /// Writes `text` to a new file. Returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(*this / name, std::ios::binary) << text;
     return *this / name;
@@ -35,7 +35,7 @@ class TemporaryFolder {
   std::string path;
 };
 
-/// Files whose names are keys, below the folder of a DiskCache.
+/// The files below the folder of a DiskCache whose names are keys.
 inline std::vector<std::filesystem::path> entries_in(const std::string& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& sub : std::filesystem::directory_iterator(folder))

@@ -1,4 +1,4 @@
-// Token files with several names, for tests: the token of a name is the name and "-token-0123456789".
+// Token files with several names, for tests. The token of a name is the name followed by "-token-0123456789".
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,10 +10,10 @@
 namespace fracture::test {
 
 inline std::string token_of(const std::string& name) { return name + "-token-0123456789"; }
-/// The header field of a request by this name.
+/// The header field for a request by this name.
 inline std::string by(const std::string& name) { return "Authorization: Bearer " + token_of(name) + "\r\n"; }
 
-/// One name; `more` are further members.
+/// A single name; `more` contains further members.
 inline nlohmann::json tenant(const std::string& name,
                              const std::vector<std::string>& scopes = {"read", "fracture", "bake"},
                              const nlohmann::json& more = nlohmann::json::object()) {

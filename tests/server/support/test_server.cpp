@@ -8,7 +8,7 @@ namespace fracture::test {
 TestServerOptions::TestServerOptions() {
   limits.max_body = 8u << 20;
   limits.max_connections_per_address = 512;
-  server.allowed_hosts = {"*"};  // these clients call it as they like
+  server.allowed_hosts = {"*"};  // the clients of tests use any Host
 }
 
 TestServer::TestServer(const TestServerOptions& options)

@@ -1,5 +1,5 @@
-// A whole server in the test's own process, on free ports, with the fake engine and limits that a test can
-// reach.
+// A whole server in the test's own process, on free ports, with the fake engine and with limits that a test
+// can reach.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@ struct TestServerOptions {
   DispatcherConfig dispatcher;
   StoreConfig store;
   JobsConfig jobs;
-  std::shared_ptr<FakeControl> control;  ///< of the engine, for what a server does by itself; null: a new one
+  std::shared_ptr<FakeControl> control;  ///< hooks for the engine from the start on; null: a new one
   int threads = 2;
   std::size_t max_queue = 64;
-  bool page = true;  ///< browsers get it, where the server was built with it
+  bool page = true;  ///< serve the page to browsers, if the build contains it
   page::Samples samples;
 
   TestServerOptions();
@@ -39,7 +39,7 @@ class TestServer {
              const std::string& fields = "Content-Type: model/gltf-binary\r\n");
   Reply put(const std::string& target, const std::string& body,
             const std::string& fields = "Content-Type: model/gltf-binary\r\n");
-  /// As JSON.
+  /// Posts a JSON body.
   Reply post_json(const std::string& target, const std::string& body, const std::string& fields = "");
 
   std::shared_ptr<FakeControl> control;

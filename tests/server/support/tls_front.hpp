@@ -1,5 +1,4 @@
-// TLS before a server that speaks none, as a proxy on another machine has it: bytes are passed on as they
-// come.
+// TLS in front of a server without TLS, like a proxy on another machine. Bytes are passed on unchanged.
 #pragma once
 
 #include <array>
@@ -19,7 +18,7 @@ namespace asio = protocol::asio;
 
 class TlsFront {
  public:
-  /// Of the server on this port of 127.0.0.1; certificate and key as PEM files.
+  /// For the server on this port of 127.0.0.1; certificate and key are PEM files.
   TlsFront(std::uint16_t server, const std::string& certificate, const std::string& key)
       : server_(asio::ip::make_address("127.0.0.1"), server) {
     context_.use_certificate_chain_file(certificate);

@@ -1,4 +1,4 @@
-// Shares of a name, by a clock that the test moves.
+// The shares of a name, by a clock that the test moves.
 #include "server/tenants/account.hpp"
 
 #include <gmock/gmock.h>
@@ -87,7 +87,7 @@ TEST(Account, MeasuredProcessorSecondsArePaidBack) {
   shares.cores = 0.5;  // five seconds at once
   const auto studio = account(shares);
   EXPECT_TRUE(studio->begin_computation(kStart));
-  studio->charge(8, kStart);  // was not known before
+  studio->charge(8, kStart);  // the cost was not known before
   const auto over = studio->begin_computation(kStart);
   ASSERT_FALSE(over);
   EXPECT_EQ(over.error().retry_after, seconds(7)) << "three seconds at half a core, and a little";
@@ -120,7 +120,7 @@ TEST(Account, SeesItsOwnAnAdministratorAllAndWhoSharesEverything) {
   EXPECT_EQ(account({}, {}, false)->owner(), "");
 }
 
-#ifndef FRACTURE_SANITIZED  // whose allocator counts otherwise
+#ifndef FRACTURE_SANITIZED  // The sanitizers' allocator counts differently.
 TEST(AnswerLedger, AnEntryTakesNoMoreThanItSays) {
   constexpr std::uint64_t kEntries = 20'000;
   AnswerLedger ledger(kEntries * AnswerLedger::kBytesPerEntry);

@@ -1,4 +1,4 @@
-// The token file: what it may say, and that every mistake is named with its place and without a token.
+// The token file: what it may contain, and that every mistake is reported with its place and without a token.
 #include "server/tenants/token_file.hpp"
 
 #include <gmock/gmock.h>
