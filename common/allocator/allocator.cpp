@@ -6,13 +6,17 @@
 
 #include <string>
 
-// thp: large pages wherever the system hands them out on request. narenas_ratio: at most one arena for each processor; what
-// more of them keep, nobody else can use. dirty_decay_ms: what was freed stays for so long, since a page that comes back from the
-// system costs more than what is computed in it; muzzy_decay_ms: and then it goes, at once and altogether.
-// lg_extent_max_active_fit: what was freed is used again by blocks of any size; by default, a piece that is more than 64 times as
-// large as what is asked for waits until it is old, and new memory is taken meanwhile. oversize_threshold: larger blocks go back
-// as soon as they are freed; by default those of 8 MiB do, which an answer with rough cuts has several of.
-// The environment's MALLOC_CONF comes on top.
+// The settings:
+// - `thp` uses large pages wherever the system provides them on request.
+// - `narenas_ratio` limits arenas to one per processor, because memory kept by an arena cannot be used by the
+//   others.
+// - `dirty_decay_ms` keeps freed memory for this long, because getting a page back from the system costs more
+//   than the computation in it. With `muzzy_decay_ms`, all of it is then returned immediately.
+// - `lg_extent_max_active_fit` lets blocks of any size reuse freed memory. By default, a piece more than 64
+//   times as large as the request is not reused until it is old, and new memory is taken meanwhile.
+// - `oversize_threshold` returns larger blocks as soon as they are freed. By default, this applies to blocks
+//   of 8 MiB, and an answer with rough cuts has several of these.
+// MALLOC_CONF in the environment overrides these settings.
 extern "C" {
 extern const char* malloc_conf;
 const char* malloc_conf =
@@ -23,7 +27,7 @@ const char* malloc_conf =
 namespace fracture {
 namespace {
 
-/// For all arenas at once.
+/// The name of a control for all arenas together.
 std::string of_all_arenas(const char* head, const char* tail) {
   return head + std::to_string(MALLCTL_ARENAS_ALL) + tail;
 }
@@ -31,7 +35,7 @@ std::string of_all_arenas(const char* head, const char* tail) {
 }  // namespace
 
 std::uint64_t free_memory() {
-  // Figures are those of the last time that this was written.
+  // Statistics are from the last time that the epoch was written.
   std::uint64_t epoch = 1;
   (void)mallctl("epoch", nullptr, nullptr, &epoch, sizeof(epoch));
   static const std::string dirty = of_all_arenas("stats.arenas.", ".pdirty");

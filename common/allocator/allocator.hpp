@@ -1,20 +1,21 @@
-// Where a program's memory comes from: jemalloc (J. Evans, A Scalable Concurrent malloc(3) Implementation for FreeBSD,
-// BSDCan 2006), in large pages (DECISION.md). For programs: to link fracture::allocator is to use it. The other folders are
-// libraries and leave the choice to whoever links them. Under a sanitizer the allocator is the sanitizer's, and these
-// functions do nothing.
+// The programs' memory allocator: jemalloc (J. Evans, A Scalable Concurrent malloc(3) Implementation for
+// FreeBSD, BSDCan 2006), with large pages (DECISION.md). Linking fracture::allocator selects it. Only
+// programs do so; libraries leave the choice to the program. Under a sanitizer, the sanitizer's allocator is
+// used, and these functions do nothing.
 #pragma once
 
 #include <cstdint>
 
 namespace fracture {
 
-/// Bytes that were freed and that this process keeps for what comes next.
+/// Bytes of freed memory that this process keeps for reuse.
 std::uint64_t free_memory();
 
-/// Gives all of that back to the system, but for the few small blocks that each thread keeps at hand.
+/// Returns all freed memory to the system, except for the few small blocks that each thread keeps.
 void return_free_memory();
 
-/// Gives back what nobody has asked for again within seconds. Cheap; in a process that waits nobody else does it.
+/// Returns memory that was freed seconds ago and not reused. Cheap. An idle process must call it, because
+/// jemalloc only does this during other calls.
 void return_old_free_memory();
 
 }  // namespace fracture

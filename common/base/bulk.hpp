@@ -1,8 +1,9 @@
-// Work on many bytes at once, and threads that must not do it.
+// Counts work on many bytes at once, to find threads that must not do it.
 //
-// A thread that serves many clients (an io thread of the server) keeps all of them waiting while it works for one.
-// Whatever hashes, inflates, compresses, parses or sorts says here how much it does. If such a thread has a limit, its
-// turns that do more are counted: each of them is a fault of the program, whatever the client has sent.
+// A thread that serves many clients (an io thread of the server) keeps all of them waiting while it works for
+// one. Code that hashes, inflates, compresses, parses or sorts reports here how many bytes it processes. If
+// such a thread has a limit, its turns that exceed the limit are counted. Each of them is a bug in the
+// program, whatever the client has sent.
 #pragma once
 
 #include <atomic>
@@ -11,11 +12,11 @@
 
 namespace fracture {
 
-/// What a thread may do in one turn; shared by the threads that it holds for, and outlives them.
+/// Maximum work in one turn of a thread. Shared by the threads that it applies to; must outlive them.
 struct BulkLimit {
   explicit BulkLimit(std::size_t bytes) : most(bytes) {}
   const std::size_t most;                  ///< bytes in one turn
-  std::atomic<std::uint64_t> exceeded{0};  ///< turns that did more
+  std::atomic<std::uint64_t> exceeded{0};  ///< number of turns that did more
 };
 
 namespace base_detail {
@@ -26,12 +27,12 @@ struct BulkOfThread {
 inline thread_local BulkOfThread bulk_of_this_thread;
 }  // namespace base_detail
 
-/// From now on the limit holds for the calling thread; null: none does.
+/// Applies the limit to the calling thread from now on; null removes it.
 inline void limit_bulk(BulkLimit* limit) { base_detail::bulk_of_this_thread = {limit, 0}; }
-/// The calling thread turns to something else.
+/// Starts a new turn of the calling thread.
 inline void begin_bulk_turn() { base_detail::bulk_of_this_thread.bytes = 0; }
 
-/// So many bytes are worked on; or what takes as long as hashing so many.
+/// Counts bytes that the calling thread processes, or work that takes as long as hashing this many bytes.
 inline void count_bulk(std::size_t bytes) {
   base_detail::BulkOfThread& mine = base_detail::bulk_of_this_thread;
   if (!mine.limit) return;

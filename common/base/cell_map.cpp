@@ -5,9 +5,8 @@
 namespace fracture {
 
 std::optional<Vec3d> grain_under(const Matrix3& map) {
-  constexpr double kLonger = 1.4;  // than the next direction: cells that are hardly longer have no grain
-  Matrix3 square{
-      {Vec3d{}, Vec3d{}, Vec3d{}}};  // its eigenvalues are one over the squares of the cells' lengths
+  constexpr double kLonger = 1.4;               // minimum length / next length; cells with less have no grain
+  Matrix3 square{{Vec3d{}, Vec3d{}, Vec3d{}}};  // its eigenvalues are 1 / (length of a cell)²
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       for (const Vec3d& row : map.rows) square.rows[static_cast<std::size_t>(i)][j] += row[i] * row[j];
@@ -21,10 +20,10 @@ CellMap::CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> fr
   double diagonal = 0;
   for (const Box& box : boxes)
     if (!box.empty()) diagonal = std::fmax(diagonal, length(box.size()));
-  // Two boxes are then farther apart than two points of one of them: a power of two, so that sites, which are
-  // multiples of a power of two, are shifted without rounding.
+  // A power of two at which two boxes are farther apart than any two points of one box. Sites are multiples
+  // of a power of two, so they are shifted without rounding.
   int exponent = 0;
-  std::frexp(2.01 * diagonal, &exponent);  // and middles are rounded to steps
+  std::frexp(2.01 * diagonal, &exponent);  // the margin of 0.01 covers the rounding of middles to steps
   pitch_ = std::ldexp(1.0, exponent);
   const double step = pitch_ / 4096;
   for (std::size_t k = 0; k < matrices.size(); ++k) {

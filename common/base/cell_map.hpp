@@ -1,7 +1,7 @@
-// The map under which cells are those of the nearest site: from the frame of a solid to its image, where it is decided
-// how the solid is cut (solid/image.hpp). One linear map for all of it, or several, so that each part of the solid has
-// a grain of its own: then each has a place of its own in the image, so far from the others that what lies in one is
-// always nearest to a site in the same.
+// The map under which cells belong to the nearest site: from the frame of a solid to its image, in which the
+// cuts are computed (solid/image.hpp). There is one linear map for the whole solid, or there are several, so
+// that each part can have its own grain. With several, each map (a frame) has its own place in the image. The
+// places are so far apart that every point is nearest to a site in the same place.
 //
 //     solid                  image, with two frames
 //     ┌──────────┐           ┌─────┐                  ┌──┐
@@ -25,7 +25,8 @@
 
 namespace fracture {
 
-/// The direction of unit length, of either sign, in which the cells of a map are by far the longest; none where none is.
+/// The unit direction (of either sign) in which the cells of a map are much longer than in others; none if
+/// there is none.
 std::optional<Vec3d> grain_under(const Matrix3& map);
 
 class CellMap {
@@ -39,26 +40,26 @@ class CellMap {
     Vec3d place(const Vec3d& image) const { return inverse * (image - shift); }
     friend bool operator==(const Frame&, const Frame&) = default;
   };
-  /// One bit of a frame's number for each axis says where its place is.
+  /// Each bit of a frame's number selects its place along one axis.
   static constexpr std::size_t kMostFrames = 8;
 
   /// The identity.
   CellMap() = default;
-  /// The same for all parts. Of positive determinant.
+  /// The same map for all parts. Its determinant must be positive.
   CellMap(const Matrix3& matrix) : frames_{{.matrix = matrix}} {}  // NOLINT: a matrix is a map
-  /// `matrices[k]`, up to kMostFrames and of one determinant, for the parts with frame_of_part[p] == k, whose images
-  /// under it are in boxes[k].
+  /// Several maps: `matrices[k]` applies to the parts p with frame_of_part[p] == k, and boxes[k] contains
+  /// their images under it. At most kMostFrames matrices, with equal determinants.
   CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> frame_of_part,
           std::span<const Box> boxes);
 
   /// Whether it is not the identity.
   explicit operator bool() const { return !frames_.empty(); }
   std::span<const Frame> frames() const { return frames_; }
-  /// Of a part of the solid. Not of the identity.
+  /// The frame of a part of the solid. Must not be called on the identity.
   const Frame& of_part(std::uint32_t part) const {
     return frames_[frame_of_part_ ? (*frame_of_part_)[part] : 0];
   }
-  /// The number of the frame in whose place a point of the image lies.
+  /// Index of the frame whose place contains a point of the image.
   std::size_t index_at(const Vec3d& image) const {
     if (frames_.size() < 2) return 0;
     std::size_t index = 0;
@@ -67,7 +68,7 @@ class CellMap {
     return std::min(index, frames_.size() - 1);
   }
   const Frame& at(const Vec3d& image) const { return frames_[index_at(image)]; }
-  /// Where in the image the parts of a frame are, but for rounding; of a single one everything.
+  /// The box of a frame's parts in the image, up to rounding; everything if there is a single frame.
   Box place_of(std::size_t frame) const {
     constexpr double kFar = HUGE_VAL;
     return frames_.size() < 2 ? Box{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}} : places_[frame];
@@ -82,8 +83,8 @@ class CellMap {
  private:
   std::vector<Frame> frames_;
   std::vector<Box> places_;
-  double pitch_ = 0;                                                ///< between the middles of two places
-  std::shared_ptr<const std::vector<std::uint8_t>> frame_of_part_;  ///< null: all in the first
+  double pitch_ = 0;                                                ///< distance between neighbouring middles
+  std::shared_ptr<const std::vector<std::uint8_t>> frame_of_part_;  ///< null: all parts in the first frame
 };
 
 }  // namespace fracture

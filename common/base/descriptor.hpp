@@ -32,7 +32,7 @@ class Descriptor {
   int fd_ = -1;
 };
 
-/// Appends everything. False on an error (no space).
+/// Writes all bytes. Returns false on an error (no space, for example).
 inline bool write_all(int fd, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), bytes.size());

@@ -16,14 +16,14 @@ class DisjointSets {
   }
   std::size_t size() const { return parent_.size(); }
   std::size_t bytes() const { return parent_.capacity() * sizeof(parent_[0]); }
-  /// How many sets there are.
+  /// Number of sets.
   std::size_t set_count() const { return sets_; }
   void clear() {
     parent_.clear();
     sets_ = 0;
   }
   void reserve(std::size_t count) { parent_.reserve(count); }
-  /// A new member, in a set of its own.
+  /// Adds a new member, in its own set.
   std::uint32_t add() {
     parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
     ++sets_;
@@ -34,7 +34,7 @@ class DisjointSets {
     return i;
   }
   void unite(std::uint32_t a, std::uint32_t b) {
-    if (parent_[a] == parent_[b]) return;  // mostly
+    if (parent_[a] == parent_[b]) return;  // the usual case
     a = find(a);
     b = find(b);
     if (a == b) return;

@@ -1,6 +1,5 @@
-// How the caller of a long computation stays in charge of it: threads, cancellation, deadline, progress.
-// Passed by the caller to every stage (no globals); a default-constructed context means "one thread, never
-// stop".
+// Lets the caller control a long computation: threads, cancellation, deadline, progress. The caller passes it
+// to every stage (no globals). A default-constructed context means "one thread, never stop".
 #pragma once
 
 #include <atomic>
@@ -19,44 +18,44 @@
 
 namespace fracture {
 
-/// Thrown by poll() inside the geometry loops and turned into an Error by the pipeline. Not an error of the
+/// Thrown by poll() inside the geometry loops. The pipeline turns it into an Error; it never leaves the
 /// library.
 struct Interrupted {
   explicit Interrupted(ErrorCode why) : code(why) {}
   explicit Interrupted(Error why) : code(why.code), error(std::make_shared<const Error>(std::move(why))) {}
 
-  ErrorCode code;  ///< kCancelled, kDeadlineExceeded; of an Allowance: kTooComplex, kOutOfMemory, kOverShare
-  std::shared_ptr<const Error> error{};  ///< where the code alone does not say it
+  ErrorCode code;                        ///< kCancelled, kDeadlineExceeded, or an error of an Allowance
+  std::shared_ptr<const Error> error{};  ///< set if the code alone does not describe the error
 };
 
 struct Execution {
-  int threads = 1;  ///< how many threads parallel_for may use, the caller's included
+  int threads = 1;  ///< maximum number of threads for parallel_for, including the caller's
   StopToken stop{};
   std::optional<std::chrono::steady_clock::time_point> deadline{};
   /// Called with (stage, fraction of it done in [0, 1]) from any worker thread; must be thread-safe and
   /// cheap.
   std::function<void(Stage, double)> progress{};
-  /// Where the loops of a stage tell how far it is; borrowed. Null: nowhere.
+  /// Progress within the current stage, updated by its loops; borrowed. Null: not reported.
   StageProgress* within = nullptr;
-  /// What the computation may hold; borrowed. Null: as much as it likes.
+  /// Limits the memory of the computation; borrowed. Null: no limit.
   Allowance* allowance = nullptr;
-  /// Where it stands back for others; borrowed. Null: nowhere.
+  /// Lets more urgent computations go first; borrowed. Null: never waits.
   Turn* turn = nullptr;
-  /// Called at each poll, for tests that measure what lies between two of them.
+  /// Called at each poll, for tests that measure the work between two polls.
   std::function<void()> watch{};
 
-  /// Counts what was made. Throws Interrupted where it is more than the computation may hold.
+  /// Counts new products. Throws Interrupted if the computation would exceed its allowance.
   void made(Product product, std::uint64_t count) const {
     if (allowance) allowance->add(product, count);
   }
 
-  /// What follows takes the stage to here (StageProgress::reaches).
+  /// The following work takes the stage to this fraction (StageProgress::reaches).
   void reaches(double end) const {
     if (within) within->reaches(end);
   }
 
-  /// Throws Interrupted when the work is no longer wanted. Cheap enough for once per few hundred items. No
-  /// thread may compute for longer than 10 ms of its processor time without a poll (base/pacer.hpp).
+  /// Throws Interrupted if the work is no longer wanted. Cheap enough to call once per few hundred items. No
+  /// thread may compute for more than 10 ms of processor time without a poll (base/pacer.hpp).
   void poll() const {
     if (watch) watch();
     if (turn) turn->give_way();
@@ -66,14 +65,14 @@ struct Execution {
   }
 };
 
-/// One thread, never stopped: for callers that are not in charge of anything.
+/// One thread, never stopped: for callers that do not control the computation.
 inline const Execution kUninterrupted{};
 
 /// Calls body(begin, end) for consecutive blocks of at most `grain` items that together cover [0, count).
-/// Blocks run on up to execution.threads threads in any order; the *boundaries* do not depend on the number
-/// of threads, so a result kept per block and joined in block order is the same for every thread count. Polls
-/// the execution before each block. The first exception of a block is rethrown after all workers have
-/// stopped.
+/// Blocks run on up to execution.threads threads, in any order. The *boundaries* do not depend on the number
+/// of threads. So results that are stored per block and joined in block order are the same for every thread
+/// count. Polls the execution before each block. Rethrows the first exception of a block after all workers
+/// have stopped.
 void parallel_for(const Execution& execution, std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 

@@ -1,4 +1,4 @@
-// Figures for programs that go with an error: a JSON object, which only those look into who include JSON.
+// Data for programs that accompanies an error: a JSON object. Only code that reads it has to include JSON.
 #pragma once
 
 #include <memory>
@@ -6,7 +6,7 @@
 
 namespace fracture {
 
-/// Never changes; copies share it.
+/// Immutable; copies share the object.
 class Figures {
  public:
   Figures() = default;  ///< {}

@@ -1,4 +1,4 @@
-// Some elements of a list, in another order.
+// Selects elements of a list, in a given order.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace fracture {
 
-/// values[k] for each k of `of`; nothing of an empty list (an attribute that is not there). `each` is called
-/// for every element: where callers let others go first, or stop.
+/// Returns values[k] for each k of `of`, or an empty list if `values` is empty (an attribute that the mesh
+/// lacks). Calls `each` for every element, so that callers can poll.
 template <class T, class Each>
 std::vector<T> gathered(const std::vector<T>& values, const std::vector<std::uint32_t>& of,
                         const Each& each) {

@@ -1,4 +1,4 @@
-// Bytes of heap behind containers, for those who account for what they keep.
+// Heap bytes behind containers, for code that accounts for memory.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@ namespace fracture {
 
 template <class T>
 std::size_t heap(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);  // NOLINT(bugprone-sizeof-expression): of pointers, too, their own size
+  return v.capacity() * sizeof(T);  // for pointers, their own size is meant
 }
 template <class T>
 std::size_t nested_heap(const std::vector<std::vector<T>>& v) {

@@ -17,30 +17,30 @@
 namespace fracture::base_detail {
 namespace {
 
-/// A caller's loop, on the caller's stack.
+/// A parallel loop of a caller; it is on the caller's stack.
 struct Loop {
   const std::function<void()>& work;
-  std::size_t wanted;                  ///< helpers that may still come
-  std::atomic<std::size_t> active{0};  ///< helpers in it: changed with the lock held, read without it
-  double seconds = 0;                  ///< of processor time that helpers have spent in it
+  std::size_t wanted;                  ///< helpers that may still join
+  std::atomic<std::size_t> active{0};  ///< helpers inside the loop: changed under the lock, read without it
+  double seconds = 0;                  ///< processor time that helpers have spent in the loop
   std::condition_variable done{};
 };
 
-/// The loops of one fracture follow each other closely, and to wake a sleeping thread takes as long as a small one
-/// runs: so nobody sleeps at once who waits for a loop to begin or to end.
+/// Time that a thread spins before it blocks, both for a loop to begin and for a loop to end. The loops of
+/// one fracture follow each other closely, and waking a blocked thread takes as long as a small loop runs.
 constexpr std::chrono::microseconds kPatience{200};
 
-/// Until is_so(), or for as long as patience lasts.
+/// Spins until is_so() or until kPatience is over.
 template <class Condition>
 void stay_awake(const Condition& is_so) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (!is_so() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
 }
 
-/// What helpers have spent in the loops of this thread.
+/// Processor time that helpers have spent in the loops of this thread.
 thread_local double helped_seconds = 0;
 
-/// Some helper keeps more than it may after a computation.
+/// Whether some helper keeps more scratch than it may keep after a computation.
 std::atomic<bool> some_scratch_is_large{false};
 
 class HelperThreads {
@@ -74,7 +74,7 @@ class HelperThreads {
     helped_seconds += loop.seconds;
   }
 
-  /// The idle ones trim their scratch at once, the others when they will be idle.
+  /// Idle helpers trim their scratch immediately, and the others when they become idle.
   void trim() {
     const std::lock_guard lock(mutex_);
     ++trims_;
@@ -82,7 +82,8 @@ class HelperThreads {
   }
 
  private:
-  /// As many as are wanted now and not idle; a system that gives no more threads makes loops slower, no more.
+  /// Starts helpers until as many are idle as are wanted. If the system refuses a thread, loops are only
+  /// slower.
   void start_missing() {
     while (idle_ < wanted_ && threads_ < kMost) {
       try {
@@ -96,7 +97,7 @@ class HelperThreads {
   }
 
   [[noreturn]] void help() {
-    std::uint64_t trims = 0;  // of which this thread knows
+    std::uint64_t trims = 0;  // number of trims that this thread has done
     std::unique_lock lock(mutex_);
     for (;;) {
       if (loops_.empty() && trims != trims_) {
@@ -135,15 +136,15 @@ class HelperThreads {
 
   std::mutex mutex_;
   std::condition_variable work_is_there_;
-  std::deque<Loop*> loops_;  ///< that want more helpers, oldest first
-  std::size_t wanted_ = 0;   ///< by all of them
+  std::deque<Loop*> loops_;  ///< loops that want more helpers, oldest first
+  std::size_t wanted_ = 0;   ///< helpers wanted by all loops together
   std::size_t idle_ = 0, threads_ = 0;
-  std::uint64_t trims_ = 0;       ///< asked for so far
-  std::atomic<bool> any_{false};  ///< loops_ is not empty: read without the lock by helpers that stay awake
+  std::uint64_t trims_ = 0;       ///< number of trims requested so far
+  std::atomic<bool> any_{false};  ///< loops_ is not empty; spinning helpers read it without the lock
 };
 
 HelperThreads& helper_threads() {
-  // Never destroyed: its threads wait in it until the process ends.
+  // Never destroyed, because its threads use it until the process ends.
   static HelperThreads& threads = *new HelperThreads;
   return threads;
 }

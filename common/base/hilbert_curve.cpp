@@ -59,7 +59,7 @@ HilbertCurve::HilbertCurve(const Box& box, int bits)
 
 std::uint64_t HilbertCurve::at(const Vec3d& point) const {
   const auto cell = [&](double v, double low) {
-    const double c = (v - low) / side_ * last_cell_;  // not a number where the box has no size
+    const double c = (v - low) / side_ * last_cell_;  // NaN if the box has no size
     return static_cast<std::uint32_t>(c > 0 ? std::fmin(c, last_cell_) : 0);
   };
   return hilbert_index(cell(point.x, corner_.x), cell(point.y, corner_.y), cell(point.z, corner_.z), bits_);

@@ -1,5 +1,6 @@
-// The Hilbert curve through a lattice: neighbours on it are neighbours in space, so that what is stored in its
-// order and used together lies together. Hamilton 2006, "Compact Hilbert indices", without the compaction.
+// The Hilbert curve through a lattice. Neighbours on the curve are neighbours in space, so elements that are
+// stored in this order and used together are near each other in memory. Hamilton 2006, "Compact Hilbert
+// indices", without the compaction.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,8 @@ class HilbertCurve {
  public:
   HilbertCurve(const Box& box, int bits);
 
-  /// Position on the curve of the cell that a point lies in; a point outside counts as the nearest in the cube.
+  /// Position on the curve of the cell that contains a point; a point outside the cube is moved to its
+  /// nearest point.
   std::uint64_t at(const Vec3d& point) const;
 
  private:

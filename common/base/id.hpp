@@ -1,11 +1,11 @@
-// Numbers of things of one kind. Sites, tetrahedra and vertices are all counted from 0, and a number of one
-// taken for that of another is a fault that small tests do not show; so each kind has a type of its own.
+// Typed ids. Sites, tetrahedra and vertices are all numbered from 0, and small tests do not reveal an id of
+// one kind used as another kind. So each kind has its own type.
 //
 //   using SiteId = Id<struct SiteTag>;
 //   for (const SiteId s : ids<SiteId>(site_count)) visit(points[s]);
 //
-// An id becomes a number by itself: it is printed, indexes an array, and is computed with. A number becomes
-// an id only where the code says so. Ids of two kinds are never compared and never become each other.
+// An id converts to a number implicitly: it can be printed, used as an index, and computed with. A number
+// becomes an id only explicitly. Ids of different kinds cannot be compared or converted to each other.
 #pragma once
 
 #include <compare>
@@ -18,13 +18,13 @@
 
 namespace fracture {
 
-/// What no array has an element of.
+/// An index that no array has.
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 template <class Tag>
 class Id {
  public:
-  Id() = default;  ///< uninitialized, as a number is
+  Id() = default;  ///< uninitialized, like a number
   template <std::integral Integer>
   constexpr explicit Id(Integer value) : value_(static_cast<std::uint32_t>(value)) {}
   constexpr operator std::uint32_t() const { return value_; }
@@ -42,7 +42,7 @@ class Id {
   std::uint32_t value_;
 };
 
-// Without these both would become numbers and compare.
+// Without these, ids of two kinds would convert to numbers and compare.
 template <class A, class B>
 requires(!std::same_as<A, B>) bool operator==(Id<A>, Id<B>) = delete;
 template <class A, class B>
@@ -73,12 +73,12 @@ class IdRange {
   std::uint32_t first_, end_;
 };
 
-/// All ids below `end`, which is read once; of a vector: ids<SiteId>(points.size()).
+/// All ids below `end`. For a vector: ids<SiteId>(points.size()).
 template <class SomeId>
 constexpr IdRange<SomeId> ids(std::size_t end) {
   return {0, static_cast<std::uint32_t>(end)};
 }
-/// In a vector.
+/// The same as a vector.
 template <class SomeId>
 std::vector<SomeId> all_ids(std::size_t end) {
   std::vector<SomeId> all;
@@ -86,7 +86,7 @@ std::vector<SomeId> all_ids(std::size_t end) {
   for (const SomeId id : ids<SomeId>(end)) all.push_back(id);
   return all;
 }
-/// Those of a block of parallel work.
+/// The ids of one block of parallel work.
 template <class SomeId>
 constexpr IdRange<SomeId> ids(std::size_t first, std::size_t end) {
   return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)};

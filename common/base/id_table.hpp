@@ -1,5 +1,6 @@
-// A small map from ids to numbers, for some of very many: its size is that of what is in it, not of the id
-// space (stamped_map.hpp is faster where that is small or used often). Open addressing (Knuth, volume 3, 6.4).
+// A small map from ids to numbers, for a few ids out of very many. Its size depends on its contents, not on
+// the id space (stamped_map.hpp is faster if the id space is small or the map is used often). Open addressing
+// (Knuth, volume 3, 6.4).
 #pragma once
 
 #include <bit>
@@ -16,13 +17,13 @@ class IdTable {
   static constexpr std::uint32_t kEmpty = kNoIndex;
 
   std::size_t size() const { return count_; }
-  /// The number of the id, kEmpty when it has none. No id is kNoIndex.
+  /// The number of the id; kEmpty if it has none. kNoIndex is not a valid id.
   std::uint32_t find(std::uint32_t id) const {
     if (slots_.empty()) return kEmpty;
     const Slot& slot = slots_[place(id)];
     return slot.id == id ? slot.number : kEmpty;
   }
-  /// The number of the id, to be written: kEmpty when it was not there. Valid until the next call.
+  /// A writable reference to the number of the id; kEmpty if the id is new. Valid until the next call.
   std::uint32_t& slot(std::uint32_t id) {
     if (2 * (count_ + 1) > slots_.size()) grow();
     Slot& slot = slots_[place(id)];

@@ -10,7 +10,8 @@ namespace {
 
 using nlohmann::json;
 
-/// What malloc takes for so many bytes: a word of its own, in steps of 16, 32 at least (glibc, malloc.c).
+/// Bytes that malloc uses for an allocation: one extra word, rounded up to a multiple of 16, at least 32
+/// (glibc, malloc.c).
 constexpr std::size_t allocated(std::size_t bytes) {
   return bytes == 0 ? 0 : std::max<std::size_t>(32, (bytes + 8 + 15) / 16 * 16);
 }
@@ -25,7 +26,7 @@ std::size_t text_bytes(const std::string& text) {
   return text.capacity() > kInPlace ? allocated(text.capacity() + 1) : 0;
 }
 
-/// Builds the value as the parser finds its parts; every function returns whether to go on.
+/// Builds the value from the parser's events. Every function returns whether to continue.
 class Builder final : public nlohmann::json_sax<json> {
  public:
   explicit Builder(const JsonLimits& limits) : limits_(limits) {}
@@ -80,7 +81,7 @@ class Builder final : public nlohmann::json_sax<json> {
     bytes_ += bytes;
     return bytes_ <= limits_.bytes || stop(JsonFault::Kind::kTooLarge);
   }
-  /// Where the next value stands: after a key, at the end of the innermost array, or alone.
+  /// The position of the next value: after a key, at the end of the innermost array, or the root.
   json& place() {
     if (open_.empty()) return root_;
     if (!open_.back()->is_array()) return *member_;
@@ -101,7 +102,7 @@ class Builder final : public nlohmann::json_sax<json> {
     if (open_.size() >= limits_.depth) return stop(JsonFault::Kind::kTooDeep);
     json& value = place();
     value = json(type);
-    open_.push_back(&value);  // stays where it is: nothing is put beside it before it is closed
+    open_.push_back(&value);  // stays valid: nothing is added to the parent before this is closed
     return count(bytes);
   }
   bool close() {
@@ -121,9 +122,9 @@ class Builder final : public nlohmann::json_sax<json> {
 }  // namespace
 
 tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
-  constexpr std::size_t kAsHashed = 32;  // a byte that is parsed takes as long as so many that are hashed
+  constexpr std::size_t kAsHashed = 32;  // parsing a byte takes as long as hashing this many
   count_bulk(kAsHashed * text.size());
-  // The library takes a NUL for the end of the text, whatever stands behind it.
+  // The library treats a NUL as the end of the text, even if more text follows.
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
     return tl::unexpected<JsonFault>({.kind = JsonFault::Kind::kSyntax, .byte = nul + 1});
   Builder builder(limits);
@@ -146,7 +147,7 @@ std::string to_text(const JsonFault& fault) {
 }
 
 std::size_t json_bytes(const json& value) {
-  // Values may be nested as deeply as whoever parsed them let them be; here within a list.
+  // Values may be nested as deeply as their parser allowed, so this uses a list instead of recursion.
   std::size_t bytes = 0;
   std::vector<const json*> left = {&value};
   while (!left.empty()) {

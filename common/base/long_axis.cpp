@@ -7,7 +7,7 @@ namespace {
 
 double trace(const Matrix3& m) { return m.rows[0].x + m.rows[1].y + m.rows[2].z; }
 
-Matrix3 squared(const Matrix3& m) {  // of a symmetric matrix, scaled to trace 1 before
+Matrix3 squared(const Matrix3& m) {  // of a symmetric matrix, after scaling it to trace 1
   Matrix3 product;
   const double scale = 1 / trace(m);
   for (std::size_t i = 0; i < 3; ++i)
@@ -30,14 +30,14 @@ std::optional<LongAxis> long_axis(const Matrix3& m) {
     if (dot(row, row) > dot(axis, axis)) axis = row;
   axis = (1 / length(axis)) * axis;
   const double largest = dot(axis, m * axis), rest = trace(m) - largest;
-  // The two others add up to `rest`, and all three multiply to the determinant.
+  // The other two eigenvalues add up to `rest`, and the product of all three is the determinant.
   const double product = largest > 0 ? m.determinant() / largest : 0;
   const double next = (rest + std::sqrt(std::fmax(0, rest * rest - 4 * product))) / 2;
   return LongAxis{axis, next > 0 ? largest / next : HUGE_VAL};
 }
 
 std::optional<ShortAxis> short_axis(const Matrix3& m) {
-  // trace - m has the same axes, in the other order.
+  // trace - m has the same axes in reverse order.
   Matrix3 others;
   for (std::size_t i = 0; i < 3; ++i) {
     others.rows[i] = -1.0 * m.rows[i];
@@ -47,7 +47,8 @@ std::optional<ShortAxis> short_axis(const Matrix3& m) {
   if (!longest) return std::nullopt;
   const Vec3d& axis = longest->axis;
   const double least = std::fmax(0, dot(axis, m * axis)), rest = trace(m) - least;
-  // Within the plane across the axis: the two others add up to `rest`, and so do their squares to those of the matrix.
+  // The other two eigenvalues add up to `rest`. The squares of all three add up to the sum of the squared
+  // entries of m.
   double squares = -least * least;
   for (const Vec3d& row : m.rows) squares += dot(row, row);
   const double difference = std::sqrt(std::fmax(0, 2 * squares - rest * rest));

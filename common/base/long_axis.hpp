@@ -1,5 +1,5 @@
-// The directions in which a symmetric matrix is largest and smallest: the first and the last eigenvector, by repeated
-// squaring, from + - * / and sqrt alone.
+// The directions in which a symmetric matrix is largest and smallest: its first and last eigenvectors.
+// Computed by repeated squaring, using only + - * / and sqrt.
 #pragma once
 
 #include <optional>
@@ -9,19 +9,20 @@
 namespace fracture {
 
 struct LongAxis {
-  Vec3d axis;    ///< of unit length, of either sign
-  double ratio;  ///< of the largest eigenvalue to the next, at least 1
+  Vec3d axis;    ///< unit vector, of either sign
+  double ratio;  ///< largest eigenvalue / next eigenvalue, at least 1
 };
 
-/// Of a positive semidefinite matrix; none of one that is zero or not finite. Where the ratio is near 1 the axis is any.
+/// For a positive semidefinite matrix. None if it is zero or not finite. If the ratio is near 1, the axis is
+/// arbitrary.
 std::optional<LongAxis> long_axis(const Matrix3& symmetric);
 
 struct ShortAxis {
-  Vec3d axis;    ///< of unit length, of either sign
-  double ratio;  ///< of the smallest eigenvalue to the next, 0 to 1
+  Vec3d axis;    ///< unit vector, of either sign
+  double ratio;  ///< smallest eigenvalue / next eigenvalue, 0 to 1
 };
 
-/// As long_axis(). Where the ratio is near 1 the axis is any.
+/// Like long_axis(). If the ratio is near 1, the axis is arbitrary.
 std::optional<ShortAxis> short_axis(const Matrix3& symmetric);
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// A 3×3 matrix of doubles: only what linear maps of space need.
+// A 3×3 matrix of doubles, with only the operations that linear maps of space need.
 #pragma once
 
 #include <array>
@@ -13,19 +13,19 @@ struct Matrix3 {
   friend bool operator==(const Matrix3&, const Matrix3&) = default;
 
   Vec3d operator*(const Vec3d& v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
-  /// The transposed matrix times v: how normals go back through the map.
+  /// Multiplies v by the transposed matrix, which transforms normals back through the map.
   Vec3d transposed_times(const Vec3d& v) const {
     return {rows[0].x * v.x + rows[1].x * v.y + rows[2].x * v.z,
             rows[0].y * v.x + rows[1].y * v.y + rows[2].y * v.z,
             rows[0].z * v.x + rows[1].z * v.y + rows[2].z * v.z};
   }
   double determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
-  /// |determinant| over the product of the rows' lengths: 1 for orthogonal rows, 0 for dependent ones.
+  /// |determinant| / product of the rows' lengths: 1 for orthogonal rows, 0 for dependent ones.
   double conditioning() const {
     const double lengths = length(rows[0]) * length(rows[1]) * length(rows[2]);
     return lengths > 0 ? std::fabs(determinant()) / lengths : 0;
   }
-  /// By cofactors; the determinant must not be zero.
+  /// Computed from cofactors; the determinant must not be zero.
   Matrix3 inverse() const {
     const double scale = 1 / determinant();
     const Vec3d a = cross(rows[1], rows[2]), b = cross(rows[2], rows[0]), c = cross(rows[0], rows[1]);

@@ -1,4 +1,4 @@
-// Polls inside of loops whose steps are too cheap for a poll each, and inside of sorts.
+// Polls inside loops whose steps are too cheap for one poll each, and inside sorts.
 #pragma once
 
 #include <algorithm>
@@ -9,18 +9,19 @@
 
 namespace fracture {
 
-/// Counts steps of about a dozen to a thousand instructions and polls once in a few thousand of them.
+/// Counts steps of about a dozen to a thousand instructions, and polls once per few thousand steps.
 class Pacer {
  public:
   explicit Pacer(const Execution& execution) : execution_(execution) {}
-  /// `work`: how many steps this one counts for.
+  /// `work`: the number of steps to count.
   void step(std::uint64_t work = 1) {
     done_ += work;
     if (done_ < kBetweenPolls) return;
     done_ = 0;
     execution_.poll();
   }
-  /// Calls body(k) for k in [begin, end), a step each; for loops so tight that counting each step shows.
+  /// Calls body(k) for k in [begin, end), one step each. For loops so tight that counting each step costs
+  /// noticeable time.
   template <class Body>
   void each(std::size_t begin, std::size_t end, const Body& body) {
     while (begin < end) {
@@ -36,12 +37,12 @@ class Pacer {
   std::uint64_t done_ = 0;
 };
 
-/// Of what is copied or compressed at once.
+/// Number of bytes to copy or compress between two polls.
 inline constexpr std::size_t kBytesBetweenPolls = std::size_t{1} << 18;
 
 /// std::sort that can be interrupted, for arrays that may have more than some ten thousand elements (a
-/// million take a tenth of a second). The elements are trivially copyable, so that nothing is lost but their
-/// order.
+/// million take a tenth of a second). Elements must be trivially copyable, so that an interruption loses only
+/// their order.
 template <class Iterator, class Less>
 void sort_with_polls(const Execution& execution, Iterator first, Iterator last, const Less& less) {
   if (last - first < 4096) return std::sort(first, last, less);  // less than a millisecond
@@ -68,14 +69,14 @@ void resize_with_polls(const Execution& execution, std::vector<T>& vector, std::
   vector.resize(size);
 }
 
-/// Gives elements that hold memory of their own back one by one: a million of them take a tenth of a second.
+/// Destroys elements that own memory, one by one; a million take a tenth of a second.
 template <class T>
 void clear_with_polls(const Execution& execution, std::vector<T>& vector) {
   Pacer pacer(execution);
   for (; !vector.empty(); vector.pop_back()) pacer.step(8);
 }
 
-/// Gives the nodes of a map or set back one by one; a step of the pacer stands for about 10 ns.
+/// Destroys the nodes of a map or set one by one. One step of the pacer represents about 10 ns.
 template <class Nodes>
 void clear_nodes(Pacer& pacer, Nodes& nodes) {
   for (; !nodes.empty(); nodes.erase(nodes.begin())) pacer.step(8);

@@ -28,7 +28,8 @@ void PagesBehind::through(std::size_t read) {
                         kLargestPage = 64u << 10;
   if (bytes_ < kMany) return;
   for (read = std::min(read, bytes_); forgotten_ + kPiece <= read; forgotten_ += kPiece) {
-    // A page that two pieces share is whole in neither: so each begins in the one before.
+    // A page that spans two pieces is not completely inside either. So each piece begins within the previous
+    // one.
     const std::size_t before = std::min(forgotten_, kLargestPage);
     forget_pages(memory_ + forgotten_ - before, before + kPiece);
   }

@@ -1,21 +1,22 @@
-// What the system should know of memory in use: that nobody reads its content any more, or that all of it will be written.
+// Tells the system about memory in use: that its contents are no longer needed, or that all of it will be
+// written.
 #pragma once
 
 #include <cstddef>
 
 namespace fracture {
 
-/// The system may take the whole pages of these bytes back: what they hold is lost, and reading them gives zeros or what
-/// was there. The memory stays allocated. A function of performance alone: where the system offers no such thing,
-/// nothing happens.
+/// Lets the system reclaim the whole pages within these bytes. Their contents are lost: reading them gives
+/// zeros or the old contents. The memory stays allocated. Affects performance only, and does nothing if the
+/// system does not support it.
 void forget_pages(void* memory, std::size_t bytes);
 
-/// For who reads memory once from the beginning to the end: what is behind the reader goes as forget_pages() has it, piece by
-/// piece, where there are 32 MiB or more. Borrowed.
+/// Forgets memory behind a reader that reads it once from beginning to end. Works in pieces, as in
+/// forget_pages(), and only if there are 32 MiB or more. The memory is borrowed.
 class PagesBehind {
  public:
   PagesBehind(void* memory, std::size_t bytes) : memory_(static_cast<char*>(memory)), bytes_(bytes) {}
-  /// The first `read` bytes are not needed any more; what is beyond the end is not there.
+  /// The first `read` bytes are no longer needed; positions beyond the end count as the end.
   void through(std::size_t read);
 
  private:
@@ -23,13 +24,14 @@ class PagesBehind {
   std::size_t bytes_, forgotten_ = 0;
 };
 
-/// What malloc gives is fresh from the system each time where it is at least so large: glibc maps it by itself (the largest
-/// M_MMAP_THRESHOLD there is), jemalloc gives it back when it is freed (oversize_threshold, common/allocator).
+/// Minimum size at which malloc always returns fresh memory from the system. glibc maps such blocks
+/// separately (it is the largest possible M_MMAP_THRESHOLD), and jemalloc returns them when they are freed
+/// (oversize_threshold, common/allocator).
 inline constexpr std::size_t kAlwaysFresh = std::size_t{32} << 20;
 
-/// The system hands out the whole pages of these bytes now, all at once, which takes half as long as a fault for each when
-/// it is first written. For memory that is fresh and will be used; what it holds stays. A function of performance alone, as
-/// forget_pages().
+/// Asks the system to provide the whole pages of these bytes now, all at once. This takes half as long as one
+/// page fault per page at the first write. For fresh memory that will be used; its contents do not change.
+/// Like forget_pages(), affects performance only.
 void populate_pages(void* memory, std::size_t bytes);
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// What files and strangers call things, for a terminal and a line of a message.
+// Makes names from files and clients safe to print in a terminal or a message.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace fracture {
 
-/// Of a text that a message quotes: enough to know it again.
+/// Maximum length of a quotation in a message, bytes: enough to recognize the text.
 constexpr std::size_t kMostQuoted = 200;
 
-/// At most kMostQuoted bytes, with "..." where that is not all of it. Characters of UTF-8 stay whole.
+/// Shortens a text to kMostQuoted bytes and appends "..." if it is longer. UTF-8 characters stay whole.
 inline std::string shortened(std::string_view text) {
   if (text.size() <= kMostQuoted) return std::string(text);
   std::size_t end = kMostQuoted;
@@ -18,8 +18,8 @@ inline std::string shortened(std::string_view text) {
   return std::string(text.substr(0, end)) + "...";
 }
 
-/// Control characters as \x1b, those of Unicode's second set (U+0080 to U+009F) too: a name with escape sequences or line
-/// breaks in it cannot speak for the program. `keep`: controls that stay as they are.
+/// Writes control characters as \x1b, including those in U+0080 to U+009F, so that escape sequences or line
+/// breaks in a name cannot pass for the program's output. `keep`: control characters to leave unchanged.
 inline std::string printable(std::string_view text, std::string_view keep = {}) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string result;
@@ -39,7 +39,7 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
   return result;
 }
 
-/// The same for messages of several lines.
+/// The same for messages that have several lines.
 inline std::string printable_lines(std::string_view text) { return printable(text, "\n\t"); }
 
 }  // namespace fracture

@@ -1,11 +1,11 @@
-// What a computation has cost: processor time, of all the threads that worked in it.
+// The cost of a computation: processor time of all threads that worked on it.
 #pragma once
 
 namespace fracture {
 
-/// Processor seconds of the calling thread since it began, with those that helper threads
-/// (helper_threads.hpp) have spent in its loops. Differences of two calls on one thread are what was computed
-/// in between.
+/// Processor seconds of the calling thread since it began, including those that helper threads
+/// (helper_threads.hpp) have spent in its loops. The difference of two calls on one thread is the cost of the
+/// work in between.
 double processor_seconds_of_this_thread();
 
 }  // namespace fracture

@@ -11,7 +11,7 @@ namespace {
 
 struct Refusal {
   ErrorCode code;
-  std::string why;  ///< how the sentence ends that says how many bytes are needed
+  std::string why;  ///< end of the sentence that says how many bytes are needed
 };
 
 Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
@@ -95,7 +95,8 @@ void Allowance::shrink() {
 }
 
 void Allowance::grow(Product product, std::uint64_t bytes) {
-  // Half as much again, so that the budget is asked a few times only; what is needed where that is refused.
+  // Ask for half as much again, so that the budget is asked only a few times. If that is refused, ask for the
+  // minimum.
   Answer answer = Answer::kNotNow;
   for (const std::uint64_t wanted : {std::min(bytes + bytes / 2, std::max(limit_, bytes)), bytes}) {
     answer = grant_(wanted);

@@ -1,4 +1,5 @@
-// What a computation makes, counted while it is made: the size of an answer is known only from the answer.
+// Counts the products of a computation while they are made, because the size of an answer is known only at
+// its end.
 #pragma once
 
 #include <atomic>
@@ -10,16 +11,16 @@
 
 namespace fracture {
 
-/// Kinds of things whose number depends on mesh and sites together.
+/// Products whose number depends on both the mesh and the sites.
 enum class Product {
   kTetrahedra,         ///< of the sites
-  kSurfaceTriangles,   ///< of the solid, repairs included
+  kSurfaceTriangles,   ///< of the solid, including repairs
   kPolygons,           ///< triangle ∩ cell
-  kSegments,           ///< of the outlines of caps
-  kCapTriangles,       ///< rough ones too
-  kFragmentTriangles,  ///< what is written
-  kImportBytes,        ///< of a process that reads a file, and of what it delivers
-  kMeshBytes,          ///< of the mesh as it was imported
+  kSegments,           ///< of the caps' outlines
+  kCapTriangles,       ///< including those of rough caps
+  kFragmentTriangles,  ///< as written to the answer
+  kImportBytes,        ///< of the process that reads a file, and of its result
+  kMeshBytes,          ///< of the imported mesh
   kContacts,           ///< pairs of parts in contact
 };
 inline constexpr std::size_t kProducts = 9;
@@ -33,9 +34,9 @@ class Allowance {
  public:
   enum class Answer {
     kGranted,
-    kNotNow,     ///< others hold what is missing
-    kOverShare,  ///< other computations of the same client hold it
-    kNever,      ///< more than a computation that is alone may hold
+    kNotNow,     ///< other computations hold the missing memory
+    kOverShare,  ///< other computations of the same client hold the missing memory
+    kNever,      ///< exceeds the maximum for any single computation
   };
   /// Returns whether the computation may hold this many bytes in all. Rarely called, because each grant is at least
   /// half as large again.
@@ -62,15 +63,15 @@ class Allowance {
   std::uint64_t made(Product product) const {
     return made_[static_cast<std::size_t>(product)].load(std::memory_order_relaxed);
   }
-  /// The most that the computation could ever hold.
+  /// Maximum number of bytes that the computation could ever hold.
   std::uint64_t limit() const { return limit_; }
   std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
-  /// Others may have what a step was granted that has ended (a Temporary), but for what it began with. No
-  /// other thread may count for the same computation meanwhile.
+  /// Lets other computations use the memory that was granted to a step that has ended (a Temporary), except
+  /// for the initial grant. No other thread may count for the same computation at the same time.
   void shrink();
 
-  /// What is made between its construction and its destruction is gone afterwards. Null: nothing is counted.
+  /// Products counted between its construction and its destruction are gone afterwards. Null: does nothing.
   /// No other thread may count for the same computation at either moment.
   class Temporary {
    public:

@@ -12,13 +12,13 @@
 
 namespace fracture {
 
-/// What is sorted: `index` says whose key it is.
+/// An element to sort; `index` identifies its owner.
 struct Keyed {
   std::uint64_t key;
   std::uint32_t index;
 };
 
-/// Stable, by bits [low, high) of the key. Throws Interrupted.
+/// Sorts stably by bits [low, high) of the key. Throws Interrupted.
 inline void radix_sort(std::span<Keyed> items, int low, int high, Pacer& pacer) {
   std::vector<Keyed> copy(items.begin(), items.end());
   std::span<Keyed> from = items, to = copy;

@@ -9,7 +9,7 @@
 
 namespace fracture {
 
-/// 2^64 divided by the golden ratio, odd: multiples of it are spread evenly.
+/// 2^64 divided by the golden ratio, made odd. Its multiples are spread evenly.
 inline constexpr std::uint64_t kGoldenGamma = 0x9e3779b97f4a7c15ull;
 
 /// The finalizer of SplitMix64 (below): a permutation in which every bit depends on every bit.
@@ -18,12 +18,12 @@ constexpr std::uint64_t mix64(std::uint64_t z) {
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return z ^ (z >> 31);
 }
-/// The hash h of a sequence, continued by v.
+/// Extends the hash h of a sequence by v.
 constexpr std::uint64_t mix64(std::uint64_t h, std::uint64_t v) { return mix64(h ^ v) + kGoldenGamma; }
 
-/// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"): 64 bits of state,
-/// passes BigCrush, any seed is a good seed. Draw into named variables: f(rng(), rng()) has no specified
-/// order.
+/// SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"). It has 64 bits of
+/// state and passes BigCrush, and every seed is good. Draw into named variables, because f(rng(), rng()) has
+/// no specified order.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -46,7 +46,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Fisher–Yates.
+/// Shuffles by Fisher–Yates.
 template <class T>
 void shuffle(std::vector<T>& items, Random& random) {
   for (std::size_t i = items.size(); i > 1; --i) {

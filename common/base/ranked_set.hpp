@@ -1,5 +1,6 @@
-// Some of the numbers below n, in their order, and the rank of each: a bit for every number, and for every 64 of
-// them how many come before (Jacobson 1989, "Space-efficient static trees and graphs", in its plainest form).
+// A set of numbers below n, in order, with the rank of each. It stores one bit per number and, for every 64
+// bits, the count of members before them (Jacobson 1989, "Space-efficient static trees and graphs", in its
+// simplest form).
 #pragma once
 
 #include <bit>
@@ -13,10 +14,10 @@ class RankedSet {
  public:
   explicit RankedSet(std::size_t n) : words_(n / 64 + 1) {}
 
-  /// Before close().
+  /// Must be called before close().
   void add(std::uint32_t k) { words_[k / 64].bits |= bit(k); }
   bool contains(std::uint32_t k) const { return (words_[k / 64].bits & bit(k)) != 0; }
-  /// Counts. Linear in n / 64.
+  /// Computes the counts. Linear in n / 64.
   void close() {
     count_ = 0;
     for (Word& word : words_) {
@@ -24,14 +25,14 @@ class RankedSet {
       count_ += static_cast<std::uint32_t>(std::popcount(word.bits));
     }
   }
-  // After close().
+  // The following functions must be called after close().
   std::uint32_t size() const { return count_; }
-  /// How many of the set are less than k.
+  /// Number of members less than k.
   std::uint32_t rank(std::uint32_t k) const {
     const Word& word = words_[k / 64];
     return word.before + static_cast<std::uint32_t>(std::popcount(word.bits & (bit(k) - 1)));
   }
-  /// Calls visit(k) for each, ascending.
+  /// Calls visit(k) for each member, in ascending order.
   template <class Visit>
   void each(const Visit& visit) const {
     for (std::size_t w = 0; w < words_.size(); ++w)

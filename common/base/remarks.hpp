@@ -6,16 +6,15 @@
 
 namespace fracture {
 
-/// Whole sentences. Each one is in one of the lists.
+/// Whole sentences. Each sentence is in only one of the lists.
 struct Remarks {
-  std::vector<std::string>
-      warnings;                    ///< to act on: what happened, what it means for the result, and what to do
-  std::vector<std::string> notes;  ///< what was done; nothing has to be done about it
+  std::vector<std::string> warnings;  ///< user must act: what happened, what it means, and what to do
+  std::vector<std::string> notes;     ///< information about what was done; no action is needed
 
-  /// Adds the sentence unless the list has it.
+  /// Adds the sentence unless the list already contains it.
   void warn(std::string sentence);
   void note(std::string sentence);
-  /// Adds both lists of `others` that are not there yet.
+  /// Adds the sentences of `others` that are not in the lists yet.
   void add(const Remarks& others);
 
   bool empty() const { return warnings.empty() && notes.empty(); }

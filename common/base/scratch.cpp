@@ -16,7 +16,7 @@ std::vector<base_detail::KeptByThread*>& kept_by_this_thread() {
 
 namespace base_detail {
 
-// The list is made before what registers in it, so it outlives that.
+// The list is constructed before the objects that register in it, so it outlives them.
 KeptByThread::KeptByThread() { kept_by_this_thread().push_back(this); }
 KeptByThread::~KeptByThread() { std::erase(kept_by_this_thread(), this); }
 

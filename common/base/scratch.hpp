@@ -1,5 +1,5 @@
-// Working memory that threads keep from one use to the next, since fresh memory costs more than the work done
-// in it, and that is given back after a large computation.
+// Working memory that threads keep between uses, because fresh memory costs more than the work done in it. It
+// is freed after a large computation.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace fracture {
 
 namespace base_detail {
 
-/// Something that the thread in which it was made keeps.
+/// An object kept by the thread that constructed it.
 class KeptByThread {
  public:
   KeptByThread();
@@ -32,26 +32,26 @@ class Kept final : public KeptByThread {
 
 }  // namespace base_detail
 
-/// The calling thread's T: default-constructed at first, kept until the thread ends. T::bytes() says how much
-/// it holds, T::release() frees that. One user at a time.
+/// The calling thread's T: default-constructed on first use, and kept until the thread ends. T::bytes()
+/// returns its size, and T::release() frees its memory. Only one user at a time.
 template <class T>
 T& thread_scratch() {
   thread_local base_detail::Kept<T> kept;
   return kept.value;
 }
 
-/// A thread that keeps more than this gives all of it back when scratch is trimmed.
+/// A thread whose scratch exceeds this frees all of it when scratch is trimmed.
 inline constexpr std::size_t kScratchPerThread = std::size_t{8} << 20;
 
 /// Trims the scratch of the calling thread, and makes the helper threads (execution.hpp) trim theirs as soon
-/// as they are idle. Cheap where nothing is large. At the end of a computation, while the calling thread uses
-/// none of it.
+/// as they are idle. Cheap if nothing is large. Call it at the end of a computation, when the calling thread
+/// uses no scratch.
 void trim_scratch();
 
-/// What the calling thread keeps, in bytes.
+/// Bytes of scratch that the calling thread keeps.
 std::size_t scratch_of_this_thread();
 
-/// Trims at the end of its life.
+/// Trims scratch when it is destroyed.
 class ScratchTrimmer {
  public:
   ScratchTrimmer() = default;
@@ -60,7 +60,7 @@ class ScratchTrimmer {
   ScratchTrimmer& operator=(const ScratchTrimmer&) = delete;
 };
 
-/// For T::bytes() and T::release().
+/// Helpers to implement T::bytes() and T::release().
 template <class... Items>
 std::size_t bytes_of_vectors(const std::vector<Items>&... vectors) {
   return (std::size_t{0} + ... + heap(vectors));

@@ -1,6 +1,6 @@
-// An array of which copies share what they have in common: to copy it costs a pointer a block, and to change an
-// element the copy of its block (path copying of Driscoll et al. 1989, "Making data structures persistent", on a
-// tree of two levels).
+// An array whose copies share unchanged blocks. Copying costs one pointer per block, and changing an element
+// copies its block (path copying of Driscoll et al. 1989, "Making data structures persistent", on a tree of
+// two levels).
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace fracture {
 
-/// A block is never changed once an Edit has ended, so arrays that share one may be read and copied by any
+/// Blocks are immutable once an Edit has ended. So arrays that share blocks may be read and copied by any
 /// number of threads.
 template <class T, std::size_t kBlock = 64>
 class SharedBlocks {
  public:
   SharedBlocks() = default;
-  /// Takes the array over. Where its elements hold nothing it stays as it lies in memory, and goes when no block of
-  /// it is used any more; else each block goes by itself.
+  /// Takes over the array. If its elements are trivially destructible, it stays where it is in memory and is
+  /// freed when none of its blocks is used any more. Otherwise each block is freed separately.
   explicit SharedBlocks(std::vector<T> all) : size_(all.size()) {
     if constexpr (!std::is_trivially_destructible_v<T>) {
       for (std::size_t k = 0; k < size_; k += kBlock) {
@@ -39,7 +39,7 @@ class SharedBlocks {
   std::size_t size() const { return size_; }
   const T& operator[](std::size_t k) const { return blocks_[k / kBlock][k % kBlock]; }
 
-  /// Changes the elements of one array. While it lives nobody else may use that array; its copies may be used.
+  /// Changes elements of one array. While it exists, nothing else may use that array; its copies may be used.
   class Edit {
    public:
     explicit Edit(SharedBlocks& of) : of_(of), own_(of.blocks_.size(), 0) {}
@@ -47,7 +47,7 @@ class SharedBlocks {
     Edit& operator=(const Edit&) = delete;
 
     const T& operator[](std::size_t k) const { return of_[k]; }
-    /// The element, to be written.
+    /// A writable reference to the element.
     T& at(std::size_t k) {
       own(k / kBlock);
       return of_.blocks_[k / kBlock][k % kBlock];
@@ -74,7 +74,7 @@ class SharedBlocks {
     }
 
     SharedBlocks& of_;
-    std::vector<char> own_;  // per block: this edit has made it
+    std::vector<char> own_;  // per block: whether this edit created it
   };
 
  private:

@@ -1,4 +1,4 @@
-// The stages of a fracture, by their one name each.
+// The stages of a fracture and their names.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@ enum class Stage { kImport, kPrepare, kTetrahedralize, kClip, kEncode };
 
 struct StageRow {
   Stage stage;
-  const char* name;  ///< in Server-Timing, jobs, reports of bake and errors
-  /// Percent of a whole fracture that are done when it ends: roughly its share of the time for a mesh of 10k
-  /// triangles and 100 sites. A hundred is for what is done and kept.
+  const char* name;  ///< used in Server-Timing, jobs, reports of bake, and errors
+  /// Percentage of a whole fracture that is done when the stage ends: roughly its share of the time for a
+  /// mesh with 10k triangles and 100 sites. 100 is reserved for answers that are done and stored.
   int ends_at;
 };
 

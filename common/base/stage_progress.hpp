@@ -1,6 +1,6 @@
-// How far a stage is, told while it runs by its parallel loops. Nothing is known of a stage's work before it
-// is done, so each loop takes a part of what is left of the stage (or of the part of it that reaches()
-// named), the smaller the fewer blocks it has: what is told grows with every loop and never passes the end.
+// Reports how far a stage is, updated by its parallel loops. The total work of a stage is not known in
+// advance. So each loop takes a part of the remaining stage (or of the part that reaches() names), and loops
+// with fewer blocks take less. The reported value grows with every loop and never passes the end.
 //
 //     0 ├──── loop 1 ────┼── loop 2 ──┼─ 3 ─┼┄┄┤ reaches(0.6) ├──── loop 4 ────┼┄┄┄┄┤ 1
 #pragma once
@@ -17,27 +17,28 @@
 
 namespace fracture {
 
-/// One stage of one computation. Parts, reaches() and loops on one thread at a time; blocks of a loop on any.
+/// The progress of one stage of one computation. Parts, reaches() and loops must be used on one thread at a
+/// time; the blocks of a loop may run on any thread.
 class StageProgress {
  public:
   using Tell = std::function<void(Stage, double)>;
-  /// Borrows both; an empty `tell` makes all of this nothing.
+  /// Borrows `tell`. If `tell` is empty, nothing is reported.
   StageProgress(Stage stage, const Tell& tell) : stage_(stage), tell_(tell) {}
   StageProgress(const StageProgress&) = delete;
   StageProgress& operator=(const StageProgress&) = delete;
 
-  /// What follows takes the stage, or the innermost Part of it, to here, in (0, 1]. Where it has come further
-  /// already (work that is done again), to half of what is left.
+  /// The following work takes the stage, or its innermost Part, to `end`, in (0, 1]. If the stage is already
+  /// past `end` (because work is repeated), goes half-way through the remainder instead.
   void reaches(double end) {
-    if (looping_) return;  // said within a block, which is a part of its loop
+    if (looping_) return;  // called within a block, which is already part of a loop
     if (std::exchange(divided_, true)) position_ = std::max(position_, end_);
     const double last = first_ + span_, wanted = first_ + span_ * end;
     end_ = wanted > position_ ? wanted : position_ + std::max(0.0, last - position_) / 2;
     if (tell_) tell_(stage_, position_);
   }
 
-  /// While it lives, what reaches() says is said of this part of the stage: for work that is itself divided,
-  /// and done several times. Nothing where `stage` is null.
+  /// While it exists, reaches() refers to this part of the stage. For work that is divided itself and is done
+  /// several times. Does nothing if `stage` is null.
   class Part {
    public:
     Part(StageProgress* stage, double end) : stage_(stage && !stage->looping_ ? stage : nullptr) {
@@ -64,7 +65,7 @@ class StageProgress {
     double last_ = 1;
   };
 
-  /// While it lives, a loop of so many blocks. Only the outermost of nested loops tells.
+  /// While it exists, a loop with this many blocks runs. Among nested loops, only the outermost one reports.
   class Loop {
    public:
     Loop(StageProgress* stage, std::size_t blocks) {
@@ -82,7 +83,7 @@ class StageProgress {
     Loop(const Loop&) = delete;
     Loop& operator=(const Loop&) = delete;
 
-    /// Block number `block` begins.
+    /// Reports that a block begins.
     void at(std::size_t block) {
       if (!stage_ || (block & mask_) != 0) return;
       stage_->tell_(stage_->stage_, stage_->position_ + share_ * static_cast<double>(block) / blocks_);
@@ -90,7 +91,7 @@ class StageProgress {
 
    private:
     static constexpr double kFewBlocks = 32;
-    static constexpr std::size_t kTold = 32;  ///< times a loop tells, at least, where it has as many blocks
+    static constexpr std::size_t kTold = 32;  ///< minimum number of reports if there are as many blocks
     StageProgress* stage_ = nullptr;
     double blocks_ = 1, share_ = 0;
     std::size_t mask_ = 0;
@@ -100,8 +101,8 @@ class StageProgress {
   const Stage stage_;
   const Tell& tell_;
   double position_ = 0, end_ = 1;
-  bool divided_ = false;         // reaches() has named an end: end_ is where the next begins
-  double first_ = 0, span_ = 1;  // what reaches() is said of
+  bool divided_ = false;         // reaches() has set an end, and the next range begins at end_
+  double first_ = 0, span_ = 1;  // the range that reaches() refers to
   std::atomic<bool> looping_{false};
 };
 

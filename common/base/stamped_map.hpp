@@ -1,5 +1,5 @@
-// A map from a dense id space to uint32 that is emptied in O(1): each entry carries the epoch it was written
-// in. For "local index of a global id", asked for many small subsets of a large set.
+// A map from a dense id space to uint32 that can be cleared in O(1), because each entry stores the epoch in
+// which it was written. Used to find local indices of global ids for many small subsets of a large set.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ class StampedMap {
  public:
   static constexpr std::uint32_t kEmpty = 0xffffffffu;
 
-  /// Forgets everything; ids are < size from now on.
+  /// Clears the map; from now on, ids must be < size.
   void next_epoch(std::size_t size) {
     if (entries_.size() < size) entries_.resize(size, {0, kEmpty});
     if (++epoch_ == 0) {
@@ -23,18 +23,18 @@ class StampedMap {
   }
   std::size_t bytes() const { return bytes_of_vectors(entries_); }
   void release() { release_vectors(entries_); }
-  /// The entry of id, kEmpty when nothing was stored since next_epoch().
+  /// The entry of id; kEmpty if nothing was stored since next_epoch().
   std::uint32_t& slot(std::size_t id) {
     Entry& e = entries_[id];
     if (e.epoch != epoch_) e = {epoch_, kEmpty};
     return e.value;
   }
-  /// The entry of id; `fresh` becomes it where there is none. Nothing branches on whether there is: for the vertices of
-  /// triangles it is a coin toss to the branch predictor.
+  /// Returns the entry of id; if there is none, stores and returns `fresh`. Does not branch on whether there
+  /// is an entry, because for the vertices of triangles the branch is unpredictable.
   std::uint32_t number(std::size_t id, std::uint32_t fresh) {
     Entry& e = entries_[id];
     const std::uint32_t known =
-        0u - static_cast<std::uint32_t>((e.epoch == epoch_) & (e.value != kEmpty));  // or 0
+        0u - static_cast<std::uint32_t>((e.epoch == epoch_) & (e.value != kEmpty));  // all bits set, or 0
     const std::uint32_t value = (e.value & known) | (fresh & ~known);
     e = {epoch_, value};
     return value;
@@ -48,8 +48,8 @@ class StampedMap {
   std::uint32_t epoch_ = 0;
 };
 
-/// The calling thread's own map, kept from call to call (scratch.hpp).
-/// One user at a time: next_epoch() takes it over.
+/// The calling thread's own map, kept between calls (scratch.hpp). Only one user at a time: next_epoch()
+/// takes it over.
 inline StampedMap& worker_map() { return thread_scratch<StampedMap>(); }
 
 }  // namespace fracture

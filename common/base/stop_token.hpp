@@ -1,5 +1,5 @@
-// Whether somebody still wants what is being computed. The server answers with a std::stop_token, a module in
-// a page with a flag: what stands in common/ only asks.
+// Tells a computation whether its result is still wanted. The server uses a std::stop_token, and the browser
+// module a flag; code in common/ only reads it.
 #pragma once
 
 #include <concepts>
@@ -9,7 +9,7 @@
 
 namespace fracture {
 
-/// Any copyable value with `bool stop_requested() const` that several threads may ask at once.
+/// Any copyable value with `bool stop_requested() const` that several threads may call at once.
 template <class T>
 concept AsksForAStop = std::copy_constructible<T> && requires(const T& token) {
   { token.stop_requested() } -> std::convertible_to<bool>;
@@ -17,11 +17,11 @@ concept AsksForAStop = std::copy_constructible<T> && requires(const T& token) {
 
 class StopToken {
  public:
-  StopToken() = default;  ///< nobody ever asks for a stop
-  // Whether it is itself is asked first: whether StopToken can be copied depends on the answer.
+  StopToken() = default;  ///< never requests a stop
+  // same_as is tested first, because copy_constructible<StopToken> depends on this constructor.
   template <class Token>
   requires(!std::same_as<Token, StopToken> && AsksForAStop<Token>)
-      StopToken(Token token)  // NOLINT(google-explicit-constructor): a token is passed as what it is
+      StopToken(Token token)  // implicit, so that tokens can be passed directly
       : asked_([token = std::move(token)] { return static_cast<bool>(token.stop_requested()); }) {}
 
   bool stop_requested() const { return asked_ && asked_(); }

@@ -1,5 +1,5 @@
-// Wall-clock time by stage: the source of Server-Timing and of bake reports. Timings never reach the GLB (its
-// bytes depend on input and parameters only).
+// Wall-clock time by stage, for Server-Timing and the reports of bake. Timings are never in the GLB, whose
+// bytes depend only on input and parameters.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class StageTimings {
   /// 0 for a stage that did not run.
   double milliseconds(Stage stage) const { return milliseconds_[index_of(stage)].value_or(0); }
 
-  /// Adds the time from its construction to its destruction.
+  /// Adds the time between its construction and its destruction.
   class Scope {
    public:
     Scope(StageTimings& timings, Stage stage) : timings_(timings), stage_(stage) {}

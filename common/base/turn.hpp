@@ -1,5 +1,5 @@
-// Whose turn it is, where several computations share the processors. The library only says where a
-// computation could stand back; who decides is its caller's caller (server/service/worker_pool.hpp).
+// Decides which computation runs if several share the processors. The library only marks the points where a
+// computation can wait; the caller's scheduler decides (server/service/worker_pool.hpp).
 #pragma once
 
 namespace fracture {
@@ -8,23 +8,24 @@ namespace fracture {
 class Turn {
  public:
   virtual ~Turn() = default;
-  /// Called at each poll: waits while something more urgent needs the processor, within a limit. Cheap when
-  /// nothing does. Throws Interrupted where the computation has to end for others.
+  /// Called at each poll: waits, within a limit, while something more urgent needs the processor. Cheap if
+  /// nothing does. Throws Interrupted if the computation must end in favour of others.
   virtual void give_way() = 0;
-  /// Instead of give_way() where it is away: never waits.
+  /// Called instead of give_way() while the computation is away. Never waits, but may throw Interrupted.
   virtual void end_where_it_must() {}
-  /// Between these two the computation waits for work that is done elsewhere (another process), and uses no
-  /// processor here. Not nested; only by the thread that the computation began on.
+  /// Between leave() and come_back(), the computation waits for work done elsewhere (in another process), and
+  /// uses no processor here. Not nested; called only by the thread that the computation began on.
   virtual void leave() = 0;
   virtual void come_back() = 0;
-  /// What was done elsewhere took so many seconds of a processor. By the thread that the computation began on.
+  /// Adds processor seconds that work done elsewhere took. Called by the thread that the computation began
+  /// on.
   virtual void spent_elsewhere(double /*seconds*/) {}
-  /// Somebody waits for the computation who cannot wait long: where it waits for others, it goes before them.
-  /// May change while it runs.
+  /// Whether a client waits for the computation and cannot wait long. If so, it goes before others that wait
+  /// for a processor. May change while the computation runs.
   virtual bool is_urgent() const { return true; }
 };
 
-/// Away for as long as this lives; nothing where `turn` is null.
+/// Calls leave() now and come_back() on destruction. Does nothing if `turn` is null.
 class Away {
  public:
   explicit Away(Turn* turn) : turn_(turn) {

@@ -1,5 +1,5 @@
-// Small fixed vectors. Plain data, no cleverness: every operation is written out so that each compiler
-// evaluates the same expression in the same order (one of the conditions for identical bytes everywhere).
+// Small fixed vectors, as plain data. Every operation is written out, so that each compiler evaluates the
+// same expression in the same order (a condition for identical bytes on all systems).
 #pragma once
 
 #include <array>
@@ -54,14 +54,14 @@ struct Box {
 
   bool empty() const { return !(min.x <= max.x); }
   void add(const Vec3d& p) { add(p, p); }
-  void add(const Box& b) { add(b.min, b.max); }  // an empty one changes nothing
+  void add(const Box& b) { add(b.min, b.max); }  // an empty box changes nothing
   Vec3d size() const { return empty() ? Vec3d{} : max - min; }
   Vec3d center() const { return 0.5 * (min + max); }
   double longest_side() const {
     const Vec3d s = size();
     return std::fmax(s.x, std::fmax(s.y, s.z));
   }
-  /// Without branches: which side parts two boxes is not to be foreseen.
+  /// Written without branches, because it is unpredictable which side separates two boxes.
   bool intersects(const Box& b) const {
     return (b.max.x >= min.x) & (b.min.x <= max.x) & (b.max.y >= min.y) & (b.min.y <= max.y) &
            (b.max.z >= min.z) & (b.min.z <= max.z);
@@ -74,7 +74,7 @@ struct Box {
   }
 };
 
-/// The intersection of two boxes. If they are apart, its lowest corner is above its highest on some axis.
+/// The intersection of two boxes. If they are disjoint, its minimum exceeds its maximum on some axis.
 inline Box common_of(const Box& a, const Box& b) {
   Box common;
   for (int axis = 0; axis < 3; ++axis) {

@@ -7,7 +7,7 @@
 namespace fracture {
 namespace {
 
-constexpr double kLeast = 1e-4, kMost = 1e9;  // magnitudes that are written without an exponent
+constexpr double kLeast = 1e-4, kMost = 1e9;  // range of magnitudes that are written without an exponent
 
 }  // namespace
 

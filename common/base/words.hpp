@@ -1,4 +1,4 @@
-// Numbers in sentences for people. Programs read the figures of a report instead.
+// Numbers in sentences for people. Programs read the numbers in a report instead.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 
 namespace fracture {
 
-/// "1 part was", "4,210 parts were": the count, and `one` or `many` after it.
+/// Returns the count followed by `one` or `many`: "1 part was", "4,210 parts were".
 std::string counted(std::uint64_t count, const char* one, const char* many);
 
-/// "999", "4,210", "1,000,000".
+/// Groups digits: "999", "4,210", "1,000,000".
 std::string grouped(std::uint64_t number);
 
-/// To four significant digits, without zeros at the end: "0.0013", "2.5", "12,350", "1.2e-07". An exponent is there only for
-/// magnitudes below 0.0001 and from a billion on. Not finite: "inf", "-inf", "nan".
+/// Writes four significant digits, without trailing zeros: "0.0013", "2.5", "12,350", "1.2e-07". Magnitudes
+/// below 0.0001, and those of a billion or more, have an exponent. Not finite: "inf", "-inf", "nan".
 std::string short_number(double value);
 
 }  // namespace fracture

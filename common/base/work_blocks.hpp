@@ -1,4 +1,4 @@
-// Blocks of about equal work, for parallel loops over elements of very different cost.
+// Blocks of about equal work, for parallel loops over elements with very different costs.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 
 namespace fracture {
 
-/// Consecutive blocks that cover [0, size): block b is [begin[b], begin[b + 1]). Each has no more than `most`
-/// work, or is one element. A function of the elements alone, not of the number of threads.
+/// Consecutive blocks that cover [0, size): block b is [begin[b], begin[b + 1]). Each block has at most
+/// `most` work, or a single element. Depends only on the elements, not on the number of threads.
 struct WorkBlocks {
   std::vector<std::size_t> begin{0};
 
-  /// `work(k)`: of element k, roughly its nanoseconds.
+  /// `work(k)`: the cost of element k, in nanoseconds, roughly.
   template <class Work>
   WorkBlocks(const Execution& execution, std::size_t size, std::uint64_t most, const Work& work) {
     Pacer pacer(execution);

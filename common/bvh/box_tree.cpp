@@ -7,8 +7,8 @@
 namespace fracture {
 namespace {
 
-constexpr std::uint32_t kLeaf = 4;  // boxes, at most
-constexpr int kAxisBits = 21;       // of a Morton code
+constexpr std::uint32_t kLeaf = 4;  // maximum number of boxes
+constexpr int kAxisBits = 21;       // in a Morton code
 
 /// The lowest 21 bits of v, with two zeros before each.
 std::uint64_t spread(std::uint64_t v) {
@@ -19,8 +19,8 @@ std::uint64_t spread(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249u;
 }
 
-/// The Morton code of the middle of a box, in cells of a cube around the middles of those that `keys` name: all axes
-/// have the same scale, so that what is long is divided along its length first.
+/// Computes the Morton code of the middle of a box, in cells of a cube around the middles of the boxes in
+/// `keys`. All axes have the same scale, so long groups are divided along their length first.
 class MortonCode {
  public:
   MortonCode(const std::vector<Box>& boxes, std::span<const Keyed> keys, Pacer& pacer) {
@@ -47,7 +47,7 @@ class MortonCode {
   double scale_;
 };
 
-/// By code, then by index; the indices come in order.
+/// Sorts by code, then by index. The input must be in the order of the indices.
 void sort_by_code(const std::vector<Box>& boxes, std::span<Keyed> keys, Pacer& pacer) {
   const MortonCode code(boxes, keys, pacer);
   for (Keyed& k : keys) {
@@ -61,9 +61,9 @@ void sort_by_code(const std::vector<Box>& boxes, std::span<Keyed> keys, Pacer& p
   });
 }
 
-/// How many of them come before where the codes part at their highest differing bit. Those in one cell get codes of
-/// their own cube first: what is small beside the whole is divided like anything else. Half of them where all
-/// middles are one.
+/// Number of keys before the point where the codes differ in their highest differing bit. If all keys are in
+/// one cell, they first get codes in their own cube, so groups that are small compared with the whole are
+/// divided in the same way. If all middles are equal, half of the keys.
 std::uint32_t parting(const std::vector<Box>& boxes, std::span<Keyed> keys, Pacer& pacer) {
   if (keys.front().key == keys.back().key) sort_by_code(boxes, keys, pacer);
   const std::uint64_t low = keys.front().key, high = keys.back().key;
@@ -111,7 +111,7 @@ BoxTree::BoxTree(const std::vector<Box>& boxes, const std::vector<std::uint32_t>
   if (!groups.empty()) join_groups({boxes, of_group, group_begin}, groups, pacer);
 }
 
-/// The keys are sorted by code, or all the same.
+/// The keys must be sorted by code or all be the same.
 void BoxTree::build(const std::vector<Box>& boxes, std::span<Keyed> keys, std::uint32_t group, Pacer& pacer) {
   const std::size_t n = nodes_.size();
   pacer.step();
@@ -131,7 +131,7 @@ void BoxTree::build(const std::vector<Box>& boxes, std::span<Keyed> keys, std::u
   have_children(n, second);
 }
 
-/// Above the trees of the groups that the keys name.
+/// Builds the upper part of the tree, above the trees of the groups in the keys.
 void BoxTree::join_groups(const Groups& groups, std::span<Keyed> keys, Pacer& pacer) {
   if (keys.size() == 1) {
     const std::uint32_t g = keys[0].index;
@@ -163,7 +163,7 @@ void BoxTree::refit(const std::vector<Box>& boxes, const Execution& execution) {
     item.box = boxes[item.index];
     pacer.step();
   }
-  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children come after their parents
     Node& node = nodes_[n];
     pacer.step();
     node.box = {};

@@ -1,6 +1,6 @@
-// Boxes in a binary tree of boxes (bounding volume hierarchy: Kay & Kajiya 1986, "Ray tracing complex
-// scenes"): which of them overlap a box or each other or are wanted for another reason, and which is nearest
-// to a point.
+// A bounding volume hierarchy: boxes in a binary tree of boxes (Kay & Kajiya 1986, "Ray tracing complex
+// scenes"). Finds the boxes that overlap a given box, overlap each other or satisfy another condition, and
+// the box nearest to a point.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace fracture {
 
-/// Square of the distance from p to the box; 0 inside.
+/// Squared distance from p to the box; 0 inside.
 inline double square_distance(const Box& box, const Vec3d& p) {
   const auto beyond = [](double low, double high, double x) {
     return x < low ? low - x : x > high ? x - high : 0;
@@ -28,43 +28,46 @@ inline double square_distance(const Box& box, const Vec3d& p) {
 
 class BoxTree {
  public:
-  /// Along the Morton curve through their middles, parted where its cells part (Lauterbach et al. 2009, "Fast BVH
-  /// construction on GPUs"), as often anew as scales differ: linear in each. Throws Interrupted.
+  /// Sorts the boxes along the Morton curve through their middles, and divides them where its cells do
+  /// (Lauterbach et al. 2009, "Fast BVH construction on GPUs"). This is repeated for each scale at which
+  /// boxes differ. Linear per repetition. Throws Interrupted.
   explicit BoxTree(const std::vector<Box>& boxes, const Execution& execution = {});
-  /// In groups that follow one another, from group_begin[g] on (the last entry: the number of boxes): pairs
-  /// within a group are of no interest. Where groups are compact, so is the tree, whose upper part has whole
-  /// groups for leaves.
+  /// Boxes in consecutive groups, where group g begins at group_begin[g] (the last entry is the number of
+  /// boxes). Pairs within a group are ignored. If the groups are compact, so is the tree, because whole
+  /// groups are leaves of its upper part.
   BoxTree(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& group_begin,
           const Execution& execution = {});
-  /// The same tree around other boxes, as many: good while they are about where they were. Linear. Throws
-  /// Interrupted.
+  /// Keeps the tree but replaces the boxes by the same number of new ones. Efficient while the boxes are near
+  /// their original positions. Linear. Throws Interrupted.
   void refit(const std::vector<Box>& boxes, const Execution& execution = {});
 
-  /// visit(i) for every box that overlaps.
+  /// Calls visit(i) for every overlapping box.
   template <class Visit>
   void each_overlapping(const Box& box, const Visit& visit) const {
     if (!nodes_.empty()) descend(0, box, visit);
   }
 
-  /// visit(i) for every box that enter() lets in, with all the boxes around it in the tree: enter(box) says
-  /// whether anything in a box is wanted. Where it does, leave() follows when all of that has been seen.
+  /// Calls visit(i) for every box for which enter() returns true, as it must for all enclosing boxes in the tree.
+  /// enter(box) returns whether anything in a box is wanted. If so, leave() is called after its contents.
   template <class Enter, class Leave, class Visit>
   void each_entered(const Enter& enter, const Leave& leave, const Visit& visit) const {
     if (!nodes_.empty()) explore(0, enter, leave, visit);
   }
 
-  /// A part of the search for all pairs: tasks are independent of each other.
+  /// A part of the search for all pairs. Tasks are independent of each other.
   using Task = std::pair<std::uint32_t, std::uint32_t>;
-  /// About `least` of them or more, or as many as there are.
+  /// Returns about `least` tasks or more, or as many as there are.
   std::vector<Task> pair_tasks(std::size_t least) const;
-  /// visit(i, j), i < j, once for every two boxes that overlap and are of different groups, if there are any.
+  /// Calls visit(i, j), i < j, once for every two boxes that overlap and, if there are groups, are in
+  /// different groups.
   template <class Visit>
   void each_pair(const Task& task, const Visit& visit) const {
     pairs(task.first, task.second, visit);
   }
 
-  /// The least of `most` and distance(i) over all boxes, which is asked only where the box may be nearer. `slack`:
-  /// more than distance(i) may be too small by rounding; then what comes out does not depend on the tree.
+  /// Returns the minimum of `most` and distance(i) over all boxes. Calls distance(i) only if the box may be
+  /// nearer. `slack`: more than the rounding error by which distance(i) may be too small; it makes the result
+  /// independent of the tree.
   template <class Distance>
   double nearest(const Vec3d& p, double most, double slack, const Distance& distance) const {
     if (!nodes_.empty() && may_be_nearer(square_distance(nodes_[0].box, p), most, slack))
@@ -73,8 +76,8 @@ class BoxTree {
   }
 
  private:
-  /// A leaf has items [first, first + count); an inner node has count 0, its children are the next and
-  /// `first`. `group`: the only one below it, or kNoGroup.
+  /// A leaf has the items [first, first + count). An inner node has count 0, and its children are the next
+  /// node and `first`. `group`: the only group below it, or kNoGroup.
   struct Node {
     Box box;
     std::uint32_t first, count, group;
@@ -86,8 +89,8 @@ class BoxTree {
   };
   struct Groups {
     const std::vector<Box>& items;
-    const std::vector<Box>& boxes;            // of the groups
-    const std::vector<std::uint32_t>& begin;  // of the items of each
+    const std::vector<Box>& boxes;            // boxes of the groups
+    const std::vector<std::uint32_t>& begin;  // first item of each group
   };
   void build(const std::vector<Box>& boxes, std::span<Keyed> keys, std::uint32_t group, Pacer& pacer);
   void join_groups(const Groups& groups, std::span<Keyed> keys, Pacer& pacer);

@@ -10,9 +10,9 @@
 namespace fracture {
 namespace {
 
-/// More than rounding does to a sum of lengths.
+/// Exceeds the rounding error of a sum of lengths.
 constexpr double kBeyondRounding = 1 + 1e-9;
-/// More than rounding does to a distance, of the largest coordinate.
+/// Exceeds the rounding error of a distance, relative to the largest coordinate.
 constexpr double kRoundingOfDistances = 1e-12;
 
 std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles, const Execution& execution) {
@@ -48,7 +48,7 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
   if (va <= 0 && on_bc >= 0 && beyond >= 0 && on_bc + beyond > 0)
     return to(b + (on_bc / (on_bc + beyond)) * (c - b));
   const double sum = va + vb + vc;
-  if (!(sum > 0)) return std::min({to(a), to(b), to(c)});  // flat
+  if (!(sum > 0)) return std::min({to(a), to(b), to(c)});  // a flat triangle
   return to(a + (vb / sum) * ab + (vc / sum) * ac);
 }
 
@@ -65,7 +65,7 @@ SurfaceTree::SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Exec
 double SurfaceTree::nearer(const Vec3d& p, std::uint32_t triangle, double most, Pacer& pacer) const {
   pacer.step();
   const auto& [a, b, c] = corners_[triangle];
-  // Cheaper than the distance: that to the plane, where it is too far already.
+  // The distance to the plane is cheaper to compute, and may already be too large.
   const Vec3d n = cross(b - a, c - a);
   const double height = dot(n, p - a);
   if (height * height > (most + slack_) * (most + slack_) * dot(n, n)) return most;
@@ -80,13 +80,13 @@ double SurfaceTree::distance(const Vec3d& p, double most, Pacer& pacer) const {
 
 bool SurfaceTree::within(const Vec3d& p, double distance, Pacer& pacer) const {
   return tree_.nearest(p, distance, slack_, [&](std::uint32_t triangle) {
-    // Nothing is nearer than that: the search ends.
+    // No result can be nearer, so the search ends.
     return nearer(p, triangle, distance, pacer) < distance ? -slack_ : distance;
   }) < distance;
 }
 
-/// visit(k) for each triangle of the surface that may be within reach() of the triangle, which may become less
-/// meanwhile; none where that is negative.
+/// Calls visit(k) for each triangle of the surface that may be within reach() of the triangle. reach() may
+/// decrease meanwhile; if it is negative, no triangle is visited.
 template <class Reach, class Visit>
 void SurfaceTree::each_within(const std::array<Vec3d, 3>& triangle, const Reach& reach, Pacer& pacer,
                               const Visit& visit) const {
@@ -135,7 +135,8 @@ double SurfaceTree::distance_of(const std::array<Vec3d, 3>& triangle, double mos
 
 void SurfaceTree::distances(std::span<const Vec3d> points, double most, std::span<double> out,
                             Pacer& pacer) const {
-  // Nobody is farther from the surface than its neighbour is, and that one from it.
+  // The distance of a point to the surface is at most the distance of its neighbour plus the distance between
+  // the two.
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double least =
         k == 0 ? most

@@ -1,4 +1,4 @@
-// The triangles of a surface in a tree of boxes: how far it is from a point, and which are near a box.
+// The triangles of a surface in a tree of boxes. Finds the distance to a point, and the triangles near a box.
 #pragma once
 
 #include <array>
@@ -17,24 +17,26 @@ double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, cons
 
 class SurfaceTree {
  public:
-  /// Of triangles by their corners, m. Throws Interrupted.
+  /// Takes triangles by their corners, m. Throws Interrupted.
   explicit SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution = {});
 
-  /// min(distance from p to the surface, most), m. The same to the bit with other triangles farther away, unless the
-  /// nearest is a needle that rounding hides. Throws Interrupted.
+  /// min(distance from p to the surface, most), m. Other triangles that are farther away do not change its
+  /// bits, unless the nearest triangle is a needle hidden by rounding. Throws Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
-  /// min(distance from the triangle to the surface, most), m: of its nearest place. Throws Interrupted.
+  /// min(distance from the triangle to the surface, most), m, for the triangle's nearest point. Throws
+  /// Interrupted.
   double distance_of(const std::array<Vec3d, 3>& triangle, double most, Pacer& pacer) const;
-  /// Whether the surface is nearer to p than that, m: ends at the first triangle that is.
+  /// Whether the surface is nearer to p than this, m. Stops at the first such triangle.
   bool within(const Vec3d& p, double distance, Pacer& pacer) const;
-  /// Whether the surface is nearer to any place of the triangle than that, m; where rounding hides it, it is. Nothing
-  /// where more than kMostAsked triangles of the surface may be.
+  /// Whether the surface is nearer than this, m, to any point of the triangle; true if rounding makes it
+  /// uncertain. Returns nothing if more than kMostAsked triangles of the surface may be that near.
   std::optional<bool> near_triangle(const std::array<Vec3d, 3>& triangle, double distance,
                                     Pacer& pacer) const;
   static constexpr std::size_t kMostAsked = 32;
-  /// min(distance from p to the surface, most) of many points; quicker where neighbours follow one another.
+  /// min(distance from p to the surface, most) for many points; faster if neighbouring points are
+  /// consecutive.
   void distances(std::span<const Vec3d> points, double most, std::span<double> out, Pacer& pacer) const;
-  /// visit(triangle) for every one whose box overlaps.
+  /// Calls visit(triangle) for every triangle whose box overlaps.
   template <class Visit>
   void each_near(const Box& box, const Visit& visit) const {
     tree_.each_overlapping(box, visit);
@@ -44,7 +46,7 @@ class SurfaceTree {
   const std::vector<std::array<Vec3d, 3>>& corners() const { return corners_; }
 
  private:
-  /// The distance to that triangle where it is less than `most`, which is returned otherwise.
+  /// The distance to this triangle if it is less than `most`, otherwise `most`.
   double nearer(const Vec3d& p, std::uint32_t triangle, double most, Pacer& pacer) const;
 
   template <class Reach, class Visit>
@@ -53,7 +55,7 @@ class SurfaceTree {
 
   std::vector<std::array<Vec3d, 3>> corners_;
   BoxTree tree_;
-  double slack_ = 0;  // m, more than rounding does to a distance: all that may be the nearest are asked
+  double slack_ = 0;  // m; exceeds the rounding error of a distance, so all candidates are tested
 };
 
 }  // namespace fracture

@@ -7,7 +7,7 @@ using Corners = std::array<Vec3d, 3>;
 
 double height(const PlaneTriangle& t, const Vec3d& p) { return dot(t.normal, p - t.corners[0]); }
 
-/// x in the plane: farther than the tolerance inside all sides?
+/// Whether x, in the plane, is inside all sides by more than the tolerance.
 bool contains(const PlaneTriangle& t, const Vec3d& x, double tolerance) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d side = t.corners[(k + 1) % 3] - t.corners[k];
@@ -42,7 +42,7 @@ PlaneTriangle::PlaneTriangle(const Corners& t) : corners(t), normal(cross(t[1] -
 }
 
 bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance) {
-  // Where one lies on one side of the other's plane, nothing is pierced.
+  // If one triangle is on one side of the other's plane, no edge pierces.
   if (!is_parted(t, s.corners, tolerance) || !is_parted(s, t.corners, tolerance)) return false;
   return edges_pierce(s, t, tolerance) || edges_pierce(t, s, tolerance);
 }

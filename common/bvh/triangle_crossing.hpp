@@ -1,4 +1,4 @@
-// Do two triangles cross? By what makes them: an edge of one that pierces the inside of the other.
+// Decides whether two triangles cross: whether an edge of one pierces the interior of the other.
 #pragma once
 
 #include <array>
@@ -10,14 +10,15 @@ namespace fracture {
 /// A triangle with its plane.
 struct PlaneTriangle {
   std::array<Vec3d, 3> corners;
-  Vec3d normal;  ///< unit; zero where the triangle is flat: then every height is 0
+  Vec3d normal;  ///< unit vector; zero if the triangle is flat, so every height is 0
   explicit PlaneTriangle(const std::array<Vec3d, 3>& t);
 };
 
-/// Are there corners on both sides of the plane of t, by more than `tolerance` (m)?
+/// Whether there are corners on both sides of the plane of t, farther away than `tolerance` (m).
 bool is_parted(const PlaneTriangle& t, const std::array<Vec3d, 3>& corners, double tolerance);
 
-/// Does an edge of one pierce the inside of the other, by more than `tolerance` (m) on all sides?
+/// Whether an edge of one triangle pierces the interior of the other, by more than `tolerance` (m) on all
+/// sides.
 bool cross_each_other(const PlaneTriangle& s, const PlaneTriangle& t, double tolerance);
 
 }  // namespace fracture

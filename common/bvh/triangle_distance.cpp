@@ -10,7 +10,7 @@ namespace {
 
 using Corners = std::array<Vec3d, 3>;
 
-/// Of the corners over the plane of t, m; none where it is a needle, whose plane rounding decides.
+/// Heights of the corners over the plane of t, m; none if t is a needle, whose plane depends on rounding.
 struct Heights {
   static constexpr double kNeedle = 1e-3;
   double least = 0, most = 0;
@@ -27,7 +27,7 @@ struct Heights {
   bool beyond(double distance) const { return least > distance || most < -distance; }
 };
 
-/// Does an edge of s go through t? What comes near to an edge of t is not asked for.
+/// Whether an edge of s passes through t. Edges that pass near an edge of t are not decided reliably.
 bool pierces(const Corners& s, const Corners& t) {
   const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -43,8 +43,8 @@ bool pierces(const Corners& s, const Corners& t) {
   return false;
 }
 
-/// Calls ends(distance) for each corner and the other triangle and for each two edges, until it returns true. The least
-/// of these is the distance of triangles that do not pierce each other.
+/// Calls ends(distance) for each corner with the other triangle and for each pair of edges, until it returns
+/// true. The minimum of these is the distance of triangles that do not pierce each other.
 template <class Ends>
 bool any_distance(const Corners& s, const Corners& t, const Ends& ends) {
   for (std::size_t k = 0; k < 3; ++k)
@@ -62,7 +62,7 @@ bool any_distance(const Corners& s, const Corners& t, const Ends& ends) {
 double distance_of_segments(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   const Vec3d ab = b - a, cd = d - c, ca = a - c;
   const double ab2 = dot(ab, ab), cd2 = dot(cd, cd), on_cd = dot(cd, ca), on_ab = dot(ab, ca);
-  const auto clamped = [](double x) { return x > 0 ? std::fmin(x, 1) : 0.0; };  // of no number, 0
+  const auto clamped = [](double x) { return x > 0 ? std::fmin(x, 1) : 0.0; };  // 0 for NaN
   double s = 0, t = 0;
   if (cd2 > 0) {
     const double both = dot(ab, cd), across = ab2 * cd2 - both * both;

@@ -15,14 +15,14 @@
 namespace fracture {
 namespace {
 
-/// Builds the caps of one facet after the other; keeps its buffers between them.
+/// Builds the caps of one facet after another; keeps its buffers in between.
 class FacetBuilder {
  public:
   FacetBuilder(const VoronoiDiagram& diagram, const VertexPositions& positions, const Execution& execution,
                Caps& out)
       : diagram_(diagram), positions_(positions), execution_(execution), pacer_(execution), out_(out) {}
 
-  /// segments: all of one facet, in gathering order.
+  /// segments: all segments of one facet, in the order in which they were gathered.
   void build(const CapSegment* first, const CapSegment* last) {
     chain(first, last);
     count_triangles();
@@ -31,14 +31,14 @@ class FacetBuilder {
     out_.crossing += triangulation_.unnested_loops;
     add_regions(*first);
   }
-  /// Counts the triangles since it was last called; build() does so for many at a time.
+  /// Reports the triangles added since the last call. build() reports many at a time.
   void count_all_triangles() {
     execution_.made(Product::kCapTriangles, uncounted_);
     uncounted_ = 0;
   }
 
  private:
-  // The facet's triangles by region, in their order (counting sort).
+  // Stores the facet's triangles grouped by region, keeping their order (counting sort).
   void add_regions(const CapSegment& facet) {
     const auto& t = triangulation_;
     const auto base = static_cast<std::uint32_t>(out_.triangles.size());
@@ -46,7 +46,7 @@ class FacetBuilder {
       const auto& v = t.triangles[k];
       return std::array<CutVertexId, 3>{loop_[v[0]], loop_[v[1]], loop_[v[2]]};
     };
-    if (t.regions == 1) {  // mostly
+    if (t.regions == 1) {  // the usual case
       pacer_.each(0, t.triangles.size(), [&](std::size_t k) { out_.triangles.push_back(corners(k)); });
       if (!t.triangles.empty())
         out_.regions.push_back(
@@ -65,14 +65,15 @@ class FacetBuilder {
                 [&](std::size_t k) { out_.triangles[base + region_begin_[t.region[k]]++] = corners(k); });
   }
 
-  // About as many as the loops have points; before they are made.
+  // Counts about as many triangles as the loops have points, before they are made.
   void count_triangles() {
     uncounted_ += loop_.size();
     if (uncounted_ >= kCountedTogether) count_all_triangles();
   }
 
-  // Directed pieces into loops. A vertex has as many pieces leaving as arriving; more than one of each only
-  // where the winding number is above one: then the k-th copy goes on with the k-th.
+  // Chains directed pieces into loops. As many pieces leave a vertex as arrive at it. There is more than one
+  // of each only if the winding number is above one; then the k-th copy that arrives continues with the k-th
+  // that leaves.
   void chain(const CapSegment* first, const CapSegment* last) {
     edges_.clear();
     std::uint64_t copies = 0;
@@ -85,7 +86,7 @@ class FacetBuilder {
       for (std::int32_t copy = 0; copy < std::abs(s.multiplicity); ++copy)
         edges_.push_back(s.multiplicity > 0 ? Edge{s.from, s.to} : Edge{s.to, s.from});
     });
-    // From the last to the first, so that the list of a vertex is ascending.
+    // From last to first, so that each vertex's list is ascending.
     leaving_.next_epoch(positions_.steps.size());
     pacer_.each(0, edges_.size(), [&](std::size_t n) {
       const auto e = static_cast<std::uint32_t>(edges_.size() - 1 - n);
@@ -111,7 +112,7 @@ class FacetBuilder {
   }
 
   std::uint32_t next_from(CutVertexId v, const CapSegment* facet) {
-    // What is used stays so: the list of the vertex is cut down to what is not.
+    // Used edges never become unused, so they are removed from the vertex's list.
     std::uint32_t& first = leaving_.slot(v - positions_.first_constructed);
     while (first != kNoIndex && edges_[first].used) first = edges_[first].other;
     if (first != kNoIndex) return first;
@@ -119,7 +120,8 @@ class FacetBuilder {
                         " is open at vertex " + std::to_string(v));
   }
 
-  // Drops the axis along which the bisector's normal is longest, keeping the orientation seen from cell hi.
+  // Projects the loops along the axis in which the bisector's normal is longest, keeping the orientation seen
+  // from cell hi.
   void project(SiteId lo, SiteId hi) {
     const Vec3d u = diagram_.facet_normal(lo, hi);
     int axis = 0;
@@ -137,7 +139,7 @@ class FacetBuilder {
   struct Edge {
     CutVertexId from, to;
     bool used = false;
-    std::uint32_t other = kNoIndex;  // the next one that leaves `from`
+    std::uint32_t other = kNoIndex;  // the next edge that leaves `from`
   };
   const VoronoiDiagram& diagram_;
   const VertexPositions& positions_;
@@ -147,7 +149,7 @@ class FacetBuilder {
   static constexpr std::uint64_t kCountedTogether = 4096;
   std::uint64_t uncounted_ = 0;  // triangles
   std::vector<Edge> edges_;
-  StampedMap& leaving_ = worker_map();  // vertex -> its first edge
+  StampedMap& leaving_ = worker_map();  // vertex -> the first edge that leaves it
   std::vector<CutVertexId> loop_;
   std::vector<std::uint32_t> loop_begin_;
   std::vector<LatticePoint> points_;
@@ -155,7 +157,7 @@ class FacetBuilder {
   std::vector<std::uint32_t> region_begin_;
 };
 
-/// The two sides of a region have 31 bits of a face's source.
+/// The source of a face has 31 bits for the two sides of a region.
 constexpr std::size_t kMostRegions = std::size_t{1} << 30;
 
 }  // namespace

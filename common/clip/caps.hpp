@@ -1,7 +1,7 @@
-// Caps: the interior faces, solid ∩ Voronoi facet. On each facet the surface's segments and the intervals of
-// Voronoi edges inside the solid, with multiplicity, chain by key into closed loops; each facet is
-// triangulated once, and both cells get the same triangles, one set mirrored. Closed by algebra for any
-// closed surface, self-crossing ones too.
+// Caps: the interior faces, solid ∩ Voronoi facet. On each facet, the segments of the surface and the
+// intervals of Voronoi edges inside the solid, with multiplicity, are chained by key into closed loops. Each
+// facet is triangulated once, and both cells get the same triangles, one of them mirrored. By construction,
+// the result is closed for any closed surface, even one that crosses itself.
 #pragma once
 
 #include <array>
@@ -14,33 +14,34 @@
 
 namespace fracture {
 
-/// A connected piece of solid ∩ facet(lo, hi): a loop with its holes.
+/// A connected region of solid ∩ facet(lo, hi): a loop with its holes.
 struct CapRegion {
   SiteId lo, hi;       ///< lo < hi
-  std::uint32_t part;  ///< of the solid
+  std::uint32_t part;  ///< index of the solid's part
   std::uint32_t first_triangle, triangle_count;
 };
 
 struct Caps {
   std::vector<CapRegion> regions;  ///< by (lo, hi, part)
   std::vector<std::array<CutVertexId, 3>>
-      triangles;               ///< as seen from cell hi: outward for lo; cell hi takes them mirrored
-  std::uint64_t crossing = 0;  ///< loops that could not be nested (0 on embedded input)
-  /// Of rough caps (rough/roughen.hpp): per corner of each triangle the unit normal, outward for lo; empty:
-  /// flat.
+      triangles;               ///< as seen from cell hi: outward for lo; cell hi uses them mirrored
+  std::uint64_t crossing = 0;  ///< loops that could not be nested (0 for an embedded surface)
+  /// For rough caps (rough/roughen.hpp): the unit normal of each triangle corner, outward for lo. Empty if
+  /// the caps are flat.
   std::vector<Vec3f> normals{};
 };
 
-/// `wanted` (per site; null: all): only the facets of these cells, where winding and cuts are theirs
-/// alone.
+/// `wanted` (per site; null: all): builds only the facets of these cells. `winding` and `cuts` must then
+/// cover only these cells.
 Caps build_caps(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                 const Winding& winding, const VertexPositions& positions, const Execution& execution,
                 const std::vector<char>* wanted = nullptr);
 
-/// Lattices of sites make facets without area, and these triangles whose corners share places. Two turns of
-/// such a triangle look alike, so that its mirror image could be taken for its like; begun at one of the
-/// corners that share a place, it and its image differ as they do where all corners do. Done in build_caps();
-/// again after triangles or places were changed.
+/// Rotates triangles whose corners share positions, so that they begin at one of these corners. Lattices of
+/// sites produce facets without area with such triangles. Two rotations of such a triangle look alike, so its
+/// mirror image could be mistaken for an equal triangle. After the rotation, a triangle and its image differ,
+/// as they do if all corners are different. build_caps() calls this; call it again after changing triangles
+/// or positions.
 void begin_at_coinciding_corners(const VertexPositions& positions, Caps& caps, const Execution& execution);
 
 }  // namespace fracture

@@ -7,12 +7,12 @@
 
 namespace fracture {
 
-// With u the neighbour less the site and d the point less the site, both of them rounded to floats, the value
-// |u|²/2 - u . d is off by fewer than eight roundings of 2^-24, each of at most |u|²/2 + |u_x d_x| + |u_y d_y| + |u_z d_z|;
-// twice as many are taken off here. 1e-30 is more than what underflows.
+// Let u be the neighbour minus the site and d the point minus the site, both rounded to floats. The error of
+// |u|²/2 - u . d is less than eight roundings of 2^-24, each of at most |u|²/2 + |u_x d_x| + |u_y d_y| + |u_z
+// d_z|. Twice that much is subtracted here. 1e-30 exceeds the loss from underflow.
 CellFilter::CellFilter(const VoronoiDiagram& diagram, const Box& box, const Execution& execution)
     : diagram_(diagram) {
-  constexpr Bisectors kNone{Four{}, Four{}, Four{}, Four{1, 1, 1, 1}};  // nothing lies beyond
+  constexpr Bisectors kNone{Four{}, Four{}, Four{}, Four{1, 1, 1, 1}};  // nothing is beyond these
   constexpr double kRounding = 0x1.0p-20;
   const double side = box.longest_side();
   if (side > 1e-100 && side < 1e100) scale_ = 1 / side;

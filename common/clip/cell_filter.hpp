@@ -1,6 +1,6 @@
-// Points that surely lie in a cell of the diagram, told in single precision from four bisectors at a time. Nearly all
-// vertices of a mesh lie in the cell of their neighbour on it, and to see that each in doubles, a bisector at a time,
-// takes a tenth of a fracture into few pieces.
+// A filter that proves in single precision, with four bisectors at a time, that a point is in a given cell.
+// Nearly all vertices of a mesh are in the same cell as their neighbour. Testing each of them in double
+// precision, one bisector at a time, takes a tenth of the time of a fracture into few pieces.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace fracture {
 
 class CellFilter {
  public:
-  /// For points in `box`. Throws Interrupted.
+  /// Creates a filter for points in `box`. Throws Interrupted.
   CellFilter(const VoronoiDiagram& diagram, const Box& box, const Execution& execution);
 
-  /// True only where q is nearer to site i than to any other one, for sure.
+  /// Returns true only if q is certainly nearer to site i than to any other site.
   bool surely_holds(SiteId i, const Vec3d& q) const {
     const std::uint32_t first = begin_[i], end = begin_[i + 1];
     if (first == end) return false;
@@ -32,8 +32,8 @@ class CellFilter {
   }
 
  private:
-  using Four = float __attribute__((vector_size(16)));  // g++ and clang++, of any processor
-  /// Of four bisectors, in units of the box: the neighbour less the site, and half its square less what rounding may do.
+  using Four = float __attribute__((vector_size(16)));  // g++ and clang++, on any processor
+  /// Four bisectors, in units of the box: neighbour - site, and half its square minus the rounding bound.
   struct Bisectors {
     Four x, y, z, half;
     Four value(float qx, float qy, float qz) const { return half - (x * qx + y * qy + z * qz); }
@@ -41,7 +41,7 @@ class CellFilter {
 
   const VoronoiDiagram& diagram_;
   double scale_ = 1;
-  std::vector<std::uint32_t> begin_;  // into bisectors_, of each site; cells of many neighbours have none
+  std::vector<std::uint32_t> begin_;  // per site, into bisectors_; cells with many neighbours have none
   std::vector<Bisectors> bisectors_;
 };
 

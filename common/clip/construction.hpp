@@ -1,5 +1,5 @@
-// How a symbolic vertex gets its position: a formula over the points that name it, evaluated with a running
-// error bound and, where that does not decide the rounding, with integers. Private to clip/.
+// Computes the position of a symbolic vertex: a formula over the points that define it, evaluated with a
+// running error bound. If that does not decide the rounding, it is evaluated with integers. Private to clip/.
 #pragma once
 
 #include <algorithm>
@@ -21,24 +21,24 @@ using exact::BigInt;
 using exact::BinaryScale;
 using exact::Point;
 
-/// An offset numerator / denominator, over any number type.
+/// An offset numerator / denominator, over any type of number.
 template <class T>
 struct Fraction {
   Point<T> numerator;
   T denominator;
 };
 
-// A formula is a struct with its input points (`input`), operator() over any number type, and constants:
+// A formula is a struct with its input points (`input`), operator() over any type of number, and constants:
 //   kFromFirst  the value is an offset from the first input
-//   kDegree     all inputs being scaled by one power of two s, the value is s^kDegree times too large
-//   kBetweenFrom, kBetweenTo  range of inputs whose affine hull holds the value; empty: none is known
+//   kDegree     if all inputs are scaled by a power of two s, the value is scaled by s^kDegree
+//   kBetweenFrom, kBetweenTo  range of inputs whose affine hull contains the value; empty: not known
 
 struct Placed {
   Vec3d point;
   std::array<std::int32_t, 3> steps;
 };
 
-/// numerator / denominator, rounded to nearest, ties to even; denominator > 0.
+/// Returns numerator / denominator, rounded to nearest, ties to even; denominator > 0.
 template <class Int>
 Int round_quotient(const Int& numerator, const Int& denominator) {
   Int quotient, remainder;
@@ -53,7 +53,8 @@ Int round_quotient(const Int& numerator, const Int& denominator) {
   return quotient;
 }
 
-/// numerator / denominator * 2^exponent as a double (64 quotient bits before the one rounding that shows).
+/// Returns numerator / denominator * 2^exponent as a double. The quotient has 64 bits before its only
+/// significant rounding.
 template <class Int>
 double quotient_to_double(const Int& numerator, const Int& denominator, int exponent) {
   if (numerator.is_zero()) return 0;
@@ -77,7 +78,7 @@ Placed place_with(const Formula& formula, const BinaryScale& scale, const SeamLa
   for (int a = 0; a < 3; ++a) {
     const Int numerator = Formula::kFromFirst ? Int(origin[a] * f.denominator + offset[a]) : offset[a];
     placed.point[a] = quotient_to_double(numerator, f.denominator, exponent);
-    // In units of the lattice: times 2^(exponent - that of the lattice).
+    // In lattice steps: multiply by 2^(exponent - exponent of the lattice).
     const int shift = exponent - lattice.exponent[a];
     const Int rounded = shift >= 0 ? round_quotient(Int(numerator << shift), f.denominator)
                                    : round_quotient(numerator, Int(f.denominator << -shift));
@@ -90,8 +91,9 @@ template <class Formula>
 Placed place_exactly(const Formula& formula, const SeamLattice& lattice) {
   BinaryScale scale;
   for (const Vec3d& p : formula.input) scale.include(p);
-  // The polynomials have degree 6 and fewer than 2^8 terms, the origin adds one to it; a quotient takes 64
-  // bits more, or the shift to the lattice. Without allocation that is four times as fast.
+  // The polynomials have degree at most 6 and fewer than 2^8 terms, and the origin adds one degree. A
+  // quotient takes 64 more bits, or the shift to the lattice. Fixed-size integers need no allocation and are
+  // four times as fast.
   int shift = 64;
   for (const int e : lattice.exponent)
     shift = std::max(shift, std::abs(Formula::kDegree * scale.lowest_bit() - e));
@@ -100,10 +102,10 @@ Placed place_exactly(const Formula& formula, const SeamLattice& lattice) {
                                                 : place_with<BigInt>(formula, scale, lattice);
 }
 
-/// What place_exactly() gives, by DoubleDoubles where these suffice; `approximate` is the formula's value by
-/// doubles. Whole faces of models that are built along the axes lie half-way between two steps of the
-/// lattice: on an axis on which all points that the result lies between agree, it is where they are. False
-/// where integers are needed.
+/// Computes the result of place_exactly() with DoubleDoubles, if they are precise enough. `approximate` is
+/// the formula's value in doubles. If all points that the result is between have the same coordinate on some
+/// axis, that coordinate is used, because whole faces of models built along the axes are half-way between two
+/// lattice steps. Returns false if integers are needed.
 template <class Formula>
 bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate, const Vec3d& step,
                      Placed& placed) {
@@ -113,8 +115,8 @@ bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate
     p[k] = {DoubleDouble(q.x), DoubleDouble(q.y), DoubleDouble(q.z)};
   }
   const Fraction<DoubleDouble> f = formula(p);
-  // Operation by operation the errors are 2^-48 of those of Approx at most (2^-100 of a result instead of
-  // 2^-52), and what underflow takes, 2^-1074 each time, grows to 1e-230 in polynomials of degree 7.
+  // For each operation, the errors are at most 2^-48 times those of Approx (2^-100 of a result instead of
+  // 2^-52). Underflow loses 2^-1074 each time, which grows to at most 1e-230 in polynomials of degree 7.
   const auto error_of = [](const Approx& a) { return 0x1.0p-47 * a.error + 1e-230; };
   const double den = std::fabs(f.denominator.hi), den_error = error_of(approximate.denominator);
   if (!(den > 2 * den_error)) return false;
@@ -126,7 +128,7 @@ bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate
     bool level = kEnd > kFirst;
     for (int k = kFirst + 1; k < kEnd; ++k) level = level && formula.input[k][a] == formula.input[kFirst][a];
     if (level) {
-      placed.point[a] = formula.input[kFirst][a] + 0.0;  // no negative zero
+      placed.point[a] = formula.input[kFirst][a] + 0.0;  // not negative zero
       placed.steps[a] = static_cast<std::int32_t>(std::nearbyint(placed.point[a] / step[a]));
       continue;
     }
@@ -134,8 +136,8 @@ bool place_precisely(const Formula& formula, const Fraction<Approx>& approximate
     const DoubleDouble x = Formula::kFromFirst ? DoubleDouble(formula.input[0][a]) + q : q;
     const double error = 1.001 * (error_of(about[a]) + std::fabs(q.hi) * den_error) / (den - den_error) +
                          0x1.0p-98 * (std::fabs(q.hi) + std::fabs(x.hi));
-    // quotient_to_double() cuts off after 64 bits, then rounds to nearest: x.hi, if nothing within these
-    // errors rounds to another double.
+    // quotient_to_double() truncates after 64 bits, then rounds to nearest. The result is x.hi if no value
+    // within these errors rounds to another double.
     const double off = error + 0x1.0p-62 * std::fabs(x.hi);
     if (x.hi + (x.lo + off) != x.hi || x.hi + (x.lo - off) != x.hi) return false;
     placed.point[a] = x.hi;
@@ -154,7 +156,7 @@ Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& st
     p[k] = {Approx(q.x), Approx(q.y), Approx(q.z)};
   }
   const Fraction<Approx> f = formula(p);
-  // A formula is a quotient, so what underflow takes from either polynomial matters: bound(), not `error`.
+  // A formula is a quotient, so underflow in either polynomial matters: use bound() instead of `error`.
   const double den = f.denominator.value, den_error = f.denominator.bound();
   Placed placed;
   bool certain = std::fabs(den) > 2 * den_error;
@@ -165,8 +167,8 @@ Placed place(const Formula& formula, const SeamLattice& lattice, const Vec3d& st
     const double error =
         1.001 * (offset[a].bound() + std::fabs(q) * den_error) / (std::fabs(den) - den_error) +
         0x1.0p-52 * (std::fabs(q) + std::fabs(x));
-    // A double that is good to a thousandth of a step serves for figures; a rounding that the error cannot
-    // change is the exact one.
+    // For measurements, a double accurate to a thousandth of a step is enough. A rounding that the error
+    // cannot change equals the exact rounding.
     const double y = x / step[a], k = std::nearbyint(y);
     certain = error <= 0.001 * step[a] && std::fabs(y - k) + error / step[a] < 0.4999999;
     placed.point[a] = x;

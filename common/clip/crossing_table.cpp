@@ -15,10 +15,10 @@ exact::Triangle corners(const Solid& solid, std::uint32_t t) {
           to_double(solid.positions[v[2]])};
 }
 
-/// True when (a, b, c) is a rotation of its ascending order.
+/// Whether (a, b, c) is a rotation of its ascending order.
 bool is_even(const std::array<SiteId, 3>& s) { return (s[0] < s[1]) == ((s[1] < s[2]) == (s[0] < s[2])); }
 
-/// The Voronoi edges of a range of cells, each with its lowest one.
+/// Collects the Voronoi edges of a range of cells. Each edge belongs to its lowest cell.
 class EdgeCollector {
  public:
   EdgeCollector(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
@@ -31,7 +31,7 @@ class EdgeCollector {
         out_(out) {}
 
   using Iterator = std::vector<std::uint32_t>::iterator;
-  /// All C vertices whose lowest site is the same.
+  /// Processes all C vertices with the same lowest site.
   void add_cell(Iterator begin, Iterator end) {
     pacer_.step(8 * static_cast<std::uint64_t>(end - begin));
     sort_with_polls(execution_, begin, end, [&](std::uint32_t a, std::uint32_t b) {
@@ -99,7 +99,7 @@ class EdgeCollector {
 
 CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                              const std::vector<char>* wanted, const Execution& execution) {
-  // Counting sort by the lowest site.
+  // Counting sort by lowest site.
   const auto& table = cuts.triangle_cuts;
   const std::uint32_t sites = diagram.dual().site_count();
   Pacer pacer(execution);

@@ -1,4 +1,5 @@
-// Where the surface crosses the Voronoi edges: C vertices in order along each. Private to winding.cpp.
+// Crossings of the surface with the Voronoi edges: C vertices in order along each edge. Private to
+// winding.cpp.
 #pragma once
 
 #include <array>
@@ -10,13 +11,13 @@
 
 namespace fracture::clip_detail {
 
-/// A C vertex on a Voronoi edge directed by (j - i) x (k - i), i < j < k.
+/// A C vertex on a Voronoi edge with direction (j - i) x (k - i), i < j < k.
 struct Crossing {
   std::uint32_t cut;  ///< index into SurfaceCuts::triangle_cuts
-  int step;           ///< change of w in that direction: +1 enters, -1 leaves
+  int step;           ///< change of w in that direction: +1 if it enters the solid, -1 if it leaves
 };
 
-/// The crossings of one Voronoi edge by one layer, in order.
+/// The crossings of one Voronoi edge with one layer, in order.
 struct LayerCrossings {
   std::uint32_t layer;
   std::uint32_t first, count;  ///< range of the crossings
@@ -24,10 +25,10 @@ struct LayerCrossings {
 };
 
 struct CrossedEdge {
-  std::uint32_t first, count;  ///< its layers, ascending
-  TetId tet;                   ///< one of its two ends ...
-  int face;                    ///< ... and the facet of it that is dual to the edge
-  bool forward;                ///< the crossings' direction leads out of `tet` through `face`
+  std::uint32_t first, count;  ///< range of its layers, ascending
+  TetId tet;                   ///< one of its two end vertices ...
+  int face;                    ///< ... and the facet of this tetrahedron that is dual to the edge
+  bool forward;                ///< whether the crossings' direction leads out of `tet` through `face`
 };
 
 struct CrossingTable {
@@ -40,7 +41,8 @@ struct CrossingTable {
   }
 };
 
-/// `wanted` (per site; null: all): Voronoi edges of other cells alone are left out. Throws Interrupted.
+/// `wanted` (per site; null: all): leaves out Voronoi edges that touch none of these cells. Throws
+/// Interrupted.
 CrossingTable find_crossings(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                              const std::vector<char>* wanted, const Execution& execution);
 

@@ -1,4 +1,4 @@
-// Where cuts lie, as formulas for construction.hpp: of any number type, from the input alone.
+// Positions of cuts as formulas for construction.hpp, over any type of number, from the input only.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@ namespace fracture::clip_detail {
 
 using exact::Point;
 
-// The three constructions; derivations stand in exact/side.cpp. Each takes its input points in the order
+// The three constructions; exact/side.cpp has the derivations. Each takes its input points in the order
 // listed.
 struct EdgeCutFormula {  // mesh edge (a, b) x bisector(i, k): a + e (c_k - 2 u·(a - i)) / (2 u·e)
   static constexpr bool kFromFirst = true;

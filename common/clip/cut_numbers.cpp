@@ -1,11 +1,11 @@
-// The order of a triangle's cuts.
+// Determines the order of a triangle's cuts.
 #include <algorithm>
 
 #include "common/clip/polygon_clipper.hpp"
 
 namespace fracture {
 
-// They were found in the order of a walk that goes other ways where fewer cells are known (a hit's part of a diagram).
+// Cuts are found by a walk. If only some cells are known (in a hit's part of a diagram), it goes other ways.
 void PolygonClipper::number_cuts_by_sites(std::size_t first_vertex) {
   const auto first = out_.triangle_cuts.begin() + static_cast<std::ptrdiff_t>(first_c_);
   const auto by_sites = [](const TriangleCut& a, const TriangleCut& b) { return a.sites < b.sites; };

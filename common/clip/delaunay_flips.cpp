@@ -12,8 +12,9 @@ namespace fracture {
 bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   const std::int64_t ax = a.x - d.x, ay = a.y - d.y, bx = b.x - d.x, by = b.y - d.y, cx = c.x - d.x,
                      cy = c.y - d.y;
-  // Products of two differences are exact in 64 bits. As doubles each of the six is off by 2^-53 of itself,
-  // each of the three terms by less than 4 * 2^-53 of itself, their sum by less than 8 * 2^-53 of all.
+  // Products of two differences are exact in 64 bits. As doubles, each of these six products has a relative
+  // error of at most 2^-53, each of the three terms less than 4 * 2^-53, and their sum less than 8 * 2^-53 of
+  // the sum of magnitudes.
   const auto a2 = static_cast<double>(ax * ax + ay * ay), b2 = static_cast<double>(bx * bx + by * by),
              c2 = static_cast<double>(cx * cx + cy * cy);
   const double u = a2 * static_cast<double>(bx * cy - by * cx),
@@ -31,7 +32,7 @@ bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint&
 
 namespace {
 
-/// Keeps its memory from one triangulation to the next: they are many and small.
+/// Keeps its memory between triangulations, because they are many and small.
 class Flipper {
  public:
   void run(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles,
@@ -66,12 +67,13 @@ class Flipper {
   void release() { release_vectors(corner_, twin_, queue_, begin_, end_, uses_); }
 
  private:
-  // Half-edge h = 4 t + k, k = 0, 1, 2, runs from corner k to corner k+1 of triangle t.
+  // Half-edge h = 4 t + k, k = 0, 1, 2, goes from corner k to corner k+1 of triangle t.
   std::uint32_t from(std::uint32_t h) const { return corner_[h]; }
   static std::uint32_t next(std::uint32_t h) { return (h & 3) == 2 ? h - 2 : h + 1; }
   const LatticePoint& at(std::uint32_t v) const { return points_[v]; }
 
-  // Twins by the lower end: each point has few edges, so its list is sorted by the upper end in place.
+  // Finds twins by their lower end. Each point has few edges, so its list is sorted by the upper end in
+  // place.
   void pair_edges(Pacer& pacer) {
     const auto size = static_cast<std::uint32_t>(corner_.size());
     twin_.assign(size, kNoIndex);
@@ -99,7 +101,7 @@ class Flipper {
       for (std::uint32_t k = begin_[v]; k < last;) {
         std::uint32_t other = k + 1;
         while (other < last && uses_[other] >> 32 == uses_[k] >> 32) ++other;
-        // Only a clean pair may be flipped; an edge that occurs more often (rounded loops that touch) stays
+        // Only a clean pair may be flipped. An edge that is used more often (rounded loops that touch) stays
         // as it is.
         if (other - k == 2) {
           const auto h = static_cast<std::uint32_t>(uses_[k]), g = static_cast<std::uint32_t>(uses_[k + 1]);
@@ -124,7 +126,7 @@ class Flipper {
     if (c == d) return false;
     if (orient2d(at(c), at(a), at(d)) <= 0 || orient2d(at(d), at(b), at(c)) <= 0)
       return false;  // not strictly convex
-    // The test on the triangle that is not flat.
+    // Test with the triangle that is not flat.
     if (orient2d(at(a), at(b), at(c)) > 0) return in_circle(at(a), at(b), at(c), at(d));
     if (orient2d(at(b), at(a), at(d)) > 0) return in_circle(at(b), at(a), at(d), at(c));
     return true;
@@ -156,7 +158,7 @@ class Flipper {
   std::span<const LatticePoint> points_;
   std::vector<std::uint32_t> corner_, twin_;  // by half-edge
   std::vector<std::uint32_t> queue_;
-  std::vector<std::uint32_t> begin_, end_;  // per point: its range of uses_
+  std::vector<std::uint32_t> begin_, end_;  // per point: its range in uses_
   std::vector<std::uint64_t> uses_;         // upper end << 32 | half-edge, by lower end
 };
 

@@ -1,6 +1,6 @@
-// Better-shaped caps: the triangulation of a facet made constrained Delaunay by edge flips (Lawson 1977), its
-// loops being the constraints. Ears and monotone stacks leave slivers where many loop points lie on a line
-// (an arc of cuts along one input edge); flips turn them towards the inside.
+// Improves the shape of caps: edge flips make the triangulation of a facet constrained Delaunay (Lawson
+// 1977), with its loops as constraints. Ears and monotone stacks leave slivers if many loop points are on a
+// line (such as an arc of cuts along one input edge). Flips turn their edges towards the inside.
 #pragma once
 
 #include <array>
@@ -13,14 +13,15 @@
 
 namespace fracture {
 
-/// Does d lie strictly inside the circle through the counter-clockwise a, b, c? Exact for coordinates that differ by
-/// less than 2^26.
+/// Whether d is strictly inside the circle through the counter-clockwise a, b, c. Exact for coordinates that
+/// differ by less than 2^26.
 bool in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
 
-/// Flips inner edges of `triangles` (each inner edge is used once in either direction, boundary edges once)
-/// until each is locally Delaunay, exactly decided, or the flips run out (a bound of kFlipsPerTriangle each
-/// keeps it linear). Only strictly convex quadrilaterals are flipped, so no triangle is turned over that was
-/// not before; the set of boundary edges and the number of triangles stay. Throws Interrupted.
+/// Flips inner edges of `triangles` (each inner edge is used once in each direction, each boundary edge once)
+/// until each is locally Delaunay, decided exactly, or until there were kFlipsPerTriangle flips per triangle
+/// (a limit that keeps the cost linear). Flips only strictly convex quadrilaterals, so no triangle is turned
+/// over that was not before. The boundary edges and the number of triangles do not change. Throws
+/// Interrupted.
 inline constexpr std::size_t kFlipsPerTriangle = 8;
 void flip_to_delaunay(std::span<const LatticePoint> points, std::span<std::array<std::uint32_t, 3>> triangles,
                       const Execution& execution = kUninterrupted);

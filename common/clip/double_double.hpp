@@ -1,14 +1,15 @@
-// Unevaluated sums of two doubles: 106 bits, between a double and integers. Dekker 1971; the algorithms and
-// bounds are those of Joldes, Muller & Popescu 2017 ("Tight and rigorous error bounds for basic building
-// blocks of double-word arithmetic"), products by Dekker's splitting, as no fused multiply-add is assumed.
+// Unevaluated sums of two doubles: 106 bits of precision, between doubles and integers. Dekker 1971; the
+// algorithms and bounds are those of Joldes, Muller & Popescu 2017 ("Tight and rigorous error bounds for
+// basic building blocks of double-word arithmetic"). Products use Dekker's splitting, because no fused
+// multiply-add is assumed.
 #pragma once
 
 #include <cmath>
 
 namespace fracture::clip_detail {
 
-/// hi + lo, |lo| <= ulp(hi) / 2. Each operation is off by less than 2^-100 of its result, and by what
-/// underflow takes. Magnitudes stay below 2^900.
+/// hi + lo, |lo| <= ulp(hi) / 2. The error of each operation is less than 2^-100 of its result, plus the loss
+/// from underflow. Magnitudes must stay below 2^900.
 struct DoubleDouble {
   double hi = 0, lo = 0;
 
@@ -16,7 +17,7 @@ struct DoubleDouble {
   DoubleDouble(double v) : hi(v) {}  // NOLINT: a double is an exact DoubleDouble
   DoubleDouble(double h, double l) : hi(h), lo(l) {}
 
-  /// For |a| >= |b| or a = 0.
+  /// Requires |a| >= |b| or a = 0.
   static DoubleDouble quick_sum(double a, double b) {
     const double s = a + b;
     return {s, b - (s - a)};
@@ -45,7 +46,7 @@ struct DoubleDouble {
     return quick_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
   }
   friend DoubleDouble operator/(const DoubleDouble& a, const DoubleDouble& b) {
-    // Three quotients of 53 bits each: more than the two that are kept.
+    // Three quotients of 53 bits each: one more than is kept.
     const double q = a.hi / b.hi;
     DoubleDouble rest = a - b * q;
     const double r = rest.hi / b.hi;

@@ -12,10 +12,10 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-/// Rings of more points look for what blocks an ear in a grid.
+/// Minimum number of points at which a ring uses a grid to find points that block an ear.
 constexpr std::size_t kLargeRing = 128;
 
-// Halves the ring again and again: triangles of even size rather than a fan of slivers.
+// Halves the ring recursively, which gives triangles of similar size rather than a fan of slivers.
 template <class Emit>
 void split_evenly(std::size_t first, std::size_t last, const Emit& emit) {
   if (last - first < 2) return;
@@ -29,7 +29,7 @@ bool in_triangle(const LatticePoint& p, const LatticePoint& a, const LatticePoin
   return orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
 }
 
-/// One ring; keeps its memory from one to the next: they are many and small.
+/// Triangulates one ring; keeps its memory between rings, because they are many and small.
 class EarClipper {
  public:
   bool run(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring, Triangles& triangles,
@@ -55,12 +55,12 @@ class EarClipper {
       if (ear) {
         cut(k);
         since_cut = 0;
-        k = next_[next_[k]];  // skipping one spreads the ears around the ring
+        k = next_[next_[k]];  // skipping one corner spreads the ears around the ring
         continue;
       }
       k = next_[k];
       if (++since_cut < left_) continue;
-      // No proper ear: a flat one, or at worst the smallest.
+      // No proper ear: cut the one with the smallest area, which may be flat.
       std::uint32_t best = k;
       steps += left_;
       pacer.step(left_);
@@ -98,10 +98,10 @@ class EarClipper {
   const LatticePoint& at(std::uint32_t k) const { return points_[ring_[k]]; }
   std::int64_t area(std::uint32_t k) const { return orient2d(at(prev_[k]), at(k), at(next_[k])); }
 
-  /// Does vertex m block the ear (a, b, c)?
+  /// Whether vertex m blocks the ear (a, b, c).
   bool blocks(std::uint32_t m, const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) const {
     const LatticePoint& p = at(m);
-    if (p == a || p == b || p == c) return false;  // a pinch touches, it does not block
+    if (p == a || p == b || p == c) return false;  // a point at a corner only touches the ear
     return area(m) <= 0 && in_triangle(p, a, b, c);
   }
   bool is_ear(std::uint32_t k, std::size_t& steps) const {
@@ -114,8 +114,8 @@ class EarClipper {
     return true;
   }
 
-  // A ring that crosses itself may pass a point twice; an ear between its two visits uses one edge in both
-  // directions, which cancels: nothing to emit.
+  // A ring that crosses itself may pass a point twice. An ear between the two visits uses one edge in both
+  // directions, which cancel, so it emits nothing.
   void emit(std::uint32_t k) { emit({ring_[prev_[k]], ring_[k], ring_[next_[k]]}); }
   void emit(const std::array<std::uint32_t, 3>& t) {
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_->push_back(t);
@@ -124,7 +124,7 @@ class EarClipper {
     emit(k);
     next_[prev_[k]] = next_[k];
     prev_[next_[k]] = prev_[k];
-    prev_[k] = kNoIndex;  // cut off
+    prev_[k] = kNoIndex;  // marks it as cut
     --left_;
     if (in_grid_ > 0 && 2 * left_ < in_grid_) fill_grid(next_[k]);
   }
@@ -142,11 +142,11 @@ class EarClipper {
     });
   }
 
-  // -- the vertices that are left, and some that were since cut off, by place: about one to a square
+  // -- the grid of the remaining vertices, and of some cut since it was filled: about one vertex per square
 
   struct Squares {
-    std::int64_t x, y;  // of the first one's corner
-    int shift = 0;      // side 2^shift
+    std::int64_t x, y;  // corner of the first square
+    int shift = 0;      // side length 2^shift
     std::int64_t columns = 0, rows = 0;
     std::int64_t column(std::int64_t v) const { return (v - x) >> shift; }
     std::int64_t row(std::int64_t v) const { return (v - y) >> shift; }
@@ -194,7 +194,7 @@ class EarClipper {
     const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
     const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
     for (std::int64_t row = g.row(y0); row <= g.row(y1); ++row) {
-      // Squares of a row follow one another.
+      // The squares of a row are consecutive.
       const auto first = static_cast<std::size_t>(row * g.columns + g.column(x0)),
                  last = static_cast<std::size_t>(row * g.columns + g.column(x1));
       ++steps;
@@ -214,18 +214,17 @@ class EarClipper {
   std::vector<std::uint32_t> next_, prev_;
   std::size_t left_ = 0;
   Squares squares_;
-  std::size_t in_grid_ = 0;  // how many the grid had when it was filled; 0: there is none
+  std::size_t in_grid_ = 0;  // number of vertices when the grid was filled; 0: no grid
   std::vector<std::uint32_t> begin_, end_, content_;
   std::vector<std::uint32_t> rest_;
 };
 
 }  // namespace
 
-// A turn that two corners at one place make together is not seen; triangulate() looks for what comes of it.
+// Does not detect a turn formed by two corners at the same position. triangulate() detects its consequences.
 bool is_convex(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring) {
   const std::size_t n = ring.size();
-  int turns =
-      0;  // a convex ring changes its direction in x twice; a ring that winds twice does so four times
+  int turns = 0;  // the x direction changes twice in a convex ring, and four times in a ring that winds twice
   bool strict = false;
   std::int64_t last = 0;
   for (std::size_t i = n - 2, j = n - 1, k = 0; k < n; i = j, j = k++) {

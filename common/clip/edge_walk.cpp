@@ -22,9 +22,9 @@ void EdgeWalk::cut(std::uint32_t e, std::vector<EdgeCut>& cuts) {
   }
 }
 
-/// The value of the bisector of `of` at the crossing `at` (its bisector null: at b), times a positive factor
-/// that depends on `at` alone. The crossing is (at_a b - at_b a) / (at_a - at_b); each of these values is off
-/// by at most its bisector's error.
+/// The value of the bisector of `of` at the crossing `at` (at b if its bisector is null), times a positive
+/// factor that depends only on `at`. The crossing is (at_a b - at_b a) / (at_a - at_b). The error of each of
+/// these values is at most its bisector's error.
 Certified EdgeWalk::value(const Exit& of, const Exit& at) {
   const double error = of.bisector->error;
   if (!at.bisector) return {of.at_b, error};
@@ -35,7 +35,7 @@ Certified EdgeWalk::value(const Exit& of, const Exit& at) {
                      0x1.0p-50 * (std::fabs(p) + std::fabs(q)) + 1e-300};
 }
 
-/// On which side of the bisector of `of` lies the crossing `at`? -1 beyond, 0 not certain.
+/// The side of the bisector of `of` on which the crossing `at` is: 1 inside, -1 beyond, 0 uncertain.
 int EdgeWalk::certain_side(const Exit& of, const Exit& at) {
   const Certified v = value(of, at);
   return v.value > v.error ? 1 : v.value < -v.error ? -1 : 0;
@@ -47,8 +47,8 @@ int EdgeWalk::exact_side(SiteId cell, const Exit& of, const Exit& at) const {
                      : exact::side1(i, j, b_);
 }
 
-// The edge leaves the cell where it crosses the first of the bisectors that b lies beyond: the crossing that
-// is inside all the others.
+// The edge leaves the cell where it first crosses a bisector that b is beyond. This is the crossing that is
+// inside all other bisectors.
 SiteId EdgeWalk::first_of_all(SiteId cell) {
   const auto bisectors = diagram_.bisectors(cell);
   pacer_.step(2 * bisectors.size());
@@ -66,8 +66,8 @@ SiteId EdgeWalk::first_of_all(SiteId cell) {
   return first.bisector ? first.bisector->neighbor : kNoSite;
 }
 
-// A cell of many neighbours: from b back to the crossing with the bisector through which the ray from the
-// site leaves the cell, and so on until the crossing is inside all of them.
+// For a cell with many neighbours. Starts at b, and moves back to the crossing with the bisector through
+// which the ray from the site leaves the cell. Repeats this until the crossing is inside all bisectors.
 SiteId EdgeWalk::first_by_search(SiteId cell) {
   const Neighborhood& neighborhood = diagram_.neighborhood(cell);
   const auto bisectors = diagram_.bisectors(cell);
@@ -76,7 +76,7 @@ SiteId EdgeWalk::first_by_search(SiteId cell) {
   Exit at;
   for (;;) {
     std::uint64_t looked_at = 1;
-    const std::uint32_t on = ray_;  // where the crossing is
+    const std::uint32_t on = ray_;  // index of the bisector that contains the crossing
     const auto answer = neighborhood.shoot_ray(
         bisectors, [&](const Bisector& b) { return value(exit_of(cell, b), at); },
         std::span<const std::uint32_t>(&on, at.bisector ? 1 : 0), ray_, looked_at);
@@ -92,13 +92,13 @@ SiteId EdgeWalk::first_by_search(SiteId cell) {
   }
 }
 
-/// A bisector that the edge crosses before `at`; null where there is none.
+/// A bisector that the edge crosses before `at`; null if there is none.
 EdgeWalk::Exit EdgeWalk::earlier_by_tree(SiteId cell, const Exit& at) {
   const auto norm1 = [](const Vec3d& v) { return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z); };
   Vec3d place = b_;
   double off = 0;
   if (at.bisector) {
-    // The parameter is off by at most 2 error / (difference - 2 error), and by a few roundings.
+    // The error of the parameter is at most 2 error / (difference - 2 error), plus a few roundings.
     const Vec3d along = b_ - a_;
     const double difference = at.at_a - at.at_b, error = at.bisector->error;
     off = HUGE_VAL;

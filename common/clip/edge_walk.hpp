@@ -1,4 +1,4 @@
-// Where a mesh edge passes from cell to cell.
+// Finds where a mesh edge goes from cell to cell.
 #pragma once
 
 #include <vector>
@@ -8,19 +8,19 @@
 
 namespace fracture {
 
-/// Walks along one edge after the other, from the cell of its lower vertex.
+/// Walks along one edge after another, starting in the cell of its lower vertex.
 class EdgeWalk {
  public:
   EdgeWalk(const Solid& solid, const VoronoiDiagram& diagram, const std::vector<SiteId>& label,
            const Execution& execution)
       : solid_(solid), diagram_(diagram), label_(label), pacer_(execution) {}
 
-  /// Appends the cuts of edge e, in order: none where both ends lie in one cell. Throws Interrupted.
+  /// Appends the cuts of edge e, in order; none if both ends are in one cell. Throws Interrupted.
   void cut(std::uint32_t e, std::vector<EdgeCut>& cuts);
 
  private:
-  // A bisector that the edge's second end lies beyond, and where the edge crosses it: the values at both
-  // ends, first > 0 > second up to their error.
+  // A bisector that the edge's second end is beyond, with its values at both ends, which determine the
+  // crossing. Up to their error, at_a > 0 > at_b.
   struct Exit {
     const Bisector* bisector = nullptr;
     double at_a, at_b;
@@ -40,9 +40,9 @@ class EdgeWalk {
   const VoronoiDiagram& diagram_;
   const std::vector<SiteId>& label_;
   Pacer pacer_;
-  Vec3d a_, b_;  // ends of the edge at hand
+  Vec3d a_, b_;  // ends of the current edge
   std::vector<Exit> doubts_;
-  SiteId ray_cell_ = kNoSite;  // where the last ray left a cell of many neighbours: probably near the next
+  SiteId ray_cell_ = kNoSite;  // where the last ray left a cell with many neighbours; a guess for the next
   std::uint32_t ray_ = 0;
 };
 

@@ -12,12 +12,12 @@
 namespace fracture {
 namespace {
 
-/// Sorts the segments of a cell by neighbour where that is all of the facet's name, without a comparison that the branch
-/// predictor could not foresee: numbers the neighbours as they come, ranks those few, and counts.
+/// Sorts the segments of a cell by neighbour, if that alone identifies the facet. Avoids comparisons with
+/// unpredictable branches: numbers the neighbours as they occur, ranks these few numbers, and counts.
 class FewNeighbors {
  public:
-  /// Stable. Appends where each facet begins, counted from `from`. False, with nothing done, where the segments are of
-  /// several parts or there are too many neighbours.
+  /// Sorts stably, and appends the index at which each facet begins, counted from `from`. Returns false and
+  /// does nothing if the segments are in several parts or there are too many neighbours.
   bool sort(std::span<CapSegment> segments, std::size_t sites, std::uint32_t from,
             std::vector<std::uint32_t>& facets) {
     if (segments.empty()) return true;
@@ -38,7 +38,7 @@ class FewNeighbors {
     }
     if (!one_part) return false;
     for (std::uint32_t i = 0; i < neighbors; ++i) {
-      std::uint32_t rank = 0, before = 0;  // segments before
+      std::uint32_t rank = 0, before = 0;  // before: segments of lower neighbours
       for (std::uint32_t j = 0; j < neighbors; ++j) {
         const bool less = hi_[j] < hi_[i];
         rank += less;
@@ -57,7 +57,7 @@ class FewNeighbors {
   static constexpr std::uint32_t kMost = 64;
 
   StampedMap& local_ = worker_map();
-  std::vector<std::uint32_t> number_;  // of each segment's neighbour
+  std::vector<std::uint32_t> number_;  // number of each segment's neighbour
   std::array<std::uint32_t, kMost + 1> hi_, count_, next_, begin_;
   std::vector<CapSegment> unsorted_;
 };
@@ -67,13 +67,14 @@ class FewNeighbors {
 FacetSegments gather_segments(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                               const Winding& winding, const Execution& execution,
                               const std::vector<char>* wanted) {
-  // Counting sort by lo, then a stable sort of each cell's few facets: the order inside a facet is that of
-  // gathering.
+  // Counting sort by lo, then a stable sort of each cell's few facets. Within a facet, segments stay in the
+  // order in which they were gathered.
   const std::uint32_t sites = diagram.dual().site_count();
   std::vector<std::uint32_t> begin(sites + 1, 0);
   Pacer pacer(execution);
-  // Surface: the polygon of cell lo runs along the bisector one way, so the cap of cell lo runs the other way. Which sides
-  // are a cap's is a coin toss to the branch predictor: all are written, and the next one over what is none.
+  // The surface: the cap of cell lo goes along the bisector in the opposite direction to lo's polygon. Which
+  // sides belong to caps is unpredictable, so every side is written, and the next one overwrites it if it
+  // belongs to none.
   const auto of_caps = [&](const CutPolygon& p, PolygonSide side) {
     const bool bisector = !is_mesh_edge(side), lower = side >= p.cell, is = bisector & lower;
     return wanted && is ? (*wanted)[p.cell] || (*wanted)[side] : is;

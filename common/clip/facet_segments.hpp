@@ -1,4 +1,5 @@
-// The boundaries of the caps: what the cells' polygons on the surface and the winding inside leave on each bisector.
+// The boundaries of the caps on each bisector: sides of the cells' polygons on the surface, and pieces of
+// Voronoi edges inside.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +13,15 @@
 
 namespace fracture {
 
-/// The boundary pieces of all facets, by facet: a facet is (lo, hi, part).
+/// The boundary pieces of all facets, grouped by facet. A facet is (lo, hi, part).
 struct FacetSegments {
   std::vector<CapSegment> all;
-  std::vector<std::uint32_t> begin;  ///< per facet, and the end of the last one
+  std::vector<std::uint32_t> begin;  ///< index of each facet's first segment, and the end of the last facet
 };
 
-/// Ascending by facet; within one in the order of the surface's polygons, then of the winding's segments. `wanted`: of sites;
-/// where given, only facets of which one is wanted. Throws Interrupted, also beyond 2^32 segments (kTooComplex).
+/// Gathers the segments in ascending order of facets; within a facet, first those of the surface's polygons,
+/// then those of the winding. `wanted`: per site; if given, only facets with a wanted site are included.
+/// Throws Interrupted, with kTooComplex beyond 2^32 segments.
 FacetSegments gather_segments(const Solid& solid, const VoronoiDiagram& diagram, const SurfaceCuts& cuts,
                               const Winding& winding, const Execution& execution,
                               const std::vector<char>* wanted);

@@ -1,6 +1,7 @@
-// Cuts that were decided in an image of the solid (solid/image.hpp), carried back: the parameter along the
-// edge and the barycentric coordinates in the triangle are those of the images, the position is formed from
-// the original corners. Voronoi vertices go back by the inverse map. Primes mark images. Private to clip/.
+// Maps cuts that were computed in an image of the solid (solid/image.hpp) back to the solid. The parameter
+// along the edge and the barycentric coordinates in the triangle are those in the image, and are applied to
+// the original corners. Voronoi vertices are mapped back by the inverse map. Primes mark images. Private to
+// clip/.
 #pragma once
 
 #include "common/clip/construction.hpp"
@@ -22,7 +23,7 @@ struct ImageEdgeCutFormula {
   }
 };
 
-/// a + s (b - a) + t (c - a), where the image a' + s e' + t f' lies on the bisectors (i, k) and (i, l):
+/// a + s (b - a) + t (c - a), where the image a' + s e' + t f' is on the bisectors (i, k) and (i, l):
 ///   s (u_k·e') + t (u_k·f') = r_k,  s (u_l·e') + t (u_l·f') = r_l,  r = |u|²/2 - u·(a' - i).
 struct ImageTriangleCutFormula {
   static constexpr bool kFromFirst = true;

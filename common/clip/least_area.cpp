@@ -8,12 +8,13 @@ bool triangulate_least_area(std::span<const LatticePoint> points, std::span<cons
                             std::vector<std::array<std::uint32_t, 3>>& triangles) {
   const std::size_t n = ring.size();
   if (n < 3) return true;
-  constexpr __int128 kNone = static_cast<__int128>(1) << 120;  // no triangulation; sums of it do not overflow
+  constexpr __int128 kNone = static_cast<__int128>(1) << 120;  // no triangulation; sums do not overflow
   struct Best {
     __int128 area = 0;
     std::size_t corner = 0;  ///< the third corner of the triangle at the chord
   };
-  // Of the sub-ring from corner i to corner j, whose last side is the chord from j to i.
+  // The best triangulation of the sub-ring from corner i to corner j, whose last side is the chord from j to
+  // i.
   std::vector<Best> table(n * n);
   const auto best = [&](std::size_t i, std::size_t j) -> Best& { return table[i * n + j]; };
   const auto area = [&](std::size_t i, std::size_t k, std::size_t j) -> __int128 {

@@ -68,7 +68,7 @@ class Sweep {
       out.ring_begin.push_back(static_cast<std::uint32_t>(out.ring_points.size()));
       out.ring_loop.push_back(find(loop_[point_[c]]));
     }
-    // A clockwise loop that was joined to nothing, unless rounding alone may have turned it round: vertices
+    // A clockwise loop that was joined to no other loop, unless rounding alone may have reversed it. Vertices
     // move by half a step, which changes twice the area by at most about the perimeter.
     std::vector<std::uint32_t> members(joined_.size(), 0);
     for (std::uint32_t l = 0; l < joined_.size(); ++l) ++members[find(l)];
@@ -77,7 +77,7 @@ class Sweep {
   }
 
  private:
-  // An edge of the status: from corner e down to next_[e]; the interior lies to its right.
+  // An edge of the status goes from corner e down to next_[e]; the interior is to its right.
   struct LeftOf {
     using is_transparent = void;
     const Sweep* sweep;
@@ -93,14 +93,14 @@ class Sweep {
   const LatticePoint& at(std::uint32_t k) const { return points_[k]; }
   bool earlier(std::uint32_t a, std::uint32_t b) const { return rank_[a] < rank_[b]; }
 
-  /// Corner v lies strictly to the left of edge e = (upper e, lower next_[e]).
+  /// Whether corner v is strictly to the left of edge e = (upper e, lower next_[e]).
   bool strictly_left_of_edge(std::uint32_t v, std::uint32_t e) const {
     return orient2d(at(next_[e]), at(e), at(v)) > 0;
   }
   bool edge_left_of(std::uint32_t e, std::uint32_t f) const {
     if (e == f) return false;
     const std::uint32_t e_low = next_[e], f_low = next_[f];
-    // Compare at the later of the two lower ends; where they touch, at an upper end.
+    // Compare at the later of the two lower ends; if they touch there, at an upper end.
     if (earlier(f_low, e_low)) {
       if (const std::int64_t o = orient2d(at(f_low), at(f), at(e_low))) return o > 0;
     } else {
@@ -127,7 +127,8 @@ class Sweep {
     if (counts_crossings_ && after != status_.begin() && after != status_.end())
       count_crossing(*std::prev(after), *after);
   }
-  /// Each end lies farther from the other edge than the vertices of both, which move by half a step, explain.
+  /// Counts a crossing if each end is farther from the other edge than rounding explains, which moves
+  /// vertices by half a step.
   void count_crossing(std::uint32_t e, std::uint32_t f) {
     const auto divides = [&](std::uint32_t by, std::uint32_t other) {
       const LatticePoint &p = at(by), &q = at(next_[by]);
@@ -141,7 +142,7 @@ class Sweep {
     auto it = status_.upper_bound(LeftOf::Query{v});
     while (it != status_.begin()) {
       --it;
-      // Not an edge that ends in v itself.
+      // Skip edges that end in v itself.
       if (*it != v && next_[*it] != v) return *it;
     }
     return kNoIndex;
@@ -195,7 +196,7 @@ class Sweep {
     }
   }
 
-  /// The copy of corner v whose wedge contains the direction to q (its only copy, mostly).
+  /// The copy of corner v whose wedge contains the direction to q. Most corners have only one copy.
   std::uint32_t copy_towards(std::uint32_t v, std::uint32_t q) const {
     if (copies_[v].empty() || wedge_contains(v, q)) return v;
     for (const std::uint32_t c : copies_[v])
@@ -242,7 +243,7 @@ class Sweep {
       sum += orient2d(o, at(k), at(k + 1));
     return sum;
   }
-  /// In the 1-norm, an upper bound.
+  /// Perimeter in the 1-norm, an upper bound.
   __int128 perimeter(std::uint32_t l) const {
     __int128 sum = 0;
     for (std::uint32_t k = loop_begin_[l]; k < loop_begin_[l + 1]; ++k)
@@ -258,10 +259,10 @@ class Sweep {
   std::vector<std::uint32_t> next_, prev_;  // the input loops
   std::vector<std::uint32_t> loop_;
   std::vector<std::uint32_t> order_, rank_;  // sweep order
-  // Corners: the input's first, then the copies that diagonals make. A corner is a place on a ring.
+  // Corners: first the input's, then the copies that diagonals create. A corner is a position in a ring.
   std::vector<std::uint32_t> point_, ring_next_, ring_prev_;
   std::vector<std::vector<std::uint32_t>> copies_;
-  std::vector<std::uint32_t> helper_;  // per edge of the status
+  std::vector<std::uint32_t> helper_;  // for each edge in the status
   std::vector<bool> merge_;
   std::vector<std::uint32_t> joined_;
   Status status_;

@@ -1,4 +1,4 @@
-// The plane sweep that joins holes to their outer rings and splits rings into y-monotone pieces.
+// A plane sweep that joins holes to their outer rings and divides rings into y-monotone pieces.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace fracture {
 
 struct Partition {
-  /// Rings of point indices, one after the other; ring r is [ring_begin[r], ring_begin[r + 1]).
+  /// Rings of point indices, concatenated; ring r is [ring_begin[r], ring_begin[r + 1]).
   std::vector<std::uint32_t> ring_points;
   std::vector<std::uint32_t> ring_begin;
   std::size_t count() const { return ring_begin.size() - 1; }
@@ -19,16 +19,16 @@ struct Partition {
     return {ring_points.data() + ring_begin[r], ring_begin[r + 1] - ring_begin[r]};
   }
   std::vector<std::uint32_t>
-      ring_loop;  ///< a representative input loop: equal for rings of one connected region
-  std::vector<std::uint32_t> unnested;  ///< clockwise loops that found no outer ring
-  /// How often edges that met beside each other in the sweep crossed by more than rounding explains; only
-  /// looked for among kManyPoints points and more.
+      ring_loop;  ///< a representative input loop: equal for all rings of one connected region
+  std::vector<std::uint32_t> unnested;  ///< clockwise loops without an outer ring
+  /// Number of crossings, beyond rounding errors, of edges that were neighbours in the sweep. Counted only if
+  /// there are at least kManyPoints points.
   std::uint32_t crossings = 0;
   static constexpr std::size_t kManyPoints = 1024;
 };
 
-/// Each diagonal of the partition is used once in each direction by the rings, each loop edge once. Throws
-/// Interrupted.
+/// Partitions the loops. The rings use each diagonal of the partition once in each direction, and each loop
+/// edge once. Throws Interrupted.
 void partition_monotone(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
                         Partition& out, const Execution& execution = kUninterrupted);
 

@@ -5,19 +5,19 @@
 
 namespace fracture {
 
-// Each run of successive corners at one place becomes its first corner:
+// Each run of successive corners at the same position becomes its first corner:
 //
 //      p1 = p2 = p3 ---> q     The triangles (p1, p2, p3) and (p1, p3, q) have no area and use the edges
-//                              p1 p2, p2 p3 and p3 q; what remains of the ring goes from p1 to q.
+//                              p1 p2, p2 p3 and p3 q; the rest of the ring goes from p1 to q.
 std::vector<std::uint32_t> leave_out_repeated(std::span<const LatticePoint> points,
                                               std::span<const std::uint32_t> ring,
                                               std::vector<std::array<std::uint32_t, 3>>& triangles) {
   const std::size_t n = ring.size();
   const auto at = [&](std::size_t k) { return ring[k % n]; };
-  // Begin where a run begins, so that none goes over the end.
+  // Begin at the start of a run, so that no run crosses the end.
   std::size_t first = 0;
   while (first < n && points[at(first)] == points[at(first + n - 1)]) ++first;
-  if (first == n) first = 0;  // all at one place: a fan without area
+  if (first == n) first = 0;  // all corners are at one position: a fan without area
   std::vector<std::uint32_t> kept;
   for (std::size_t k = first; k < first + n; ++k) {
     const std::uint32_t v = at(k), next = at(k + 1);
@@ -32,11 +32,11 @@ std::vector<std::uint32_t> leave_out_repeated(std::span<const LatticePoint> poin
 void divide_pinched_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                          std::vector<std::vector<std::uint32_t>>& rings,
                          std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  // The ring so far without what was divided off, and twice the area that it has swept, seen from its first
-  // corner.
+  // The ring so far, without the rings that were split off, and twice the area that it has swept, seen from
+  // its first corner.
   std::vector<std::uint32_t> open;
   std::vector<__int128> swept;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> visited;  // place -> position in `open`
+  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> visited;  // position -> index in `open`
   const auto add = [&](const std::vector<std::uint32_t>& part) {
     std::vector<std::uint32_t> kept = leave_out_repeated(points, part, triangles);
     if (kept.size() > 2) rings.push_back(std::move(kept));

@@ -11,13 +11,13 @@ namespace {
 using clip_detail::Corner;
 using clip_detail::Line;
 
-/// As many are searched faster than looked up.
+/// Up to this many items, a linear search is faster than a lookup.
 constexpr std::size_t kFew = 16;
 
-/// Polygons are counted so many at a time.
+/// Number of polygons reported at a time.
 constexpr std::size_t kCountedTogether = 1024;
 
-/// A cell met, as a key of TripleTable: unlike a C vertex or a cut of an edge.
+/// Marks keys of TripleTable for cells, as opposed to C vertices and cuts of an edge.
 constexpr std::uint32_t kCellKey = kNoSite;
 
 }  // namespace
@@ -47,8 +47,8 @@ void PolygonClipper::divide(std::uint32_t t) {
   }
   cells_.clear();
   for (const VertexId v : solid_.triangles[t]) meet_cell(cuts_.label[v]);
-  // The cells' parts tile the triangle, and the diagram is generic: parts that meet share a whole segment. So
-  // every cell is found across some bisector side of another.
+  // The regions of the cells tile the triangle. Because the diagram is generic, regions that meet share a
+  // whole segment, so every cell is found across a bisector side of another cell.
   const std::size_t first_polygon = out_.polygons.size(), first_vertex = out_.vertices.size();
   for (std::size_t n = 0; n < cells_.size(); ++n) {
     clip_to_cell(cells_[n]);
@@ -73,13 +73,13 @@ void PolygonClipper::meet_cell(SiteId cell) {
   cells_.push_back(cell);
 }
 
-// The common case on fine meshes: two edges of the triangle are cut once, by the same bisector, and the third
-// is not. The corners of both parts lie in their (closed, convex) cell, hence so do the parts, and no other
-// cell takes part.
+// The common case on fine meshes: the same bisector cuts two edges of the triangle once each, and the third
+// edge is not cut. The corners of both regions are in their (closed, convex) cells, so the regions are too,
+// and no other cell is involved.
 bool PolygonClipper::divide_between_two(std::uint32_t t) {
   const auto& v = solid_.triangles[t];
   const std::array<SiteId, 3> label{cuts_.label[v[0]], cuts_.label[v[1]], cuts_.label[v[2]]};
-  int apex;  // the corner alone in its cell
+  int apex;  // the corner that is alone in its cell
   if (label[1] == label[2])
     apex = 0;
   else if (label[2] == label[0])
@@ -139,8 +139,8 @@ Line PolygonClipper::line_of(SiteId cell, const Bisector& bisector) const {
       bisector.error);
 }
 
-/// Do all corners lie on the cell's side for certain? What most bisectors come to that cut the triangle, once
-/// the nearest ones have cut.
+/// Whether all corners are certainly on the cell's side. This is the result for most bisectors that cut the
+/// triangle, once the nearest ones have been applied.
 bool PolygonClipper::leaves_all(const Line& line) {
   const Line::Bounds bounds = line.bounds();
   const Side* before = &polygon_.back();
@@ -159,7 +159,7 @@ void PolygonClipper::clip_by_all(SiteId cell) {
   const auto bisectors = diagram_.bisectors(cell);
   pacer_.step(4 * bisectors.size());
   for (const Bisector& bisector : bisectors) {
-    // Most bisectors leave the whole triangle on the cell's side: three dot products tell.
+    // Most bisectors leave the whole triangle on the cell's side, which three dot products show.
     const Line line = line_of(cell, bisector);
     if (line.value[0] > line.error && line.value[1] > line.error && line.value[2] > line.error) continue;
 
@@ -187,9 +187,9 @@ void PolygonClipper::clip_by_all(SiteId cell) {
   }
 }
 
-// A cell of many neighbours: a corner that lies beyond some bisector is cut off with what hangs on it, until
-// no corner does. The one through which the ray from the site leaves the cell is taken each time, so that few
-// cuts are cut off again.
+// For a cell with many neighbours. Cuts off a corner that is beyond some bisector, with all neighbours that
+// are beyond it, until no such corner is left. Each time, uses the bisector through which the ray from the
+// site leaves the cell, so that few cuts are cut off again.
 void PolygonClipper::clip_by_search(SiteId cell) {
   if (ray_cell_ != cell) ray_ = 0;
   ray_cell_ = cell;
@@ -197,12 +197,12 @@ void PolygonClipper::clip_by_search(SiteId cell) {
   while (!unproven_.empty()) {
     const std::uint32_t m = unproven_.back();
     const Bisector* bisector = polygon_[m].after == kNoIndex ? nullptr : find_violated(cell, m);
-    if (!bisector)  // proven, or cut off meanwhile
+    if (!bisector)  // proven, or cut off in the meantime
       unproven_.pop_back();
     else if (!cut_around(cell, *bisector, m))
       throw InternalError("triangle " + std::to_string(triangle_) + " misses cell " + std::to_string(cell));
   }
-  // Those that are left, in order.
+  // The remaining sides, in order.
   clipped_.clear();
   std::uint32_t first = 0;
   while (polygon_[first].after == kNoIndex) ++first;
@@ -214,7 +214,7 @@ void PolygonClipper::clip_by_search(SiteId cell) {
   polygon_.swap(clipped_);
 }
 
-/// A bisector beyond which corner m lies; null where there is none.
+/// A bisector that corner m is beyond; null if there is none.
 const Bisector* PolygonClipper::find_violated(SiteId cell, std::uint32_t m) {
   Side& at = polygon_[m];
   const Side& before = polygon_[at.before];
@@ -266,8 +266,8 @@ const Bisector* PolygonClipper::find_violated_by_tree(SiteId cell, const Side& b
   return nullptr;
 }
 
-/// Cuts off the corners beyond the bisector, which corner m is one of and which follow one another: the
-/// polygon is convex. False where that is all of them.
+/// Cuts off the corners beyond the bisector: corner m and its neighbours, which are consecutive because the
+/// polygon is convex. Returns false if no corner would be left.
 bool PolygonClipper::cut_around(SiteId cell, const Bisector& bisector, std::uint32_t m) {
   const Line line = line_of(cell, bisector);
   const auto is_out = [&](std::uint32_t k) {
@@ -286,7 +286,7 @@ bool PolygonClipper::cut_around(SiteId cell, const Bisector& bisector, std::uint
     if (k == polygon_[first].before || !is_out(k)) break;
     last = k;
   }
-  // The side before the first corner and the one after the last remain, cut short.
+  // The side before the first of these corners and the side after the last one are shortened.
   const std::uint32_t from = polygon_[first].before, added = static_cast<std::uint32_t>(polygon_.size());
   for (std::uint32_t k = first; k != last;) {
     const std::uint32_t next = polygon_[k].after;
@@ -328,7 +328,7 @@ int PolygonClipper::side_exactly(SiteId cell, const Bisector& bisector, PolygonS
 }
 
 void PolygonClipper::name_polygon(SiteId cell) {
-  // Whatever cells share the rest of the triangle, and whichever bisector cut first.
+  // The name must not depend on which cells share the rest of the triangle, or which bisector cut first.
   const std::size_t n = polygon_.size();
   std::size_t lowest = 0;
   for (std::size_t m = 1; m < n; ++m)

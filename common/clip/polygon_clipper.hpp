@@ -1,6 +1,7 @@
-// One triangle divided among the cells it meets: Sutherland & Hodgman 1974 clipping by bisectors, cell after
-// cell, on polygons whose corners are named by the two lines they lie on and decided exactly. Near-linear in
-// the polygons and their corners, however many of them a triangle has and however many neighbours a cell.
+// Divides a triangle among the cells that it meets. Polygons are clipped by bisectors (Sutherland & Hodgman
+// 1974), cell after cell. Their corners are named by the two lines that they are on, and all decisions are
+// exact. Near-linear in the polygons and their corners, for any number of corners and of neighbours of a
+// cell.
 #pragma once
 
 #include <array>
@@ -14,10 +15,10 @@
 
 namespace fracture {
 
-/// Marks a C vertex whose id is still counted from the start of its block.
+/// Marks a C vertex whose id is still relative to the start of its block.
 inline constexpr std::uint32_t kBlockLocalC = 0x80000000u;
 
-/// The polygons and C vertices of a block of triangles, in SurfaceCuts' layout.
+/// The polygons and C vertices of a block of triangles, in the layout of SurfaceCuts.
 struct TriangleDivision {
   std::vector<TriangleCut> triangle_cuts;
   std::vector<CutPolygon> polygons;
@@ -32,19 +33,19 @@ class PolygonClipper {
                  const Execution& execution, TriangleDivision& out)
       : solid_(solid), diagram_(diagram), cuts_(cuts), execution_(execution), pacer_(execution), out_(out) {}
 
-  /// Divides triangle t, whose labels are not all the same. Throws Interrupted.
+  /// Divides triangle t, whose labels must not all be the same. Throws Interrupted.
   void divide(std::uint32_t t);
-  /// Counts the polygons that were made since it was last called; divide() does so for many at a time.
+  /// Reports the polygons made since the last call. divide() reports many at a time.
   void count_polygons();
 
  private:
-  // A corner of the polygon at hand and the side that follows it.
+  // A corner of the current polygon, and the side after it.
   struct Side {
     PolygonSide side;
     clip_detail::Line line;
-    clip_detail::Corner corner;  // between the side before and this one
-    bool corner_is_known;        // else it is still to be computed
-    // In clip_by_search() alone: the sides around it, and the index of its bisector.
+    clip_detail::Corner corner;  // between the previous side and this one
+    bool corner_is_known;        // otherwise it is not computed yet
+    // Only for clip_by_search(): the neighbouring sides, and the index of its bisector.
     std::uint32_t before, after, facet;
   };
 
@@ -73,23 +74,23 @@ class PolygonClipper {
   const Execution& execution_;
   Pacer pacer_;
   TriangleDivision& out_;
-  std::size_t counted_ = 0;  // polygons
+  std::size_t counted_ = 0;  // number of polygons already reported
 
-  // The triangle at hand.
+  // The current triangle.
   std::uint32_t triangle_ = 0;
   std::array<Vec3d, 3> corner_;
-  std::size_t first_c_ = 0;    // its C vertices in out_.triangle_cuts
+  std::size_t first_c_ = 0;    // first of its C vertices in out_.triangle_cuts
   std::vector<Side> polygon_;  // the sides, in order
   std::vector<Side> clipped_;
-  std::vector<std::uint32_t> unproven_;  // corners that may lie beyond a bisector
+  std::vector<std::uint32_t> unproven_;  // corners that may be beyond a bisector
   std::vector<const Bisector*> doubts_;
   std::vector<int> sign_;
-  std::vector<SiteId> cells_;  // met so far: done ones, then ones to do
-  SiteId ray_cell_ = kNoSite;  // where the last ray left a cell of many neighbours: probably near the next
+  std::vector<SiteId> cells_;  // cells met so far: first those processed, then the others
+  SiteId ray_cell_ = kNoSite;  // where the last ray left a cell with many neighbours; a guess for the next
   std::uint32_t ray_ = 0;
   std::vector<TriangleCut> cuts_before_;
   std::vector<std::uint32_t> number_now_;
-  TripleTable names_;  // of C vertices, cuts of an edge and cells met, where they are many
+  TripleTable names_;  // C vertices, cuts of an edge and cells met, if there are many
 };
 
 }  // namespace fracture

@@ -13,17 +13,17 @@ namespace {
 
 using namespace clip_detail;
 
-/// The edge cut with a static error bound: by far the most frequent construction. False when the bound does
-/// not decide.
+/// Places an edge cut with a static error bound. This is by far the most frequent construction. Returns false
+/// if the bound does not decide the rounding.
 bool place_edge_cut(const EdgeCutFormula& formula, const Vec3d& step, Placed& placed) {
   const auto& [a, b, i, k] = formula.input;
   const Vec3d u = k - i, w = a - i, e = b - a;
   const auto absolute = [](const Vec3d& x, const Vec3d& y) {
     return std::fabs(x.x * y.x) + std::fabs(x.y * y.y) + std::fabs(x.z * y.z);
   };
-  // t = (u·u - 2 u·w) / (2 u·e): differences and products are off by 2^-53 relative, fewer than 8 roundings a
-  // term. Underflow takes at most 2^-1075 from each of fewer than 16 products, those of the bounds included:
-  // kTiny is more.
+  // t = (u·u - 2 u·w) / (2 u·e): differences and products have a relative error of 2^-53, with fewer than 8
+  // roundings per term. Underflow loses at most 2^-1075 in each of fewer than 16 products, including those of
+  // the bounds. kTiny exceeds this.
   constexpr double kTiny = 0x1p-1000;
   const double numerator = dot(u, u) - 2 * dot(u, w), denominator = 2 * dot(u, e);
   const double numerator_error = 0x1.0p-49 * (dot(u, u) + 2 * absolute(u, w)) + kTiny;
@@ -51,7 +51,7 @@ SeamLattice::SeamLattice(const Box& box) {
   for (int a = 0; a < 3; ++a) {
     const double reach = std::fmax(std::fabs(box.min[a]), std::fabs(box.max[a]));
     const double m = std::fmax(reach, box.max[a] - box.min[a]);
-    int e = -100;  // a flat axis: any step will do
+    int e = -100;  // for a flat axis, any step is suitable
     if (m > 0) {
       const double mantissa =
           std::frexp(m, &e);  // m = mantissa * 2^e, ceil(log2 m) = e, or e - 1 for a power of two
@@ -104,11 +104,11 @@ VertexPositions place_vertices(const Solid& solid, const Solid& image, const Vor
     return placed_by(TriangleCutFormula{{i, k, l, at(v[0]), at(v[1]), at(v[2])}});
   };
   const auto place_inner = [&](const InnerVertex& inner) {
-    // In ascending order of the sites, so that the doubles do not depend on how the tetrahedron was made.
+    // In ascending order of the sites, so that the doubles do not depend on how the tetrahedron was built.
     std::array<SiteId, 4> v = diagram.dual().tets[inner.tet].v;
     std::sort(v.begin(), v.end());
     if (map) {
-      // All four are in the place of one frame, whose shift they lose exactly.
+      // All four sites are in the place of one frame. Its shift can be subtracted exactly.
       const CellMap::Frame& frame = map.at(site(v[0]));
       const auto unshifted = [&](SiteId s) { return site(s) - frame.shift; };
       const auto& rows = frame.matrix.rows;

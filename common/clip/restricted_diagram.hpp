@@ -1,5 +1,5 @@
-// A Voronoi diagram restricted to a solid: everything that the clipper finds, in the order in which its
-// stages find it: surface cuts -> winding numbers -> positions -> caps.
+// A Voronoi diagram restricted to a solid: all results of the clipper, in the order in which its stages
+// compute them: surface cuts -> winding numbers -> positions -> caps.
 #pragma once
 
 #include <array>
@@ -17,21 +17,21 @@ namespace fracture {
 
 /// Borrows the solid and the diagram.
 struct RestrictedDiagram {
-  const Solid& solid;  ///< has the positions
-  const Solid& seen;   ///< decides: the solid's image under the diagram's map, or the solid itself
+  const Solid& solid;  ///< provides the positions
+  const Solid& seen;   ///< decides the cuts: the solid's image under the diagram's map, or the solid itself
   const VoronoiDiagram& diagram;
   SurfaceCuts cuts;
   Winding winding{};
   VertexPositions positions{};
   Caps caps{};
-  /// Where `solid` is a patch of a larger one: per part its number there; null: the number it has here.
+  /// If `solid` is a patch of a larger solid: the number of each part there. Null: numbers are the same.
   const std::vector<std::uint32_t>* part_in_whole = nullptr;
-  /// Per site, or of the first ones: the brick or stone of a masonry that its cell is of; kNoIndex: of none. Empty: of
-  /// none.
+  /// The brick or stone of masonry that a cell belongs to, for all sites or for the first ones; kNoIndex:
+  /// none. Empty: no masonry.
   std::span<const std::uint32_t> bricks{};
 
   std::uint32_t brick_of(SiteId s) const { return s < bricks.size() ? bricks[s] : kNoIndex; }
-  /// Whether the cut between two cells is where two bricks were laid, not through one.
+  /// Whether the cut between two cells is a joint between two bricks, and not a cut through a brick.
   bool is_joint(const CapRegion& cut) const {
     const std::uint32_t a = brick_of(cut.lo), b = brick_of(cut.hi);
     return a != b && a != kNoIndex && b != kNoIndex;
@@ -50,12 +50,12 @@ struct RestrictedDiagram {
   std::uint32_t vertex_count() const {
     return positions.first_constructed + static_cast<std::uint32_t>(positions.points.size());
   }
-  /// Makes positions and caps from the cuts and winding numbers, flat and whole, whatever they were.
-  /// `cells_of_interest`: per site; only the facets of these have caps; null: of all. Throws Interrupted.
+  /// Computes positions and caps from the cuts and winding numbers, without roughness, replacing previous
+  /// ones. `cells_of_interest`: per site; only facets of these cells get caps; null: all. Throws Interrupted.
   void place_and_cap(const Execution& execution, const std::vector<char>* cells_of_interest = nullptr);
 };
 
-/// All stages. `solid` must be seen through diagram.map(). Throws Interrupted.
+/// Runs all stages. `solid` must be seen through diagram.map(). Throws Interrupted.
 RestrictedDiagram restrict_to_solid(const SeenSolid& solid, const VoronoiDiagram& diagram,
                                     const Execution& execution);
 

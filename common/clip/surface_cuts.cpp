@@ -15,23 +15,23 @@ namespace {
 
 constexpr std::size_t kBlock = 1024;  // vertices or edges per block of parallel work
 
-/// Of a mesh, for each site.
+/// Minimum number of mesh vertices per site at which the filter is worth its cost.
 constexpr std::size_t kVerticesForFilter = 8;
 
-/// Ids of vertices below this leave kBlockLocalC free.
+/// Vertex ids below this leave the bit kBlockLocalC free.
 constexpr std::size_t kMostCorners = kBlockLocalC;
 
 std::vector<SiteId> label_vertices(const Solid& solid, const VoronoiDiagram& diagram,
                                    const Execution& execution) {
   const std::size_t n = solid.positions.size();
-  // Any neighbour with a lower id is a good place to start the walk.
+  // Any neighbour with a lower id is a good start for the walk.
   std::vector<std::uint32_t> hint(n, kNoIndex);
   Pacer pacer(execution);
   pacer.each(0, solid.edge_vertices.size(), [&](std::size_t e) {
     const auto& [lo, hi] = solid.edge_vertices[e];
     hint[hi] = lo;
   });
-  std::optional<CellFilter> filter;  // takes as long to make as to look at three vertices for each site
+  std::optional<CellFilter> filter;  // building it takes as long as labelling three vertices per site
   if (n > kVerticesForFilter * diagram.dual().site_count()) filter.emplace(diagram, solid.box, execution);
   std::vector<SiteId> label(n);
   parallel_for(execution, n, kBlock, [&](std::size_t begin, std::size_t end) {
@@ -72,7 +72,7 @@ void cut_edges(const Solid& solid, const VoronoiDiagram& diagram, const Executio
   pacer.each(0, n, [&](std::size_t e) { out.edge_cut_begin[e + 1] += out.edge_cut_begin[e]; });
 }
 
-/// Joins the blocks; C ids were counted from each block's start.
+/// Joins the blocks. C ids were relative to each block's start.
 void join(const Execution& execution, const std::vector<TriangleDivision>& found, SurfaceCuts& out) {
   struct Begin {
     std::size_t cuts = 0, polygons = 0, vertices = 0;
@@ -125,7 +125,7 @@ void cut_triangles(const Solid& solid, const VoronoiDiagram& diagram, const Exec
     if (out.label[v[0]] != out.label[v[1]] || out.label[v[1]] != out.label[v[2]])
       cut.push_back(static_cast<std::uint32_t>(t));
   });
-  // A large triangle whose edges have n cuts in all has about n²/24 polygons, and each takes some hundred
+  // A large triangle whose edges have n cuts in total has about n²/24 polygons, and each takes some hundred
   // nanoseconds.
   const WorkBlocks blocks(execution, cut.size(), 400'000, [&](std::size_t k) {
     std::uint64_t n = 0;

@@ -10,20 +10,21 @@
 namespace fracture {
 namespace {
 
-/// Half a step for each of a corner's two edges: room enough where loops touch, also if rounding has moved a corner
-/// across an edge. More would close what is a few steps wide.
+/// Number of parts of a lattice step.
 constexpr std::int64_t kPartsOfStep = 16;
+/// Parts by which each of its two edges moves a corner: half a step. This separates loops that touch, even if
+/// rounding has moved a corner across an edge. Moving farther would close gaps of a few steps.
 constexpr double kMoved = kPartsOfStep / 2.0;
 
 /// An edge, seen from one of its ends.
 struct Ray {
-  LatticePoint to;  ///< its other end, from this one
+  LatticePoint to;  ///< its other end, relative to this one
   std::uint32_t corner;
   bool leaves;
   bool is_upper() const { return to.y > 0 || (to.y == 0 && to.x > 0); }
 };
 
-/// By angle, counter-clockwise from the direction of x: negative, 0 or positive.
+/// Compares angles, counter-clockwise from the x direction: negative, 0 or positive.
 int compare(const Ray& a, const Ray& b) {
   if (a.is_upper() != b.is_upper()) return a.is_upper() ? -1 : 1;
   const std::int64_t turn = orient2d({0, 0}, a.to, b.to);
@@ -60,9 +61,10 @@ class Linker {
     }
   }
 
-  // The edge that arrives at corner a goes on with the edge from another corner l of the same place to b. In the ring b
-  // follows a, so that (a, l, b) joins that edge to its ring. Corners a, l = leave_[a], leave_[l], ... go round: what
-  // they enclose at their place is filled from the first of them.
+  // The edge that arrives at corner a continues with the edge from another corner l at the same position to
+  // b. In the new ring, b follows a, so the triangle (a, l, b) connects that edge to its ring. Corners a, l =
+  // leave_[a], leave_[l], ... form a cycle. The region that they enclose at their position is filled from the
+  // first of them.
   void add_flat(std::vector<std::array<std::uint32_t, 3>>& triangles) const {
     std::vector<bool> done(leave_.size(), false);
     for (std::uint32_t first = 0; first < leave_.size(); ++first) {
@@ -112,8 +114,9 @@ class Linker {
       if (around_[k].leaves) leave_[around_[(k + 1) % around_.size()].corner] = around_[k].corner;
   }
 
-  /// Fills around_ with the rays, counter-clockwise. Each leaving ray is followed by an arriving one, with the inside
-  /// between them. Rays of one direction may come in any order. Returns false if no such order exists.
+  /// Fills around_ with the rays, counter-clockwise, so that each leaving ray is followed by an arriving one,
+  /// with the inside between them. Rays with the same direction may be in any order. Returns false if no such
+  /// order exists.
   bool alternate() {
     const std::size_t n = rays_.size();
     const auto end_of = [&](std::size_t first) {
@@ -121,7 +124,8 @@ class Linker {
       while (end < n && compare(rays_[first], rays_[end]) == 0) ++end;
       return end;
     };
-    // Begin with a direction in which all rays are of one kind. If there is none, each is the end of a spike.
+    // Begin with a direction in which all rays are of one kind. If there is none, each direction is the end
+    // of a spike.
     std::size_t start = 0;
     while (start < n && rays_[start].leaves != rays_[end_of(start) - 1].leaves) start = end_of(start);
     bool leaves = start == n || rays_[start].leaves;
@@ -130,7 +134,7 @@ class Linker {
     for (std::size_t first = start; around_.size() < n;) {
       const std::size_t end = end_of(first);
       std::size_t arriving = first, leaving = first;
-      while (leaving < end && !rays_[leaving].leaves) ++leaving;  // those that arrive stand before
+      while (leaving < end && !rays_[leaving].leaves) ++leaving;  // arriving rays come first
       for (const std::size_t middle = leaving; arriving < middle || leaving < end; leaves = !leaves) {
         if (leaves ? leaving == end : arriving == middle) return false;
         around_.push_back(rays_[leaves ? leaving++ : arriving++]);
@@ -142,10 +146,10 @@ class Linker {
 
   std::span<const LatticePoint> points_;
   const std::vector<std::uint32_t>& corners_;
-  // Positions in corners_:
+  // Indices into corners_:
   std::vector<std::uint32_t> next_, prev_;
   std::vector<std::uint32_t>
-      leave_;  // the edge that arrives here goes on with the one that leaves from there
+      leave_;  // the edge that arrives here continues with the one that leaves from there
   std::vector<Ray> rays_, around_;
 };
 

@@ -21,12 +21,12 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-// Up to here ears are as fast as a sweep and make better triangles.
+// Up to this size, ears are as fast as a sweep and give better triangles.
 constexpr std::size_t kSmallRing = 64;
 
-/// Garey, Johnson, Preparata & Tarjan 1978, written as ear cutting on a linked ring so that it cannot use an
-/// edge twice: a triangle is only cut where its three corners are consecutive. Returns false, with nothing
-/// emitted, when the ring is not monotone after all.
+/// Garey, Johnson, Preparata & Tarjan 1978, implemented as ear cutting on a linked ring, so that it cannot
+/// use an edge twice: a triangle is only cut if its three corners are consecutive. Returns false and emits
+/// nothing if the ring is not monotone.
 bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                           Triangles& triangles, const Execution& execution) {
   const std::size_t n = ring.size(), before = triangles.size();
@@ -56,7 +56,7 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
     pacer.step(2);
     const std::uint32_t v = order[m], top = stack.back();
     if (next[top] == v || prev[top] == v) {
-      // Same chain (or the last vertex, adjacent to both): cut while the corner at the top is convex.
+      // The same chain (or the last vertex, adjacent to both): cut while the top corner is convex.
       while (stack.size() >= 2) {
         const std::uint32_t k = stack.back();
         const bool forward = next[k] == v;
@@ -70,7 +70,8 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
       }
       stack.push_back(v);
     } else {
-      // Opposite chain: fan from v over the whole stack, from its bottom, which is v's neighbour.
+      // The opposite chain: cut a fan from v over the whole stack, starting at its bottom, which is v's
+      // neighbour.
       for (std::size_t s = 0; s + 1 < stack.size(); ++s) {
         const std::uint32_t k = stack[s];
         if (next[k] != v && prev[k] != v) return fail();
@@ -83,16 +84,16 @@ bool triangulate_monotone(std::span<const LatticePoint> points, std::span<const 
   return triangles.size() == before + n - 2 || fail();
 }
 
-/// One ring after the other into triangles.
+/// Triangulates one ring after another.
 class RingTriangulator {
  public:
-  /// `points`: of all of them.
+  /// `points`: total number of points of all rings.
   RingTriangulator(std::size_t points, const Execution& execution)
       : execution_(execution),
         pacer_(execution),
         patience_((std::size_t{1} << 19) + kStepsPerPoint * points) {}
 
-  /// A whole loop, or, with its partition, a ring of one.
+  /// Triangulates a whole loop, or a ring of its `partition`.
   void add(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
            const Partition* partition, Triangles& triangles) {
     if (partition)
@@ -104,9 +105,10 @@ class RingTriangulator {
   }
   enum class Small {
     kEars,
-    kLeastArea  ///< where corners lie on diagonals, a good ear may leave a ring that is turned over
+    kLeastArea  ///< if corners are on diagonals, a good ear may leave a ring that is turned over
   };
-  /// The same, divided where it comes back to a place; `small`: how rings of some dozens are triangulated.
+  /// Also divides the ring where it returns to a position. `small`: the method for rings of some dozens of
+  /// corners.
   void add_divided(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                    const Partition* partition, Small small, Triangles& triangles) {
     std::vector<std::vector<std::uint32_t>> rings;
@@ -119,19 +121,19 @@ class RingTriangulator {
       add(points, r, partition, triangles);
     }
   }
-  /// Some ring got triangles without regard to their shape.
+  /// Whether some ring was triangulated without regard to the shape of its triangles.
   bool given_up() const { return given_up_; }
 
  private:
   static constexpr std::uint32_t kManyCrossings = 8;
-  /// Many rings that cross themselves may not take what each of them alone may.
+  /// Limits the total for many rings that cross themselves to less than the sum of their own limits.
   static constexpr std::size_t kStepsPerPoint = 512;
 
   void add_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,
                 const Partition& partition, Triangles& triangles) {
     if (ring.size() > kSmallRing && triangulate_monotone(points, ring, triangles, execution_)) return;
-    // Not monotone after all: the loops touch or cross. Among many crossings there is no good triangulation
-    // to look for.
+    // The ring is not monotone after all, because the loops touch or cross. If there are many crossings, no
+    // good triangulation exists.
     const bool hopeless = ring.size() > kSmallRing && partition.crossings > kManyCrossings;
     clip(points, ring, hopeless ? 4 * ring.size() : ear_patience(ring.size()), triangles);
   }
@@ -158,17 +160,17 @@ class RingTriangulator {
 
   const Execution& execution_;
   Pacer pacer_;
-  std::size_t patience_;  // steps of the search for ears that are left
+  std::size_t patience_;  // remaining steps of the search for ears
   bool given_up_ = false;
 };
 
-/// In the 1-norm.
+/// Length in the 1-norm.
 std::int64_t span_of(const LatticePoint& p, const LatticePoint& q) {
   return std::llabs(p.x - q.x) + std::llabs(p.y - q.y);
 }
 
-/// Lower than two lattice steps over its longest edge: the mark of loop points on a line that do not see the
-/// inside.
+/// Whether the triangle is lower than two lattice steps over its longest edge. This indicates collinear loop
+/// points that do not face the inside.
 bool is_flat(std::span<const LatticePoint> points, const std::array<std::uint32_t, 3>& t) {
   const LatticePoint &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
   return orient2d(a, b, c) <= 2 * std::max({span_of(a, b), span_of(b, c), span_of(c, a)});
@@ -181,7 +183,7 @@ int orientation(std::span<const LatticePoint> points, std::uint32_t begin, std::
   return sum > 0 ? 1 : sum < 0 ? -1 : 0;
 }
 
-/// Twice the area of the triangles that are turned over by more than rounding explains: higher than two
+/// Twice the area of the triangles that are turned over by more than rounding explains: those higher than two
 /// lattice steps over their longest edge.
 __int128 turned_over(std::span<const LatticePoint> points, const Triangles& triangles) {
   __int128 sum = 0;
@@ -199,8 +201,9 @@ struct LoopOfPoints {
   void release() { release_vectors(points); }
 };
 
-/// What triangulate() does of loops without repeated corners; `ring(points, ring, partition, triangles)`
-/// triangulates one ring (without a partition: a whole loop, which may be large and not monotone).
+/// The main part of triangulate(), for loops without repeated corners. `ring(points, ring, partition,
+/// triangles)` triangulates one ring. Without a partition, it is a whole loop, which may be large and not
+/// monotone.
 template <class Ring>
 void triangulate_loops(std::span<const LatticePoint> points, std::span<const std::uint32_t> loop_begin,
                        const Execution& execution, const Ring& ring, Triangulation& out) {
@@ -212,8 +215,8 @@ void triangulate_loops(std::span<const LatticePoint> points, std::span<const std
     pacer.step(loop_begin[l + 1] - loop_begin[l]);
     holes |= orientation(points, loop_begin[l], loop_begin[l + 1]) < 0;
   }
-  if (!holes) {  // every loop is a region of its own
-    std::vector<std::uint32_t>& loop = thread_scratch<LoopOfPoints>().points;  // the same again and again
+  if (!holes) {  // every loop is a separate region
+    std::vector<std::uint32_t>& loop = thread_scratch<LoopOfPoints>().points;  // reused for all loops
     for (std::uint32_t l = 0; l < loops; ++l) {
       loop.resize(loop_begin[l + 1] - loop_begin[l]);
       pacer.step(loop.size());
@@ -226,7 +229,7 @@ void triangulate_loops(std::span<const LatticePoint> points, std::span<const std
   Partition partition;
   partition_monotone(points, loop_begin, partition, execution);
   out.unnested_loops = static_cast<std::uint32_t>(partition.unnested.size());
-  // Rings of one region become consecutive; regions are numbered by their first ring.
+  // The rings of one region become consecutive. Regions are numbered by their first ring.
   std::vector<std::uint32_t> number(loops, 0xffffffffu);
   for (std::size_t r = 0; r < partition.count(); ++r) {
     pacer.step();
@@ -246,7 +249,7 @@ DisjointSets joined_points(std::size_t points, const Triangles& triangles) {
   return joined;
 }
 
-/// One region for each set of triangles that hang together.
+/// Assigns one region to each connected set of triangles.
 void number_regions(std::size_t points, Triangulation& out) {
   DisjointSets joined = joined_points(points, out.triangles);
   std::vector<std::uint32_t> number(points, kNoIndex);
@@ -260,11 +263,11 @@ void number_regions(std::size_t points, Triangulation& out) {
 
 enum class Touching {
   kKept,
-  kLinked  ///< and moved apart: see touching_loops.hpp
+  kLinked  ///< and moved apart; see touching_loops.hpp
 };
 
-/// The same of loops that pass places more than once: without repeated corners, and rings divided where they
-/// come back to a place.
+/// The same for loops that pass positions more than once: removes repeated corners, and divides rings where
+/// they return to a position.
 Triangulation triangulate_pinched(std::span<const LatticePoint> points,
                                   std::span<const std::uint32_t> loop_begin, Touching touching,
                                   RingTriangulator::Small small, const Execution& execution) {
@@ -307,7 +310,7 @@ Triangulation triangulate_pinched(std::span<const LatticePoint> points,
   return out;
 }
 
-/// Regions that do not hang together, because a ring between their parts enclosed nothing, become several.
+/// Divides regions that are not connected because a ring between their parts enclosed nothing.
 void divide_regions(std::size_t points, Triangulation& out) {
   DisjointSets joined = joined_points(points, out.triangles);
   std::vector<std::uint32_t> part_of(out.regions, kNoIndex), number(points, kNoIndex);
@@ -339,7 +342,7 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
       },
       out);
   bool pinched = false;
-  // Where loops cross everywhere, nothing makes a difference.
+  // If loops cross everywhere, further attempts do not help.
   if (__int128 turned = turned_over(points, out.triangles); turned > 0 && !rings.given_up()) {
     using Small = RingTriangulator::Small;
     const auto try_again = [&](Touching touching, Small small, __int128 most) {
@@ -356,7 +359,7 @@ void triangulate(std::span<const LatticePoint> points, std::span<const std::uint
     try_again(Touching::kLinked, Small::kLeastArea, 0);
   }
   if (pinched || out.regions + 1 < loop_begin.size()) divide_regions(points.size(), out);
-  // Flips stay within a region: regions share no inner edge.
+  // Flips stay within a region, because regions share no inner edge.
   if (!rings.given_up() && std::any_of(out.triangles.begin(), out.triangles.end(),
                                        [&](const auto& t) { return is_flat(points, t); }))
     flip_to_delaunay(points, out.triangles, execution);

@@ -1,5 +1,5 @@
-// From three ids to one: open addressing, kept and emptied in O(1). For what the polygons of one triangle
-// share, where that is too much to search.
+// A map from three ids to one: open addressing; it keeps its memory and is cleared in O(1). For data shared
+// by the polygons of one triangle, if it is too large for a linear search.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ class TripleTable {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// Forgets everything.
+  /// Clears the table.
   void clear() {
     used_ = 0;
     if (++epoch_ != 0) return;
     for (Entry& e : entries_) e.epoch = 0;
     epoch_ = 1;
   }
-  /// What was stored for the triple; kNone where nothing was.
+  /// The value stored for the triple, or kNone.
   std::uint32_t find(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     if (used_ == 0) return kNone;
     const Entry& e = entries_[place(a, b, c)];
     return e.epoch == epoch_ ? e.value : kNone;
   }
-  /// Stores `value` for a triple that has none.
+  /// Stores `value` for a triple that has no value yet.
   void insert(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t value) {
     if (entries_.size() < 2 * (used_ + 1)) grow();
     entries_[place(a, b, c)] = {a, b, c, value, epoch_};

@@ -15,16 +15,16 @@ using clip_detail::Crossing;
 using clip_detail::CrossingTable;
 using clip_detail::LayerCrossings;
 
-/// A layer whose winding number at a place is not 0.
+/// A layer whose winding number at some vertex is not 0.
 struct Inside {
   std::uint32_t layer;
   std::int32_t winding;
   std::uint32_t part;
 };
 
-/// w of all layers at all Voronoi vertices, sparsely: a vertex has a *state*, the layers inside of which it
-/// lies, ascending. Neighbours without a crossing between them share it. So a traversal costs what there is
-/// inside, not layers x tetrahedra.
+/// w of all layers at all Voronoi vertices, in sparse form. Each vertex has a *state*: the layers that it is
+/// inside of, ascending. Neighbours without a crossing between them share a state. So the cost of a traversal
+/// depends on what is inside, not on layers x tetrahedra.
 class States {
  public:
   static constexpr std::uint32_t kOutside = 0;
@@ -49,7 +49,7 @@ class States {
  private:
   std::vector<std::uint32_t> of_tet_;
   std::vector<Inside> pool_;
-  std::vector<std::size_t> begin_{0, 0};  // per state: its range of the pool; the first is the empty one
+  std::vector<std::size_t> begin_{0, 0};  // per state: its range in the pool; the first state is empty
 };
 
 class WindingTraversal {
@@ -98,7 +98,7 @@ class WindingTraversal {
     const auto& v = tets_[t].v;
     return matters(v[0]) || matters(v[1]) || matters(v[2]) || matters(v[3]);
   }
-  /// Is the Voronoi edge through facet f of t one of a cell that matters?
+  /// Whether the Voronoi edge through facet f of t belongs to a cell that matters.
   bool edge_matters(TetId t, int f) const {
     if (!some_) return true;
     const std::array<SiteId, 3> s = outward_facet(tets_[t], f);
@@ -176,7 +176,7 @@ class WindingTraversal {
     }
   }
 
-  /// The state behind the edge's crossings, into beyond_.
+  /// Computes the state beyond the edge's crossings, in beyond_.
   void cross(std::span<const Inside> from, const CrossedEdge& edge, bool out) {
     beyond_.clear();
     const std::span<const LayerCrossings> crossings = table_.layers_of(edge);
@@ -209,7 +209,7 @@ class WindingTraversal {
                         ": " + text(found) + " and " + text(expected));
   }
 
-  // -- D vertices, by layer, then tetrahedron
+  // -- D vertices, by layer, then by tetrahedron
 
   void name_inner_vertices() {
     std::vector<std::size_t> next(solid_.layers + 1, 0);
@@ -265,7 +265,7 @@ class WindingTraversal {
     join(found);
   }
 
-  // In order of the layers, whose parts are disjoint; within a layer in the order of the tetrahedra.
+  // Ordered by layer, whose parts are disjoint; within a layer, by tetrahedron.
   void join(const std::vector<std::vector<CapSegment>>& found) {
     const auto layer_of = [&](const CapSegment& s) { return solid_.parts[s.part].layer; };
     std::vector<std::size_t> next(solid_.layers + 1, 0);
@@ -281,7 +281,7 @@ class WindingTraversal {
     }
   }
 
-  /// All layers' intervals of the Voronoi edge through facet f of t, seen from its lower end.
+  /// Emits the intervals of all layers on the Voronoi edge through facet f of t, from its lower end.
   void emit_edge(TetId t, int f, std::vector<CapSegment>& out) const {
     const TetId u = tets_[t].n[f];
     if (u == kNoTet || u < t || !edge_matters(t, f)) return;
@@ -304,7 +304,7 @@ class WindingTraversal {
     };
     for (const LayerCrossings& layer : table_.layers_of(edge)) {
       pass_until(layer.layer);
-      // From t's Voronoi vertex to u's, crossing by crossing.
+      // From t's Voronoi vertex to that of u, crossing by crossing.
       CutVertexId from{kNoIndex};
       std::int32_t w = 0;
       if (k < here.size() && here[k].layer == layer.layer) {
@@ -328,8 +328,8 @@ class WindingTraversal {
   }
 
   // An interval directed out of tetrahedron t through facet f = (a, b, c), counter-clockwise about that
-  // direction, is a positive boundary piece of the Voronoi facets (a, b), (b, c), (c, a), each seen with its
-  // normal from first to second:
+  // direction, is a positive boundary piece of the Voronoi facets (a, b), (b, c), (c, a). Each is seen with
+  // its normal from first to second:
   //
   //            a                    the Voronoi edge points at the reader; facet (a, b) extends to the left,
   //      (a,b) | (c,a)              its normal n leads from a to b, and n x (edge direction) points into it:
@@ -363,7 +363,7 @@ class WindingTraversal {
   States states_;
   std::vector<Inside> beyond_;
   std::vector<std::size_t>
-      name_begin_;  // per tetrahedron: its range of names_, one for each layer of its state
+      name_begin_;  // per tetrahedron: its range in names_, with one name per layer of its state
   std::vector<CutVertexId> names_;
   Winding out_;
 };

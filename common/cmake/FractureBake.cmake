@@ -1,20 +1,20 @@
-# Breaks the meshes of a game when the game is built: each again only when the mesh, a file that it names (buffers,
-# textures, material libraries), its parameters or fracture-server changed. For Ninja and Makefiles.
+# Breaks a game's meshes during its build. A mesh is baked again only if the mesh, a file that it refers to
+# (buffers, textures, material libraries), its parameters or fracture-server changed. For Ninja and Makefiles.
 #
 #   find_package(fracture REQUIRED)
 #   fracture_add_baked_asset(TARGET game INPUT assets/barrel.glb OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/barrel.glb
 #                            PARAMETERS sites=80 material=wood)
 #
-# TARGET      depends on the output; made (as one of `all`) where there is no such target. May have any number of assets.
+# TARGET      depends on the output; created (as part of `all`) if it does not exist. May have many assets.
 # INPUT       relative to the source folder.
-# OUTPUT      relative to the binary folder; a name that ends in .gltf is JSON, one in .glb or without an ending GLB; .obj (with
-#             .mtl and textures beside it), .ply and .stl are geometry and looks alone. Default: the name of the input and .glb.
-# PARAMETERS  name=value each, as `fracture-server bake --help` lists them (with - or _); a semicolon in a value as \; .
-# SERVER      http://host:port: through a farm, to the same bytes. FRACTURE_TOKEN of the build's environment is its token.
-# THREADS     of one bake, 1 where it is not given: builds run many at a time. The bytes do not depend on it.
+# OUTPUT      relative to the binary folder. Extension .gltf: JSON; .glb or none: GLB; .obj (with .mtl and textures next to it),
+#             .ply and .stl: only geometry and appearance. Default: the name of the input with .glb.
+# PARAMETERS  name=value each, as listed by `fracture-server bake --help` (with - or _); write a semicolon in a value as \; .
+# SERVER      http://host:port: bakes with a farm, with the same bytes. Its token is FRACTURE_TOKEN in the environment.
+# THREADS     for one bake. Default: 1, because builds run many bakes at once. Does not affect the bytes.
 #
-# The outputs of a target stand in its property FRACTURE_BAKED_ASSETS. A mesh that is refused fails the build with the
-# reason. FRACTURE_SERVER_PROGRAM is the program: the one that is installed with this file, else from PATH.
+# The target's property FRACTURE_BAKED_ASSETS lists its outputs. If a mesh is refused, the build fails with the reason.
+# FRACTURE_SERVER_PROGRAM is the program. Default: the one installed with this file, otherwise the one in PATH.
 
 find_program(FRACTURE_SERVER_PROGRAM fracture-server HINTS ${CMAKE_CURRENT_LIST_DIR}/../../../bin)
 

@@ -1,8 +1,9 @@
-# What every target of this project has in common, as INTERFACE libraries, and the two functions that make targets.
+# Options shared by all targets of this project, as INTERFACE libraries, and the two functions that create
+# targets.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
-set(CMAKE_CXX_EXTENSIONS ON)  # __int128 is part of the exact arithmetic
+set(CMAKE_CXX_EXTENSIONS ON)  # the exact arithmetic uses __int128
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
@@ -13,9 +14,9 @@ if(FRACTURE_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${FRACTURE_CCACHE})
 endif()
 
-# Strict IEEE arithmetic. g++ contracts a*b+c to fma by default, which breaks both the proven error bounds and the
-# promise of identical bytes from every compiler; -ffast-math must never appear. Nobody here reads errno or the
-# floating-point exception flags; that they need not be kept changes no value.
+# Strict IEEE arithmetic. By default, g++ contracts a*b+c to fma, which breaks the proven error bounds and the
+# guarantee of identical bytes from every compiler. Never use -ffast-math. No code here reads errno or the
+# floating-point exception flags, so not maintaining them changes no value.
 add_library(fracture_strict_fp INTERFACE)
 target_compile_options(fracture_strict_fp INTERFACE -ffp-contract=off -fno-math-errno -fno-trapping-math)
 
@@ -25,19 +26,21 @@ target_compile_options(fracture_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-
 if(FRACTURE_WERROR)
   target_compile_options(fracture_warnings INTERFACE -Werror)
 endif()
-# g++ 12 sees overlapping copies in "literal" + std::string (GCC bug 105651, gone in 13).
+# g++ 12 reports overlapping copies in "literal" + std::string (GCC bug 105651, fixed in 13).
 target_compile_options(fracture_warnings INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 
-# If several sources are one unit, compilers give false warnings. A local name may have a namesake in another source of the unit
-# (scripts/check tidy looks for real ones, each file by itself). g++ also warns of bounds in strings that it has inlined. It
-# warns of coroutine frames that hold types of an unnamed namespace, too, although each is seen in one unit only.
+# If several sources are compiled as one unit, compilers give false warnings. A local name may equal a name in
+# another source of the unit (scripts/check tidy finds real shadowing in each file). g++ also warns about the
+# bounds of strings that it has inlined. It also warns about coroutine frames with types from an unnamed
+# namespace, although each is used in only one unit.
 if(FRACTURE_UNITY)
   target_compile_options(fracture_warnings INTERFACE -Wno-shadow
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>)
 endif()
 
-# g++ collects its garbage whenever it holds 128 MB. A unit of many sources grows to 500 MB, and a tenth of its time went there.
+# g++ collects its garbage whenever it holds 128 MB. A unit with many sources grows to 500 MB, and collecting
+# took a tenth of its time.
 if(FRACTURE_UNITY)
   target_compile_options(fracture_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
 endif()
@@ -48,12 +51,13 @@ if(FRACTURE_SANITIZE)
                          -fno-sanitize-recover=all)
   target_link_options(fracture_sanitizers INTERFACE -fsanitize=${FRACTURE_SANITIZE})
   target_compile_definitions(fracture_sanitizers INTERFACE FRACTURE_SANITIZED=1)
-  # The places in a sanitizer's report; no more of debugging information.
+  # Enough debugging information for the source positions in a sanitizer's report.
   target_compile_options(fracture_sanitizers INTERFACE -g1)
 endif()
 
-# For the folder and those below it that wait for sockets, disks and processes: under a sanitizer their templates take
-# three times as long to optimize as to compile, and their tests run as long without. Fuzzing is worth the time.
+# For this folder and its subfolders, which wait for sockets, disks and processes. Under a sanitizer,
+# optimizing their templates takes three times as long as compiling them, and does not make their tests
+# faster. For fuzzing, optimization is worthwhile.
 macro(fracture_unoptimized_under_sanitizers)
   if(FRACTURE_SANITIZE AND NOT FRACTURE_FUZZ)
     add_compile_options(-O0)
@@ -61,15 +65,16 @@ macro(fracture_unoptimized_under_sanitizers)
   endif()
 endmacro()
 
-# Headers that nearly all sources read. A unit takes one to three seconds to read them, or a tenth of a second if they are
-# precompiled.
+# Headers that nearly all sources include. A unit takes one to three seconds to read them, or a tenth of a
+# second if they are precompiled.
 set(FRACTURE_COMMON_HEADERS <algorithm> <array> <atomic> <bit> <chrono> <cmath> <compare> <concepts> <cstdint> <functional> <map>
     <memory> <mutex> <optional> <span> <stdexcept> <string> <string_view> <tuple> <type_traits> <unordered_map> <utility> <variant>
     <vector> <nlohmann/json.hpp> <tl/expected.hpp>)
 
-# fracture_precompiled(target name options header...): in a unity build with g++ the target reads these headers precompiled. Targets
-# that give the same name share them. So they must have the same options, and be all libraries or all programs. clang reads faster,
-# and checks its precompiled headers by their time, which a compiler cache cannot keep.
+# fracture_precompiled(target name options header...): in a unity build with g++, the target reads these
+# headers precompiled. Targets with the same name share them. So they must have the same options, and must all
+# be libraries or all be programs. clang reads headers faster, and it checks precompiled headers by their
+# time, which a compiler cache does not preserve.
 function(fracture_precompiled target name options)
   if(NOT FRACTURE_UNITY OR NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     return()
@@ -92,12 +97,14 @@ function(fracture_precompiled target name options)
   target_precompile_headers(${target} REUSE_FROM ${shared})
 endfunction()
 
-# RARELY_RUN: code that runs once for a command, a start or a page is compiled faster, because each first build waits for it.
+# RARELY_RUN: code that runs once per command, start or page. It is compiled with less optimization, because
+# each first build waits for it.
 set(FRACTURE_RARELY_RUN -O1)
 
-# fracture_library(name [RARELY_RUN] SOURCES ... DEPS ...): one stage of the pipeline, also known as fracture::name. Static, but
-# made so that a shared library could hold it: g++ then inlines no function that a program might put another one in place of.
-# Nobody does here.
+# fracture_library(name [RARELY_RUN] SOURCES ... DEPS ...): one module of the pipeline, also available as
+# fracture::name. It is static but position-independent. In such code, g++ does not inline functions that
+# another binary could replace. -fno-semantic-interposition allows inlining, because nothing here replaces
+# functions.
 function(fracture_library name)
   cmake_parse_arguments(ARG "RARELY_RUN" "" "SOURCES;DEPS" ${ARGN})
   add_library(fracture_${name} STATIC ${ARG_SOURCES})
@@ -116,12 +123,13 @@ function(fracture_library name)
   fracture_precompiled(fracture_${name} ${precompiled} "${options}" ${FRACTURE_COMMON_HEADERS})
 endfunction()
 
-# Tests call what is fast; they need not be: -O2 takes half as long again to compile. A folder may ask for less.
+# Tests call fast code but need not be fast themselves: -O2 takes half as long again to compile. A folder may
+# request less.
 set(FRACTURE_TEST_OPTIMIZATION -O1)
 
-# fracture_test(name LABELS unit|property|golden|e2e|threads|fuzz SOURCES ... DEPS ... [PRECOMPILE header...]): a
-# GoogleTest program. PRECOMPILE: what nearly all of its sources include, from the root of the checkout, where that takes
-# longer to read than the tests themselves.
+# fracture_test(name LABELS unit|property|golden|e2e|threads|fuzz SOURCES ... DEPS ... [PRECOMPILE
+# header...]): a GoogleTest program. PRECOMPILE: headers, relative to the root of the checkout, that nearly
+# all of its sources include and that take longer to read than the tests themselves.
 function(fracture_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS;PRECOMPILE" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -141,7 +149,8 @@ function(fracture_test name)
                         GTest::gmock_main)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
-  # `--target tests_threads`: the programs with this label and what they need, for builds that run no others.
+  # `--target tests_threads`: the programs with this label and their dependencies, for builds that run no
+  # other tests.
   foreach(label IN LISTS ARG_LABELS)
     if(NOT TARGET tests_${label})
       add_custom_target(tests_${label})

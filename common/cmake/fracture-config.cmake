@@ -1,4 +1,4 @@
-# find_package(fracture): fracture_add_baked_asset() and the program that it runs.
+# find_package(fracture): provides fracture_add_baked_asset() and finds the program that it runs.
 include(${CMAKE_CURRENT_LIST_DIR}/FractureBake.cmake)
 if(NOT FRACTURE_SERVER_PROGRAM)
   set(fracture_FOUND FALSE)

@@ -33,7 +33,7 @@ std::string slot_name(std::uint32_t material) {
   return material == kNoIndex ? "none" : "slot_" + std::to_string(material);
 }
 
-/// Writes "usemtl" where the material changes.
+/// Writes "usemtl" when the material changes.
 class MaterialRuns {
  public:
   explicit MaterialRuns(std::ostream& out) : out_(out) {}
@@ -82,7 +82,7 @@ void dump_obj_of_sites(std::ostream& out, const Tetrahedralization& t, double ra
     }
     for (std::size_t octant = 0; octant < 8; ++octant) {
       const std::size_t x = octant & 1, y = octant >> 1 & 1, z = octant >> 2 & 1;
-      // Each mirror turns the triangle round.
+      // Each mirroring reverses the orientation.
       const bool mirrored = (x + y + z) % 2 == 1;
       const std::size_t first = 6 * std::size_t{s};
       write_face(out, first, x, mirrored ? 4 + z : 2 + y, mirrored ? 2 + y : 4 + z);
@@ -115,7 +115,7 @@ void dump_obj(std::ostream& out, const FragmentSet& set, double explode) {
     out << "o fragment_" << f.id << '\n';
     const Vec3d shift = explode * (f.mass.center_of_mass - box.center());
     for (const Vec3f& p : f.positions) {
-      // World positions are float32(local) + float32(pivot), which is exact where explode is 0 (I2).
+      // World positions are float32(local) + float32(pivot), which is exact if explode is 0 (I2).
       const Vec3d world = to_double(p) + f.pivot + shift;
       write_vertex(out, world);
     }

@@ -1,5 +1,5 @@
-// Any stage of the pipeline as a Wavefront OBJ, to look at in any viewer. Text goes to a stream of the
-// caller's; positions are written with the digits that read back as the same float.
+// Writes any stage of the pipeline as Wavefront OBJ, for viewing in any viewer. The text goes to a stream of
+// the caller. Positions have enough digits to read back as the same float.
 #pragma once
 
 #include <iosfwd>
@@ -11,22 +11,22 @@
 
 namespace fracture::debug {
 
-/// One object for each source node, one material slot name ("slot_3", "none") for each run of triangles.
+/// Writes one object per source node, and one material slot name ("slot_3", "none") per run of triangles.
 void dump_obj(std::ostream& out, const Mesh& mesh);
 
-/// One object for each part, one group for each shell; filled triangles have the material "interior".
+/// Writes one object per part, and one group per shell. Filled triangles have the material "interior".
 void dump_obj(std::ostream& out, const Solid& solid);
 
-/// One octahedron of this radius for each site.
+/// Writes one octahedron of this radius per site.
 void dump_obj_of_sites(std::ostream& out, const Tetrahedralization& t, double radius);
 
-/// Every tetrahedron of four sites as a solid of its own, its vertices moved towards its middle by `shrink`
-/// times their distance, so that neighbours can be told apart. Those at the big tetrahedron's corners, which
-/// reach far beyond the mesh, are left out.
+/// Writes every tetrahedron of four sites as a separate solid. Its vertices are moved towards its middle by
+/// `shrink` times their distance, so that neighbours can be distinguished. Tetrahedra at the big
+/// tetrahedron's corners, which extend far beyond the mesh, are left out.
 void dump_obj(std::ostream& out, const Tetrahedralization& t, double shrink);
 
-/// One object for each fragment in world space, moved outwards from the centre of all fragments by `explode`
-/// times its distance (0: in place); cut faces have the material "interior".
+/// Writes one object per fragment in world space, moved outwards from the centre of all fragments by
+/// `explode` times its distance (0: not moved). Cut faces have the material "interior".
 void dump_obj(std::ostream& out, const FragmentSet& set, double explode = 0);
 
 }  // namespace fracture::debug

@@ -19,8 +19,8 @@ BigTetrahedron big_tetrahedron(const Box& domain) {
   for (int a = 0; a < 3; ++a)
     magnitude = std::max(magnitude, std::max(std::fabs(domain.min[a]), std::fabs(domain.max[a])));
   if (magnitude == 0) return big;
-  // K also stays within 2^-40 of the coordinates' magnitude, so that center ± K are exact doubles (8 + 40
-  // bits), and away from the subnormals.
+  // K is at least 2^-40 of the coordinates' magnitude, so that center ± K are exact doubles (8 + 40 bits),
+  // and is far from the subnormals.
   const double least = std::max({2 * domain.longest_side(), 0x1p-40 * magnitude, 0x1p-900});
   int exponent;
   const double mantissa =

@@ -1,4 +1,4 @@
-// How far a point is from a box: which sites own no point of it.
+// Distances from points to a box, which show which sites own no point of the box.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,9 @@ inline double farthest2(const Box& box, const Vec3d& p) {
   return sum;
 }
 
-/// A site farther from the box than some other site's farthest point of the box owns no point in it. The margin keeps the
-/// decision safe from rounding; a site kept needlessly costs time only. Both squared.
+/// Whether a site may own a point in the box; both arguments are squared distances. If a site is farther from
+/// the box than some other site's farthest point of the box, it owns no point in it. The margin makes the
+/// decision safe from rounding errors; keeping a site needlessly only costs time.
 inline bool is_near_enough(double nearest2, double reach2) { return nearest2 <= reach2 * (1 + 0x1p-40); }
 
 }  // namespace fracture::delaunay_detail

@@ -1,4 +1,4 @@
-// A numbering that depends on nothing but the set of tetrahedra and the site ids.
+// A numbering that depends only on the set of tetrahedra and the site ids.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,8 @@
 namespace fracture {
 namespace {
 
-// The permutation that sorts v, up to a last swap that keeps it even: a positive tetrahedron stays positive.
+// The permutation that sorts v, with a final swap if needed to keep it even, so that a positive tetrahedron
+// stays positive.
 std::array<std::uint8_t, 4> canonical_order(const std::array<SiteId, 4>& v) {
   std::array<std::uint8_t, 4> order{0, 1, 2, 3};
   bool even = true;
@@ -30,8 +31,8 @@ std::array<std::uint8_t, 4> canonical_order(const std::array<SiteId, 4>& v) {
 }  // namespace
 
 std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& execution) {
-  // Two tetrahedra may share three vertices but never four, so comparing the tuples is a total order. By the
-  // lowest site (counting sort), then the few of each site by the rest of the tuple.
+  // Two tetrahedra may share three vertices but never four, so comparing the tuples is a total order. Sorts
+  // by the lowest site (counting sort), then the few of each site by the rest of the tuple.
   struct Entry {
     std::array<SiteId, 3> rest;
     TetId tet;
@@ -69,8 +70,8 @@ std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& executio
     }
   });
   std::vector<Entry>().swap(entries);
-  // In the order of before, in which neighbours are near each other: what is read is at hand, and only what is
-  // written lies anywhere.
+  // Read in the previous order, in which neighbours are near each other. So reads hit the cache, and only
+  // writes are scattered.
   std::vector<Tetrahedron> tets;
   resize_with_polls(execution, tets, count);
   parallel_for(execution, count, 2048, [&](std::size_t first, std::size_t last) {
@@ -83,7 +84,7 @@ std::vector<TetId> canonicalize(Tetrahedralization& t, const Execution& executio
   });
   t.tets = std::move(tets);
   std::fill(t.tet_of_site.begin(), t.tet_of_site.end(), kNoTet);
-  for (std::size_t k = count; k-- > 0;) {  // so that the first tetrahedron of each site stays
+  for (std::size_t k = count; k-- > 0;) {  // backwards, so that each site keeps its first tetrahedron
     pacer.step();
     for (const SiteId s : t.tets[k].v) t.tet_of_site[s] = TetId{k};
   }

@@ -1,9 +1,10 @@
-// Insertion by cavity (Bowyer 1981, Watson 1981): the tetrahedra whose sphere contains the new site p form a
-// connected region that p sees entirely; it is emptied and its boundary joined to p.
+// Insertion by cavity (Bowyer 1981, Watson 1981). The tetrahedra whose sphere contains the new site p form a
+// connected region that is entirely visible from p. They are removed, and the region's boundary is joined to
+// p.
 //
-// No new tetrahedron is flat although coordinates are never perturbed: if p lay in the plane of a boundary
-// facet, p would have equal power to both spheres through that facet (the plane is their radical plane,
-// weights included), so both tetrahedra would be in conflict or none.
+// No new tetrahedron is flat, although coordinates are never perturbed. If p were in the plane of a boundary
+// facet, it would have equal power to both spheres through that facet (the plane is their radical plane,
+// including weights). Then both tetrahedra or neither would be in conflict.
 #include <algorithm>
 #include <bit>
 
@@ -13,9 +14,9 @@
 
 namespace fracture {
 namespace {
-/// Cavities with up to this many vertices find the neighbour across an edge in a square table of 64 KiB
-/// (random sites make 27 facets, so by Euler about 16 vertices); larger ones, as around the centre of a
-/// sphere, in a hash table.
+/// Cavities with up to this many vertices find the neighbour across an edge in a square table of 64 KiB.
+/// (Random sites give 27 facets, so about 16 vertices by Euler's formula.) Larger cavities, such as at the
+/// centre of a sphere, use a hash table.
 constexpr std::uint32_t kTableSide = 128;
 constexpr std::uint32_t kEmpty = 0xffffffffu;
 }  // namespace
@@ -48,21 +49,21 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert_in_part(const Vec3d& 
   return {Status::kInserted, v};
 }
 
-// Whether a tetrahedron is in conflict is a coin toss to the branch predictor, and whether it was met before is hardly
-// better, so nothing branches on either: one met again is tested again, both outcomes are written and the counters
-// advanced by the result.
+// Whether a tetrahedron is in conflict is unpredictable, and whether it was visited before hardly less so. So
+// the code branches on neither: a tetrahedron visited again is tested again, both outcomes are written, and
+// the result advances the counters.
 void IncrementalDelaunay::grow_cavity(const Query& q, TetId start) {
   next_visit();
   const std::uint32_t in = visit_, out = visit_ + 1;
   if (cavity_.size() < 8) cavity_.resize(64);
   if (boundary_.size() < 8) boundary_.resize(64);
-  // Copies, for what is written below might be the pointers themselves for all that the compiler knows.
+  // Local copies, because for the compiler the writes below might alias the members.
   Tet* const tets = tets_.data();
   Link* cavity = cavity_.data();
   Facet* boundary = boundary_.data();
   std::size_t cavity_count = 0, boundary_count = 0;
 
-  // Called thrice for each tetrahedron of the cavity: outlined it takes a third more instructions.
+  // Called three times per tetrahedron of the cavity. Not inlined, it takes a third more instructions.
   const auto test = [&](const Tet& t, unsigned k) __attribute__((always_inline)) {
     const Link link = t.n[k];
     const std::uint8_t* f = kFacet[k];
@@ -119,7 +120,7 @@ void IncrementalDelaunay::fill_cavity(TetVertexId v) {
   vertices_[v].tet = slot(0);
 }
 
-// One slot for each boundary facet: those of the cavity first, they are in the cache.
+// Reserves one slot per boundary facet: first those of the cavity, because they are in the cache.
 void IncrementalDelaunay::take_slots() {
   const std::size_t count = boundary_count_;
   if (cavity_.size() < count) cavity_.resize(2 * count);
@@ -127,10 +128,10 @@ void IncrementalDelaunay::take_slots() {
   while (cavity_count_ < count) cavity_[cavity_count_++] = Link(new_tet(), 0);
 }
 
-// Each new tetrahedron is (p, a, b, c) over the boundary facet abc. Its facet opposite a holds the edge bc;
-// the new neighbour there is the one whose facet has the edge in the other direction. This step joins the
-// new ones to what lies outside, numbers the vertices of the cavity and returns how many they are. As long
-// as there are few, it enters the facets in the table, by their edges.
+// Each new tetrahedron is (p, a, b, c) over the boundary facet abc. Its facet opposite a contains the edge
+// bc; the new neighbour there is the one whose facet has this edge in the other direction. This step joins
+// the new tetrahedra to the outside, numbers the vertices of the cavity, and returns their count. If they are
+// few, it also enters the facets in the table by their edges.
 std::uint32_t IncrementalDelaunay::make_tets(TetVertexId v) {
   const std::size_t count = boundary_count_;
   if (local_.size() < count + 8) local_.resize(2 * count + 8);
@@ -179,7 +180,7 @@ std::uint32_t IncrementalDelaunay::make_tets(TetVertexId v) {
   return locals;
 }
 
-// The last use of the vertices' local numbers: they are as before afterwards.
+// Last use of the vertices' local numbers, which are reset afterwards.
 void IncrementalDelaunay::measure_edges(TetVertexId v, std::uint32_t locals) {
   const Vec3d p = position(v);
   if (edges_.size() < locals) edges_.resize(2 * locals);
@@ -191,7 +192,8 @@ void IncrementalDelaunay::measure_edges(TetVertexId v, std::uint32_t locals) {
   }
 }
 
-// The spheres of the new tetrahedra, two at a time, and their neighbours among each other where the table has them.
+// Computes the spheres of the new tetrahedra, two at a time. With kJoin, also joins neighbours that are in
+// the table.
 template <bool kJoin>
 void IncrementalDelaunay::finish_tets(TetVertexId v) {
   using delaunay_detail::Two;
@@ -229,8 +231,8 @@ void IncrementalDelaunay::finish_tets(TetVertexId v) {
   }
 }
 
-// Open addressing, keyed by the directed edge. An entry names the facet that has the edge: 3 * slot + corner
-// opposite the edge.
+// Open addressing, keyed by the directed edge. An entry identifies the facet that has the edge: 3 * slot +
+// corner opposite the edge.
 void IncrementalDelaunay::join_by_hash() {
   const std::size_t count = boundary_count_;
   std::vector<std::uint32_t>& table = edge_hash_;

@@ -1,5 +1,6 @@
-// The sphere through the corners of a tetrahedron, with a margin that covers all rounding: the filter of in_sphere.
-// For one tetrahedron (T = double) or for two at a time (T = Two), the same operations for each.
+// The sphere through the corners of a tetrahedron, with a margin that covers all rounding errors: the filter
+// of in_sphere. Works on one tetrahedron (T = double) or on two at a time (T = Two), with the same operations
+// for each.
 #pragma once
 
 #include <cmath>
@@ -9,40 +10,48 @@
 
 namespace fracture::delaunay_detail {
 
-/// Two doubles in one register, of g++ and clang alike.
+/// Two doubles in one register, for both g++ and clang.
 using Two = double __attribute__((vector_size(16)));
 
-/// From corner 0 to another one, in the units of the sites, each component with one rounding.
+/// The vector from corner 0 to another corner, in the units of the sites. Each component has one rounding.
 template <class T>
 struct Edge {
   exact::Point<T> to;
   T lift;  ///< squared length
 };
 
-/// In units of K about the centre of the big tetrahedron.
+/// In units of K, about the centre of the big tetrahedron.
 template <class T>
 struct Circumsphere {
   exact::Point<T> center;
-  T radius2;  ///< NaN where errors may exceed the margin
+  T radius2;  ///< NaN if errors may exceed the margin
 };
 
-/// A point is inside or outside for certain where its squared distance from the centre differs from radius2, even as a
-/// float, by more than this share of it: circumsphere() shows 2^-22 to be enough, and rounding to a float takes 2^-24.
+/// A point is certainly inside or outside if its squared distance from the centre differs from radius2 by
+/// more than this share of radius2. circumsphere() derives that 2^-22 is enough, and rounding radius2 to a
+/// float adds 2^-24.
 inline constexpr double kMargin = 0x1p-21;
 
-/// corner0: normalized; scale: 1 / K. The centre is, from corner 0,
+/// corner0: normalized; scale: 1 / K. The centre, relative to corner 0, is
 ///   n / (2 delta),  n = |b|^2 (c x d) + |c|^2 (d x b) + |d|^2 (b x c),  delta = b · (c x d).
-/// Errors, with u = 2^-53; B, C, D the lengths of b, c, d; R the radius, so that B, C, D <= 2 R. b, c, d have one rounding
-/// each: a component of n is wrong by at most 12u BCD (B + C + D) <= 73u BCD R, delta by 8u sqrt(3) BCD <= 14u BCD.
-/// Where delta >= 2^-20 BCD, a component of n / (2 delta) is then wrong by at most
+/// Errors, with u = 2^-53: let B, C, D be the lengths of b, c, d. Let R be the radius; so B, C, D <= 2 R. b,
+/// c, d have one rounding each. The error of a component of n is at most
+///   12u BCD (B + C + D) <= 73u BCD R,
+/// and the error of delta is at most 8u sqrt(3) BCD <= 14u BCD. The function requires delta >= 2^-20 BCD.
+/// Then the error of a component of n / (2 delta) is at most:
+///
 ///   (73u BCD R / 2 + 14u BCD R) / delta + 2u R  <=  51u 2^20 R + 2u R  <  2^-27 R.
-/// In units of K a site is wrong by u, hence the centre by another u (3 + 2 R). Where R >= 2^-22 too, the vector from the
-/// centre to any site has an error of length at most e = sqrt(3) (2^-27 R + u (4 + 2 R)) < 2^-25 R. With r the distance
-/// of a site from the true centre, the difference of the squares that are compared is wrong by at most
-/// 2e (r + R) + 2e^2 + 6u (r^2 + R^2): less than 2^-22 R^2 where r <= 2 R. Where r is more, the site is outside, and
-/// is found there, for r^2 - 2er is far above R^2.
-/// 1e-250 keeps underflow out: no length exceeds 2^46 (kMaxSiteCoordinate), so that a lift that underflows changes the
-/// product of the three by less than 2^-1074 2^184 < 1e-267.
+/// In units of K, the error of a site is u, so the centre gets another u (3 + 2 R). The function also
+/// requires R >= 2^-22. The vector from the centre to any site then has an error of at most this length:
+///
+///   e = sqrt(3) (2^-27 R + u (4 + 2 R)) < 2^-25 R.
+/// Let r be the distance of a site from the true centre. The error of the compared difference of squares is
+/// at most
+///   2e (r + R) + 2e^2 + 6u (r^2 + R^2).
+/// This is less than 2^-22 R^2 if r <= 2 R. If r is larger, the site is outside, and the result says so,
+/// because r^2 - 2er is far above R^2.
+/// 1e-250 excludes underflow: no length exceeds 2^46 (kMaxSiteCoordinate). So a lift that underflows changes
+/// the product of the three by less than 2^-1074 2^184 < 1e-267.
 template <class T>
 Circumsphere<T> circumsphere(const Vec3d& corner0, double scale, const Edge<T>& b, const Edge<T>& c,
                              const Edge<T>& d) {

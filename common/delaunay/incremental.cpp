@@ -12,7 +12,7 @@ namespace fracture {
 namespace {
 
 double orient_bound(const BigTetrahedron& big) {
-  // Any difference of two points in the big tetrahedron is at most its edge, 2 sqrt(2) K.
+  // Any difference of two points in the big tetrahedron is at most as long as its edge, 2 sqrt(2) K.
   const double edge = 2.8285 * big.half;
   return exact::kOrient3dError * edge * edge * edge + exact::kUnderflow;
 }
@@ -60,7 +60,7 @@ void IncrementalDelaunay::reserve(std::size_t sites) {
   vertices_.reserve(sites + 4);
   tets_.reserve(reserved_tets(sites));
   if (!reserves_much(sites)) return;
-  constexpr std::size_t kAtOnce = std::size_t{1} << 24;  // bytes, a few milliseconds
+  constexpr std::size_t kAtOnce = std::size_t{1} << 24;  // bytes; takes a few milliseconds
   const std::size_t bytes = tets_.capacity() * sizeof(Tet);
   auto* const memory = reinterpret_cast<std::byte*>(tets_.data());
   for (std::size_t at = 0; at < bytes; at += kAtOnce) {
@@ -71,7 +71,7 @@ void IncrementalDelaunay::reserve(std::size_t sites) {
 
 TetVertexId IncrementalDelaunay::new_vertex(const Vec3d& p) {
   scale_.include(p);
-  // + 0.0 makes a negative zero positive, so that equal points have equal bits.
+  // + 0.0 makes negative zeros positive, so that equal points have equal bits.
   const Vertex vertex{p.x + 0.0, p.y + 0.0, p.z + 0.0, TetId{0}, kNoLocal};
   if (free_vertices_.empty()) {
     vertices_.push_back(vertex);
@@ -134,10 +134,10 @@ bool IncrementalDelaunay::in_conflict_exact(const Tet& t, const Vec3d& p) const 
                           &counters_.in_sphere) > 0;
 }
 
-// Remembering stochastic walk (Devillers, Pion & Teillaud 2001; the paper's Algorithm 2): through any facet
-// that separates the tetrahedron from p, tried from a random one on, never back through the one we came by.
-// The random choice is what makes it terminate in every triangulation; its generator is part of the state, so
-// runs repeat.
+// Remembering stochastic walk (Devillers, Pion & Teillaud 2001; the paper's Algorithm 2). Goes through any facet
+// that separates the tetrahedron from p, trying facets from a random one on, but never back through the facet
+// it came from. The random choice makes the walk terminate in every triangulation. Its generator is part of
+// the state, so runs are reproducible.
 std::optional<IncrementalDelaunay::Located> IncrementalDelaunay::walk(const Vec3d& p, TetId t) {
   unsigned came = 4;
   for (std::uint64_t steps = 1;; ++steps) {
@@ -146,7 +146,7 @@ std::optional<IncrementalDelaunay::Located> IncrementalDelaunay::walk(const Vec3
     for (int k = 0; k < 4; ++k) q[k] = position(tet.v[k]) - p;
     walk_state_ = walk_state_ * 6364136223846793005ull + 1442695040888963407ull;
     const unsigned first = walk_state_ >> 62;
-    // Which facets separate is a coin toss to the branch predictor: all are looked at, and nothing branches on one.
+    // Which facets separate is unpredictable, so all are tested without branches.
     unsigned beyond = 0, doubtful = 0, zeros = 0, left_by = 4;
     for (unsigned k = 0; k < 4; ++k) {
       const std::uint8_t* f = kFacet[k];

@@ -1,5 +1,5 @@
-// Shared by the translation units of IncrementalDelaunay and of the reference: what surrounds an insertion,
-// and the inlined in_sphere filter.
+// Shared by the translation units of IncrementalDelaunay and of the reference: the steps around an insertion,
+// and the inlined filter of in_sphere.
 #pragma once
 
 #include <cmath>
@@ -25,7 +25,7 @@ IncrementalDelaunay::Insertion IncrementalDelaunay::insert_with(const Vec3d& p, 
                                                                                         const Query& q) {
   const Vec3d d = q.normalized - Vec3d{t.center[0], t.center[1], t.center[2]};
   const double radius2 = static_cast<double>(t.radius2), beyond = dot(d, d) - radius2;
-  // Compared so that NaN is not certain.
+  // These comparisons make NaN uncertain.
   return {beyond<0, std::fabs(beyond)> delaunay_detail::kMargin * radius2};
 }
 

@@ -1,5 +1,5 @@
-// The steps of tetrahedralize(), for every way to insert a site: which sites count, their insertion in a good
-// order, and the numbering of the result.
+// The steps of tetrahedralize(), for every insertion algorithm: selecting the sites, inserting them in a good
+// order, and numbering the result.
 #pragma once
 
 #include <cstdint>
@@ -15,33 +15,34 @@ namespace fracture::delaunay_detail {
 
 /// The sites that may own a point of the box.
 struct KeptSites {
-  std::size_t given = 0;             ///< in the caller's list
-  std::vector<std::uint32_t> input;  ///< where each stands in it
+  std::size_t given = 0;             ///< number in the caller's list
+  std::vector<std::uint32_t> input;  ///< index of each kept site in that list
   std::vector<Vec3d> points;
   Box domain;                  ///< U: the box and the kept sites
-  std::uint32_t max_tets = 0;  ///< more are refused
+  std::uint32_t max_tets = 0;  ///< limit; more are refused
 };
 
-/// Errors: kNotFinite, kTooComplex, as tetrahedralize() says.
+/// Errors: kNotFinite and kTooComplex, as for tetrahedralize().
 Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box);
 
-/// The result, once every kept point has become a vertex (`vertex_of`, per point). Uses `delaunay` up.
+/// Returns the result after every kept point has become a vertex (`vertex_of`, per point). Consumes
+/// `delaunay`.
 Tetrahedralization numbered(IncrementalDelaunay& delaunay, const KeptSites& sites,
                             const std::vector<TetVertexId>& vertex_of);
 
-/// How many insertions ahead the coordinates are fetched: the order of insertion jumps about in the caller's
-/// list.
+/// How many insertions ahead coordinates are prefetched, because the order of insertion accesses the caller's
+/// list in scattered order.
 inline constexpr std::size_t kPrefetch = 8;
 
-/// Has insert(p) put every site into `delaunay`, which is empty and has sites.domain, and is used up. Error:
-/// kTooComplex. Throws Interrupted.
+/// Inserts every site with insert(p) into `delaunay`, which must be empty and have the domain sites.domain,
+/// and is consumed. Error: kTooComplex. Throws Interrupted.
 template <class Insert>
 Expected<Tetrahedralization> insert_all(IncrementalDelaunay& delaunay, const KeptSites& sites,
                                         const Execution& execution, const Insert& insert) {
   using Status = IncrementalDelaunay::Status;
   const std::vector<Vec3d>& points = sites.points;
   std::uint32_t counted = 0;
-  if (IncrementalDelaunay::reserves_much(points.size())) {  // then it is held from here on
+  if (IncrementalDelaunay::reserves_much(points.size())) {  // then the memory is held from here on
     counted = static_cast<std::uint32_t>(IncrementalDelaunay::reserved_tets(points.size()) *
                                          IncrementalDelaunay::kTetBytes / bytes_of(Product::kTetrahedra));
     execution.made(Product::kTetrahedra, counted);

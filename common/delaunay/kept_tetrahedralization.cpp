@@ -16,10 +16,10 @@ std::uint32_t most_tets(std::uint64_t sites) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(kTetsAlways + kTetsPerSite * sites, 0x3ffffff0u));
 }
 
-/// Negative zeros become positive, so that equal points have equal bits.
+/// Makes negative zeros positive, so that equal points have equal bits.
 Vec3d plain(const Vec3d& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0}; }
 
-/// A facet where the new tetrahedra meet those that stay.
+/// A facet between new tetrahedra and those that stay.
 struct RimFacet {
   std::array<TetVertexId, 3> key;  // ascending
   TetId tet;
@@ -69,7 +69,7 @@ std::optional<KeptTetrahedralization> KeptTetrahedralization::of(const Tetrahedr
   return kept;
 }
 
-/// The walk of IncrementalDelaunay::walk(): there is no better place for a start than near p.
+/// The same walk as IncrementalDelaunay::walk(), but with a fixed start for the random numbers.
 TetId KeptTetrahedralization::locate(const Vec3d& p, TetId t) const {
   std::uint64_t random = 0x853c49e6748fea9bull;
   TetId came = kNoTet;
@@ -90,7 +90,7 @@ TetId KeptTetrahedralization::locate(const Vec3d& p, TetId t) const {
   }
 }
 
-/// Jump and walk (Mücke, Saias & Zhu 1999): from the nearest of some sites.
+/// Jump and walk (Mücke, Saias & Zhu 1999): starts at the nearest among a sample of the sites.
 TetId KeptTetrahedralization::start_near(const Vec3d& p) const {
   constexpr std::uint32_t kLookedAt = 64;
   const std::uint32_t sites = site_count(), stride = 1 + sites / kLookedAt;
@@ -106,13 +106,13 @@ TetId KeptTetrahedralization::start_near(const Vec3d& p) const {
   return tet_of_vertex_[best];
 }
 
-/// The tetrahedra in conflict with some points, and which of the points are no vertices.
+/// The tetrahedra in conflict with some points, and the points that are not vertices yet.
 struct KeptTetrahedralization::Conflicts {
   std::vector<TetId> tets;
-  IdTable number;                    // per such tetrahedron: its place in `tets`
+  IdTable number;                    // per such tetrahedron: its index in `tets`
   std::vector<std::uint32_t> fresh;  // indices of points, in the order of insertion
-  std::vector<TetVertexId> near;     // per fresh one: a corner of the tetrahedron that it lay in
-  std::vector<std::uint32_t> rank;   // per point: which of the fresh ones it is, in their order; or kNoIndex
+  std::vector<TetVertexId> near;     // per fresh point: a corner of the tetrahedron that contained it
+  std::vector<std::uint32_t> rank;   // per point: rank of its index in `fresh`, or kNoIndex
 
   Conflicts(const KeptTetrahedralization& kept, std::span<const Vec3d> points, const Execution& execution) {
     Pacer pacer(execution);
@@ -184,7 +184,7 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   if (conflicts.fresh.empty()) return done;
   Pacer pacer(execution);
 
-  // What goes, as a tetrahedralization of its own. Its sites are numbered in their order.
+  // The removed tetrahedra as a separate tetrahedralization. Its sites keep their order.
   const std::uint32_t before = site_count();
   std::vector<TetVertexId> vertices;  // per site of the region
   for (const TetId t : conflicts.tets)
@@ -199,7 +199,7 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   Tetrahedralization region;
   for (const TetVertexId v : vertices) region.points.push_back(at(v));
   for (const TetVertexId corner : ids<TetVertexId>(4)) region.points.push_back(at(corner));
-  std::vector<RimFacet> rim;  // of what stays
+  std::vector<RimFacet> rim;  // of the tetrahedra that stay
   for (const TetId t : conflicts.tets) {
     pacer.step(32);
     const Tet& tet = tets_[t];
@@ -221,7 +221,7 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   for (std::size_t n = 0; n < conflicts.fresh.size(); ++n) {
     pacer.step(1024);
     const std::uint32_t k = conflicts.fresh[n];
-    // From a corner of its tetrahedron straight to it, all belongs to the region.
+    // The straight line from a corner of its tetrahedron to the point is inside the region.
     const SiteId from = local(conflicts.near[n]);
     const TetVertexId near{from < vertices.size() ? 4 + from : from - vertices.size()};
     const auto [status, vertex] = delaunay.insert_in_part(points[k], near);
@@ -232,7 +232,7 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   execution.made(Product::kTetrahedra, filled.tets.size());
   if (tet_count() - conflicts.tets.size() + filled.tets.size() > limit) return std::nullopt;
 
-  // The new tetrahedra get the numbers of those that go first.
+  // The new tetrahedra first reuse the numbers of the removed ones.
   SharedBlocks<Tet>::Edit tets(tets_);
   SharedBlocks<TetId, 256>::Edit tet_of_vertex(tet_of_vertex_);
   {
@@ -282,7 +282,7 @@ std::optional<KeptTetrahedralization::Insertion> KeptTetrahedralization::insert(
   sort_with_polls(execution, rim.begin(), rim.end(), by_key);
   sort_with_polls(execution, fresh_rim.begin(), fresh_rim.end(), by_key);
   std::size_t k = 0;
-  for (const RimFacet& facet : fresh_rim) {  // facets of the big tetrahedron have nothing behind them
+  for (const RimFacet& facet : fresh_rim) {  // facets of the big tetrahedron have no neighbour
     if (k == rim.size() || rim[k].key != facet.key) continue;
     tets.at(facet.tet).n[facet.face] = rim[k].tet;
     tets.at(rim[k].tet).n[rim[k].face] = facet.tet;

@@ -1,9 +1,10 @@
-// A tetrahedralization that is kept for further sites. Copies share what they have in common, so that an
-// insertion costs what it changes, whatever the size of the whole: the tetrahedra in conflict with the new sites
-// (Watson 1981) are taken out, filled anew by IncrementalDelaunay, and joined to what stays.
+// A stored tetrahedralization to which further sites can be added. Copies share the unchanged data, so the
+// cost of an insertion depends on what it changes, not on the size of the whole. The tetrahedra in conflict
+// with the new sites (Watson 1981) are removed, IncrementalDelaunay fills their space, and the new ones are
+// joined to the rest.
 //
-// Vertices 0..3 are the corners of the big tetrahedron, vertex 4 + s is site s. The numbers of tetrahedra say
-// nothing: those that go are given again.
+// Vertices 0..3 are the corners of the big tetrahedron, and vertex 4 + s is site s. The numbers of tetrahedra
+// have no meaning, and are reused.
 #pragma once
 
 #include <algorithm>
@@ -28,44 +29,46 @@ namespace fracture {
 class KeptTetrahedralization {
  public:
   struct Tet {
-    std::array<TetVertexId, 4> v;  ///< positive; v[0] is kNoVertex where there is none
+    std::array<TetVertexId, 4> v;  ///< positive; v[0] is kNoVertex for an unused number
     std::array<TetId, 4> n;
   };
   static constexpr TetVertexId kNoVertex{0xffffffffu};
 
-  /// Numbers tetrahedra as `whole` does. `box` is the one that it was made for. Nothing where the box is empty. Linear.
-  /// Throws Interrupted.
+  /// Numbers tetrahedra as in `whole`. `box` is the box that `whole` was made for. Returns nothing if the box
+  /// is empty. Linear. Throws Interrupted.
   static std::optional<KeptTetrahedralization> of(const Tetrahedralization& whole, const Box& box,
                                                   const Execution& execution);
 
   std::uint32_t site_count() const { return static_cast<std::uint32_t>(points_.size()) - 4; }
   Vec3d site(SiteId s) const { return points_[4 + s]; }
   std::uint32_t tet_count() const { return static_cast<std::uint32_t>(tets_.size() - free_.size()); }
-  /// One above the largest number of a tetrahedron.
+  /// 1 + the largest number of a tetrahedron.
   TetId tet_end() const { return TetId{tets_.size()}; }
   const Tet& tet(TetId t) const { return tets_[t]; }
-  /// Points given so far but those that were dropped, duplicates too, and how many of them were such.
+  /// Number of points given so far, including duplicates but not dropped points; and the number of
+  /// duplicates.
   std::uint64_t given() const { return given_; }
   std::uint32_t duplicates_merged() const { return duplicates_merged_; }
 
-  /// What an insertion did. All tetrahedra at a new site are new, and no others.
+  /// The changes made by an insertion. All tetrahedra at a new site are new, and no others.
   struct Insertion {
-    std::vector<TetId> gone, made;      ///< numbers that are in both lists have been given again
-    std::vector<std::uint32_t> points;  ///< per new site which of the points it was; ascending
+    std::vector<TetId> gone, made;      ///< numbers in both lists were reused
+    std::vector<std::uint32_t> points;  ///< index of the point of each new site; ascending
   };
-  /// Inserts the points: those that are no duplicates become the next sites, in their order. Nothing, and then
-  /// it must not be used any more, where that is not what tetrahedralize() makes of all sites: a point lies outside of
-  /// the box (it moves the big tetrahedron), is nearer to all of it than some site outside (which would be dropped), or the
-  /// limits are exceeded. Throws Interrupted, with the same consequence.
+  /// Inserts the points. Those that are not duplicates become the next sites, in order. Returns nothing if
+  /// the result would differ from tetrahedralize() on all sites. This happens if a point is outside the box
+  /// (which would move the big tetrahedron), if a point is nearer to the whole box than some site outside
+  /// (which would be dropped), or if the limits are exceeded. Then the object must not be used any more. This
+  /// also applies if Interrupted is thrown.
   std::optional<Insertion> insert(std::span<const Vec3d> further, const Execution& execution);
 
-  /// All tetrahedra at some sites, as a tetrahedralization.
+  /// All tetrahedra at some sites, as a separate tetrahedralization.
   struct Part {
-    Tetrahedralization tetrahedra;  ///< canonical; what is not in the part is kNoTet
-    std::vector<SiteId> sites;      ///< per site of the part: its number in the whole, ascending
-    std::vector<char> whole;        ///< per site of the part: was it asked for, are all its tetrahedra there?
-    std::vector<TetId> tets;        ///< per tetrahedron of the part: its number in the whole
-    /// The number in the part; the site must be there.
+    Tetrahedralization tetrahedra;  ///< canonical; neighbours outside the part are kNoTet
+    std::vector<SiteId> sites;      ///< per site of the part: number in the whole, ascending
+    std::vector<char> whole;        ///< per site of the part: added, so it has all its tetrahedra
+    std::vector<TetId> tets;        ///< per tetrahedron of the part: number in the whole
+    /// The number of a site in the part. The part must contain the site.
     SiteId local(SiteId s) const;
   };
   class PartMaker;
@@ -82,8 +85,7 @@ class KeptTetrahedralization {
 
   BigTetrahedron big_;
   Box box_;
-  double farthest_outside2_ =
-      0;  ///< of the sites that lie outside of the box the largest distance from it, squared
+  double farthest_outside2_ = 0;  ///< largest squared distance from the box of a site outside the box
   exact::BinaryScale scale_;
   SharedBlocks<Vec3d> points_;  // per vertex
   SharedBlocks<TetId, 256> tet_of_vertex_;
@@ -93,15 +95,15 @@ class KeptTetrahedralization {
   std::uint32_t duplicates_merged_ = 0;
 };
 
-/// Gathers a part, star by star. Near-linear in what comes out.
+/// Collects a part, star by star. Near-linear in the result.
 class KeptTetrahedralization::PartMaker {
  public:
-  /// Both borrowed.
+  /// Borrows both arguments.
   PartMaker(const KeptTetrahedralization& kept, const Execution& execution)
       : kept_(kept), execution_(execution), pacer_(execution) {}
 
-  /// Adds all tetrahedra at the site, and calls visit(site) for each site of the part that is met for the first
-  /// time. Throws Interrupted.
+  /// Adds all tetrahedra at the site, and calls visit(site) for each site of the part that is reached for the
+  /// first time. Throws Interrupted.
   template <class Visit>
   void add(SiteId s, const Visit& visit);
   void add(SiteId s) {
@@ -110,7 +112,7 @@ class KeptTetrahedralization::PartMaker {
   Part finish();
 
  private:
-  /// Its number in the part; `is_new` where it had none before.
+  /// Returns the tetrahedron's number in the part. `is_new` becomes true if it had none before.
   std::uint32_t number_of(TetId t, bool& is_new) {
     std::uint32_t& slot = number_.slot(t);
     is_new = slot == IdTable::kEmpty;
@@ -125,12 +127,12 @@ class KeptTetrahedralization::PartMaker {
   const KeptTetrahedralization& kept_;
   const Execution& execution_;
   Pacer pacer_;
-  std::vector<SiteId> around_, sites_;  // those added; those met
-  std::vector<TetId> tets_;             // per tetrahedron of the part: its number in the whole
-  std::vector<SiteId> star_of_;         // per tetrahedron of the part: the last site added that it is at
-  IdTable number_;                      // per tetrahedron of the whole: its place in tets_
+  std::vector<SiteId> around_, sites_;  // sites added; sites reached
+  std::vector<TetId> tets_;             // per tetrahedron of the part: number in the whole
+  std::vector<SiteId> star_of_;         // per tetrahedron of the part: the last added site at it
+  IdTable number_;                      // per tetrahedron of the whole: index in tets_
   IdTable local_;                       // per vertex of the whole that is a site of the part
-  std::vector<std::uint32_t> star_;     // of the site that is being added: indices of tets_
+  std::vector<std::uint32_t> star_;     // of the site being added: indices into tets_
 };
 
 template <class Visit>

@@ -1,4 +1,4 @@
-// From the mutable structure to the compact Tetrahedralization.
+// Copies the mutable structure to the compact Tetrahedralization.
 #include "common/base/pacer.hpp"
 #include "common/base/pages.hpp"
 #include "common/delaunay/incremental.hpp"
@@ -18,8 +18,9 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
 }
 
 Tetrahedralization IncrementalDelaunay::take_snapshot(std::span<const SiteId> site_of_vertex) {
-  // A compact tetrahedron takes half of the memory: what was read makes room for what is written. Where there are
-  // few, the pages are worth more to the next tetrahedralization, which would have each faulted in and cleared.
+  // A compact tetrahedron takes half the memory, so the input can be released to make room for the output. If
+  // there are few tetrahedra, the pages are kept for the next tetrahedralization, which would otherwise have
+  // each page faulted in and cleared.
   if (tets_.size() < kManyTets) return snapshot(site_of_vertex);
   PagesBehind behind(tets_.data(), tets_.size() * sizeof(Tet));
   return snapshot(site_of_vertex, [&](TetId read) { behind.through(read * sizeof(Tet)); });
@@ -33,7 +34,7 @@ Tetrahedralization IncrementalDelaunay::snapshot(std::span<const SiteId> site_of
   Tetrahedralization result;
   result.points.resize(sites + 4);
   result.tet_of_site.resize(sites + 4);
-  // Holes of the storage close up; the order stays.
+  // Gaps in the storage are closed; the order is kept.
   std::vector<TetId> moved;
   if (!free_tets_.empty()) {
     moved.resize(tets_.size(), kNoTet);

@@ -11,8 +11,8 @@
 namespace fracture {
 namespace {
 
-constexpr int kBits = 19;        // per axis: 57 bits of curve
-constexpr int kCoarseBits = 33;  // sorted by radix; the rest only where it matters
+constexpr int kBits = 19;        // per axis; the curve has 57 bits
+constexpr int kCoarseBits = 33;  // sorted by radix; the others only if they matter
 constexpr std::size_t kFirstRound = 64;
 
 }  // namespace
@@ -23,7 +23,7 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points, const Ex
   for (const Vec3d& p : points) box.add(p);
   const HilbertCurve curve(box, kBits);
 
-  // Rounds: 0 is the last one. The number of rounds grows with the logarithm of the number of points.
+  // Round 0 is the last one. The number of rounds grows with the logarithm of the number of points.
   int rounds = 1;
   for (std::size_t n = points.size(); n > kFirstRound; n /= 8) ++rounds;
   Random random(0x9d5c0f1e5ca1ab1eull);

@@ -14,7 +14,7 @@ namespace {
 
 bool in_range(const Vec3d& p) {
   for (int a = 0; a < 3; ++a)
-    if (!(std::fabs(p[a]) <= kMaxSiteCoordinate)) return false;  // false for NaN too
+    if (!(std::fabs(p[a]) <= kMaxSiteCoordinate)) return false;  // also false for NaN
   return true;
 }
 
@@ -57,7 +57,7 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
 
 Tetrahedralization numbered(IncrementalDelaunay& delaunay, const KeptSites& sites,
                             const std::vector<TetVertexId>& vertex_of) {
-  // Sites are numbered by the first point that stands for them.
+  // Sites are numbered by the first point at their position.
   const auto count = static_cast<std::uint32_t>(sites.points.size());
   std::vector<SiteId> site_of_vertex(delaunay.vertex_end(), kNoSite);
   SiteId next{0};

@@ -12,11 +12,11 @@
 namespace fracture {
 namespace {
 
-/// Fetched once, because EVP_sha256() and SHA256() look for their implementation at each use.
+/// Fetched once, because EVP_sha256() and SHA256() search for their implementation at each use.
 const EVP_MD* implementation_of(DigestAlgorithm algorithm) {
   static const EVP_MD* const sha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   static const EVP_MD* const sha512 = EVP_MD_fetch(nullptr, "SHA512", nullptr);
-  if (algorithm == DigestAlgorithm::kSha256) return sha256 ? sha256 : EVP_sha256();  // no memory to fetch it
+  if (algorithm == DigestAlgorithm::kSha256) return sha256 ? sha256 : EVP_sha256();  // if memory is short
   return sha512 ? sha512 : EVP_sha512();
 }
 
@@ -68,7 +68,7 @@ Digest sha256(std::span<const std::byte> data, const Execution& execution) {
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // and a zero at the end, which EVP writes
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // EVP also writes a zero at the end
   const int n = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
                                 static_cast<int>(bytes.size()));
   text.resize(static_cast<std::size_t>(n));

@@ -1,4 +1,5 @@
-// SHA-256 (OpenSSL): mesh digests, cache keys, fragment ids and the hashes that determinism tests compare.
+// SHA-256 (OpenSSL), for mesh digests, cache keys, fragment ids, and the hashes that determinism tests
+// compare.
 #pragma once
 
 #include <array>
@@ -21,16 +22,16 @@ struct Digest {
 
 Digest sha256(std::span<const std::byte> data);
 Digest sha256(std::string_view data);
-/// With polls, for what may have gigabytes. Throws Interrupted.
+/// With polls, for data that may have gigabytes. Throws Interrupted.
 Digest sha256(std::span<const std::byte> data, const Execution& execution);
 
-/// Of RFC 9530.
+/// The algorithms of RFC 9530.
 enum class DigestAlgorithm { kSha256, kSha512 };
-/// With polls: 32 or 64 bytes. Throws Interrupted.
+/// Computes 32 or 64 bytes, with polls. Throws Interrupted.
 std::vector<std::uint8_t> digest_bytes(DigestAlgorithm algorithm, std::span<const std::byte> data,
                                        const Execution& execution);
 
-/// RFC 4648, section 4: how HTTP writes digests down (RFC 9530).
+/// Encodes as in RFC 4648, section 4, which HTTP uses for digests (RFC 9530).
 std::string base64(std::span<const std::uint8_t> bytes);
 
 }  // namespace fracture

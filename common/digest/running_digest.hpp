@@ -1,4 +1,4 @@
-// SHA-256 of what comes piece by piece.
+// SHA-256 of data that arrives in pieces.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ class RunningDigest {
   RunningDigest& operator=(RunningDigest&&) noexcept;
 
   void add(std::span<const std::byte> bytes);
-  /// Of all that came. Nothing may come after it.
+  /// Returns the digest of all pieces. add() must not be called afterwards.
   Digest finish();
 
  private:

@@ -1,6 +1,6 @@
-// How doubles become integers: every finite double is an integer multiple of a power of two, so the points of
-// a set, divided by the smallest such power of all their coordinates, have integer coordinates. A
-// polynomial's sign is then an integer computation without rounding.
+// Converts doubles to integers. Every finite double is an integer multiple of a power of two. So if the
+// coordinates of a set of points are divided by the smallest such power among them, they become integers. The
+// sign of a polynomial is then an integer computation without rounding.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace fracture::exact {
 
-/// A point over any number type, with the few operations the polynomials need.
+/// A point over any number type, with the few operations that the polynomials need.
 template <class T>
 struct Point {
   T x, y, z;
@@ -30,16 +30,15 @@ Point<T> cross(const Point<T>& a, const Point<T>& b) {
 /// A point in steps of a scale that fits.
 using IntPoint = Point<std::int64_t>;
 
-/// The common step 2^lowest_bit() of a set of doubles. Where all are at most 2^61 steps large the set *fits*:
-/// the widths of all polynomials are known in advance, and the arithmetic needs no allocation, no loops and
-/// no normalisation (wide_int.hpp). That covers every set of doubles in a range of 61 bits, in particular
-/// lattices such as k/21 (58 bits) and generated sites (23 bits with the corners).
+/// The common step 2^lowest_bit() of a set of doubles. If all are at most 2^61 steps large, the set *fits*.
+/// Then the widths of all polynomials are known in advance, and the arithmetic needs no allocation, no loops
+/// and no normalisation (wide_int.hpp). This covers every set of doubles within a range of 61 bits, in
+/// particular lattices such as k/21 (58 bits) and generated sites (23 bits with the corners).
 ///
-/// One that nothing was added to does not fit: predicates that are given such a one look for the scale of the
-/// few points of each call.
+/// An empty scale does not fit. Predicates that receive one compute the scale of the few points of each call.
 class BinaryScale {
  public:
-  /// Differences are then below 2^62: in_sphere is 48 * (2^62)^5 < 2^317 < 2^319.
+  /// Then differences are below 2^62, and in_sphere is 48 * (2^62)^5 < 2^317 < 2^319.
   static constexpr int kMaxBits = 61;
 
   void include(double v) {
@@ -62,24 +61,25 @@ class BinaryScale {
 
   /// Exponent of the lowest set bit of all values.
   int lowest_bit() const { return lowest_bit_; }
-  /// Bits of the largest value, in steps.
+  /// Number of bits of the largest value, in steps.
   int width() const { return top_bit_ < lowest_bit_ ? 1 : top_bit_ - lowest_bit_; }
   bool fits() const { return factor_ != 0; }
-  /// What turns a value into steps; 0 where the set does not fit.
+  /// Factor that converts a value to steps; 0 if the set does not fit.
   double factor() const { return factor_; }
 
-  /// Included coordinates in steps, exactly; the set must fit.
+  /// Converts included coordinates to steps, exactly; the set must fit.
   IntPoint to_integers(const Vec3d& p) const {
     return {static_cast<std::int64_t>(p.x * factor_), static_cast<std::int64_t>(p.y * factor_),
             static_cast<std::int64_t>(p.z * factor_)};
   }
-  /// An included value in steps, exactly; Int must be wide enough.
+  /// Converts an included value to steps, exactly; Int must be wide enough.
   template <class Int>
   Int scaled(double v) const {
     const Parts parts = parts_of(v);
     if (parts.mantissa == 0) return Int(0);
     const int shift = parts.exponent - lowest_bit_;
-    // To the right nothing is lost: the low bits are zero, or lowest_bit_ were lower.
+    // A shift to the right loses nothing: the low bits are zero, because otherwise lowest_bit_ would be
+    // lower.
     const Int magnitude = shift >= 0 ? Int(Int(parts.mantissa) << shift) : Int(parts.mantissa >> -shift);
     return v < 0 ? Int(-magnitude) : magnitude;
   }

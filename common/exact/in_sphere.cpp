@@ -11,26 +11,26 @@
 namespace fracture::exact {
 namespace {
 
-// With B = b - a, ..., E = e - a and [P, Q, R] the determinant of three rows:
-//   f = |B|^2 [E, C, D] + |C|^2 [B, E, D] + |D|^2 [B, C, E] - |E|^2 [B, C, D]  > 0  <=>  e inside.
-// Written with the six 2x2 minors of the xy columns (Shewchuk 1997, section 4.4).
+// Let B = b - a, ..., E = e - a, and let [P, Q, R] be the determinant of three rows. Site e is inside if
+//   f = |B|^2 [E, C, D] + |C|^2 [B, E, D] + |D|^2 [B, C, E] - |E|^2 [B, C, D]  > 0.
+// It is evaluated with the six 2x2 minors of the xy columns (Shewchuk 1997, section 4.4).
 //
-// Error of the evaluation in doubles: a difference carries one rounding; a lift 5 (2 + 1 + 2 sums); a 3x3
-// determinant 8; their product 14; three sums 17. Each [P, Q, R] has a permanent of at most sqrt(3) r^3 and
-// each lift is at most r^2 with r = max |difference|, so the error is at most 4 sqrt(3) gamma_17 r^5 = 117.8
-// * 2^-53 r^5, rounded up to 2^-46 = 128 * 2^-53: the rest, 10 * 2^-53 r^5, covers the second-order terms and
-// the rounding of the bound, whose r^2 is the largest computed lift.
+// Error of the evaluation in doubles: a difference has one rounding; a lift 5 (2 + 1 + 2 sums); a 3x3
+// determinant 8; their product 14; three sums 17. Each [P, Q, R] has a permanent of at most sqrt(3) r^3, and
+// each lift is at most r^2, where r = max |difference|. So the error is at most 4 sqrt(3) gamma_17 r^5 =
+// 117.8 * 2^-53 r^5, rounded up to 2^-46 = 128 * 2^-53. The remaining 10 * 2^-53 r^5 cover the second-order
+// terms and the rounding of the bound, whose r^2 is the largest computed lift.
 //
-// Underflow (Meyer & Pion 2008): a product loses at most h = 2^-1075, sums nothing. A minor loses 2 h, a
-// determinant 6 h r + 3 h, a lift 3 h; times lifts of at most r^2, determinants of at most 6 r^3, four of
-// each: all together less than 200 h (1 + r^3). Where r <= 1 that is below 2^-1066, far below kUnderflow;
-// where r > 1 it is below 2^-1066 r^5, far below what is left of kInSphereError. The computed r^2 is too
-// small by 3 h. Where it is at least 2^-1000 that is one more rounding; where it is less, |f| <= 72
-// (2^-999)^2.5 and its computed value are far below kUnderflow, so that the exact path decides.
+// Underflow (Meyer & Pion 2008): a product loses at most h = 2^-1075, and sums lose nothing. A minor loses 2
+// h, a determinant 6 h r + 3 h, and a lift 3 h. These are multiplied by lifts of at most r^2 and determinants
+// of at most 6 r^3, four of each. The total is less than 200 h (1 + r^3). If r <= 1, that is below 2^-1066,
+// far below kUnderflow. If r > 1, it is below 2^-1066 r^5, far below the unused part of kInSphereError. The
+// computed r^2 is too small by 3 h. If it is at least 2^-1000, that is one more rounding. If it is less, |f|
+// <= 72 (2^-999)^2.5 and its computed value are far below kUnderflow, so the exact path decides.
 constexpr double kInSphereError = 0x1p-46;
 
-/// Differences up to this many steps: 72 m^5 < 2^53, so every operation on doubles is exact (the differences
-/// too).
+/// Maximum difference, in steps, for exact doubles: 72 m^5 < 2^53, so every operation on doubles is exact
+/// (even the differences).
 constexpr double kExactInDoubles = 512;
 
 template <class T>
@@ -38,11 +38,11 @@ T minor(const T& px, const T& py, const T& qx, const T& qy) {
   return px * qy - qx * py;
 }
 
-/// The sign of f, and the signs of its derivatives by the lifted coordinates of a, b, c, d, e: the cofactors
-/// of the tie rule.
+/// The sign of f, and the signs of its derivatives with respect to the lifted coordinates of a, b, c, d, e,
+/// which are the cofactors of the tie rule.
 struct Decision {
   int sign;
-  std::array<int, 5> cofactor;  // only where sign == 0
+  std::array<int, 5> cofactor;  // only if sign == 0
 };
 
 /// cde = [C, D, E] = [E, C, D], bde = [B, D, E] = -[B, E, D], bce = [B, C, E], bcd = [B, C, D]. The cofactor
@@ -68,9 +68,9 @@ InSphereDoubles in_sphere_doubles(const Vec3d& b, const Vec3d& c, const Vec3d& d
   return {(lift_b * cde - lift_c * bde) + (lift_d * bce - lift_e * bcd), cde, bde, bce, bcd};
 }
 
-// The types of the levels of the computation are chosen by the callers so that nothing overflows:
-// minors <= 2 m^2, determinants <= 6 m^3, lifts <= 3 m^2, f <= 4 * 3 m^2 * 6 m^3 = 72 m^5 (all partial sums
-// included).
+// Callers choose the types of each level of the computation so that nothing overflows, including partial
+// sums:
+//   minors <= 2 m^2, determinants <= 6 m^3, lifts <= 3 m^2, f <= 4 * 3 m^2 * 6 m^3 = 72 m^5.
 template <class Minor, class Det, class Lift, class Result>
 Decision decide_as(const IntPoint& b, const IntPoint& c, const IntPoint& d, const IntPoint& e) {
   const auto minor2 = [](const IntPoint& p, const IntPoint& q) {
@@ -134,12 +134,12 @@ Decision decide_scaled(const std::array<Vec3d, 5>& p, const BinaryScale& scale) 
 }
 
 Decision decide_any_size(const std::array<Vec3d, 5>& p, const BinaryScale& scale) {
-  // Differences have one bit more than coordinates, and 72 < 2^7.
+  // Differences have one more bit than coordinates, and 72 < 2^7.
   if (5 * (scale.width() + 1) + 7 <= 1000) return decide_scaled<FixedInt>(p, scale);
   return decide_scaled<BigInt>(p, scale);
 }
 
-// Comparisons compile to a few instructions without branches: in a lattice none of them can be predicted.
+// Comparisons compile to a few instructions without branches, because in a lattice they are unpredictable.
 bool is_less(const IntPoint& a, const IntPoint& b) {
   return (a.x < b.x) | ((a.x == b.x) & ((a.y < b.y) | ((a.y == b.y) & (a.z < b.z))));
 }
@@ -149,7 +149,7 @@ bool is_less(double a, double b) { return a < b; }
 /// The lexicographic order of small integers as one number: |y|, |z| <= kExactInDoubles < 2^10.
 double lexicographic_key(const Vec3d& p) { return (p.x * 0x1p11 + p.y) * 0x1p11 + p.z; }
 
-// f is exactly zero: the first site in lexicographic order with a non-zero cofactor decides (see the header).
+// f is exactly zero: the first site in lexicographic order with a nonzero cofactor decides (see the header).
 template <class P>  // anything with is_less()
 int break_tie(const std::array<P, 5>& p, const std::array<int, 5>& cofactor) {
   int least = 0;
@@ -161,7 +161,7 @@ int break_tie(const std::array<P, 5>& p, const std::array<int, 5>& cofactor) {
       if (is_less(p[order[i]], p[order[k]])) std::swap(order[k], order[i]);
     if (cofactor[order[k]] != 0) return -cofactor[order[k]];
   }
-  return 1;  // not reached: the cofactor of e is the volume
+  return 1;  // not reached, because the cofactor of e is the volume
 }
 
 }  // namespace
@@ -177,8 +177,8 @@ int in_sphere_exact(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
   };
   BinaryScale own;
   if (given.fits()) {
-    // On a lattice the points are usually a few steps apart: then doubles are exact integers too, and need no
-    // conversion.
+    // On a lattice, the points are usually a few steps apart. Then doubles are exact integers too, and need
+    // no conversion.
     const double s = given.factor();
     const std::array<Vec3d, 5> p{Vec3d{}, s * (b - a), s * (c - a), s * (d - a), s * (e - a)};
     double m = 0;
@@ -215,7 +215,7 @@ int in_sphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, co
   const double lb = dot(rb, rb), lc = dot(rc, rc), ld = dot(rd, rd), le = dot(re, re);
   const double r2 = larger(larger(lb, lc), larger(ld, le));
   if (r2 * scale.factor() * scale.factor() <= kExactInDoubles * kExactInDoubles && scale.fits())
-    return in_sphere_exact(a, b, c, d, e, scale, counters);  // doubles without rounding are as quick
+    return in_sphere_exact(a, b, c, d, e, scale, counters);  // doubles without rounding errors are as fast
   const double f = in_sphere_doubles(rb, rc, rd, re, lb, lc, ld, le).f;
   const double bound = kInSphereError * r2 * r2 * std::sqrt(r2) + kUnderflow;
   if (f > bound) return 1;

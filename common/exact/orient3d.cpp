@@ -15,7 +15,7 @@ int sign_as(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
 }
 
 /// Sign of det[b; c; d] for exact differences, all below 2^62 in magnitude. |det| and its partial sums are at
-/// most 6 m^3 where all |differences| <= m.
+/// most 6 m^3 if all |differences| <= m.
 int integer_sign(const IntPoint& b, const IntPoint& c, const IntPoint& d) {
   const std::uint64_t bits = magnitude_bits(b) | magnitude_bits(c) | magnitude_bits(d);
   if (bits < std::uint64_t{1} << 20) return sign_as<std::int64_t>(b, c, d);  // 6 * 2^60 < 2^63
@@ -37,7 +37,7 @@ int scaled_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, 
 
 int exact_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, const BinaryScale& given) {
   if (given.fits()) {
-    // Within 2^16 steps of each other: 6 m^3 < 2^53, doubles are exact.
+    // If the points are within 2^16 steps of each other, 6 m^3 < 2^53 and doubles are exact.
     const double s = given.factor();
     const Vec3d rb = s * (b - a), rc = s * (c - a), rd = s * (d - a);
     bool near = true;
@@ -53,7 +53,7 @@ int exact_sign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, c
     const IntPoint o = scale.to_integers(a);
     return integer_sign(scale.to_integers(b) - o, scale.to_integers(c) - o, scale.to_integers(d) - o);
   }
-  // Differences have one bit more than coordinates, and 6 < 2^3.
+  // Differences have one more bit than coordinates, and 6 < 2^3.
   if (3 * (scale.width() + 1) + 3 <= 1000) return scaled_sign<FixedInt>(a, b, c, d, scale);
   return scaled_sign<BigInt>(a, b, c, d, scale);
 }

@@ -10,11 +10,11 @@
 namespace fracture::exact {
 namespace {
 
-// With site i as origin, u_j = j - i and w the weights, "x is closer to i than to j" reads
+// With site i as origin, u_j = j - i, and weights w, "x is closer to i than to j" means
 //     0 < c_j - 2 u_j·x,    c_j = u_j·u_j + w_i - w_j.
-// A polynomial P that is linear in the c's has, beside its value, the coefficient of each c; the coefficient
-// of w_j is minus that of c_j and the coefficient of w_i is the sum of all. WeightTerm lists (site,
-// coefficient of its weight).
+// A polynomial P that is linear in the c's has a value and a coefficient for each c. The coefficient of w_j
+// is minus that of c_j, and the coefficient of w_i is the sum of all. WeightTerm contains a site and the
+// coefficient of its weight.
 template <class T>
 struct WeightTerm {
   const Vec3d* site;
@@ -37,7 +37,7 @@ Point<Approx> difference(const Vec3d& a, const Vec3d& b) {
 
 template <class Body>
 int with_integers(const BinaryScale& scale, int degree, const Body& body) {
-  // +2 bits for each difference, +8 for the sums of products.
+  // 2 more bits for each difference, and 8 for the sums of products.
   if (degree * (scale.width() + 2) + 8 < 1000) return body.template operator()<FixedInt>();
   return body.template operator()<BigInt>();
 }
@@ -45,7 +45,7 @@ int with_integers(const BinaryScale& scale, int degree, const Body& body) {
 // ---- side2. x = a + t e, e = b - a, with c_k - 2 u_k·x = 0, so t = (c_k - 2 u_k·a) / (2 u_k·e). Multiplying
 // c_j - 2 u_j·x by D = u_k·e:
 //     P = (c_j - 2 u_j·a) D - (u_j·e)(c_k - 2 u_k·a),   side = sign(P) sign(D).
-// Coefficients: c_j: D, c_k: -(u_j·e). D is not zero, because a and b lie on different sides of bisector(i,
+// Coefficients: c_j: D, c_k: -(u_j·e). D is not zero, because a and b are on different sides of bisector(i,
 // k).
 template <class T>
 struct Side2 {
@@ -74,12 +74,12 @@ struct Side3 {
   }
 };
 
-// ---- order_on_edge. With x_1 the point of the line on plane 1 (as in side3, with u_j, u_k), d = u_j x u_k,
-//     n_2·x_1 - n_2·a_2 = (n_2·d)(s_1 - s_2), s the parameters along d. Multiplying by 2Δ_1, Δ_m = n_m·d:
+// ---- order_on_edge. Let x_1 be the point of the line on plane 1 (as in side3, with u_j, u_k), d = u_j x u_k,
+// and s the parameters along d. Then n_2·x_1 - n_2·a_2 = (n_2·d)(s_1 - s_2). Multiplied by 2Δ_1, with Δ_m = n_m·d:
 //     P = 2 (n_1·a_1) Δ_2 + c_j n_2·(u_k x n_1) + c_k n_2·(n_1 x u_j) - 2 (n_2·a_2) Δ_1,
 //     sign(s_1 - s_2) = sign(P) sign(Δ_1) sign(Δ_2).
-// Both weight coefficients vanish only when n_1 x n_2 is parallel to d, impossible while d crosses both
-// planes, or zero: the planes are parallel, and P = 0 says they are the same.
+// Both weight coefficients vanish only if n_1 x n_2 is parallel to d, which is impossible because d crosses
+// both planes, or if it is zero. Then the planes are parallel, and P = 0 means that they are the same.
 template <class T>
 struct OrderOnEdge {
   T value, delta1, delta2, kj, kk;
@@ -151,7 +151,8 @@ int side3(const Vec3d& i, const Vec3d& j, const Vec3d& a, const Vec3d& b, const 
 }
 
 int side4(const Vec3d& i, const Vec3d& j, const Vec3d& k, const Vec3d& l, const Vec3d& m) {
-  // x solves 2 u_k·x = c_k, 2 u_l·x = c_l, 2 u_m·x = c_m: side3 with a third bisector instead of the plane,
+  // x solves 2 u_k·x = c_k, 2 u_l·x = c_l, 2 u_m·x = c_m. This is side3 with a third bisector instead of the
+  // plane,
   //     P = c_j Δ - c_k u_j·(u_l x u_m) - c_l u_j·(u_m x u_k) - c_m u_j·(u_k x u_l),  Δ = u_k·(u_l x u_m).
   const auto polynomial = [](const auto& uj, const auto& uk, const auto& ul, const auto& um) {
     const auto delta = dot(uk, cross(ul, um));

@@ -1,6 +1,7 @@
-// The volume of a closed surface where doubles cancel: needles whose cross products are tiny beside the
-// products they are differences of. Each value is the unevaluated sum of two doubles, about 106 bits (Dekker
-// 1971, "A floating-point technique for extending the available precision"; sums after Knuth, TAOCP 2, 4.2.2).
+// The volume of a closed surface if doubles cancel: for needles, the cross products are tiny compared with
+// the products that are subtracted. Each value is the unevaluated sum of two doubles, about 106 bits (Dekker
+// 1971, "A floating-point technique for extending the available precision"; sums as in Knuth, TAOCP 2,
+// 4.2.2).
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@ struct DoubleDouble {
   double high = 0, low = 0;
 };
 
-/// a + b without an error.
+/// a + b without rounding error.
 inline DoubleDouble two_sum(double a, double b) {
   const double s = a + b, t = s - a;
   return {s, (a - (s - t)) + (b - t)};
@@ -32,12 +33,12 @@ inline DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
   return two_sum(p, std::fma(a.high, b.high, -p) + (a.high * b.low + a.low * b.high));
 }
 
-/// Adds up the tetrahedra that triangles span with an origin.
+/// Sums the tetrahedra that triangles form with an origin.
 class VolumeSum {
  public:
   explicit VolumeSum(const Vec3d& origin) : origin_(origin) {}
 
-  /// Counter-clockwise from outside.
+  /// Adds a triangle, counter-clockwise seen from outside.
   void add(const Vec3d& p, const Vec3d& q, const Vec3d& r) {
     DoubleDouble a[3], b[3], c[3];
     for (int k = 0; k < 3; ++k) {
@@ -50,7 +51,7 @@ class VolumeSum {
       six_ = six_ + a[k] * (b[i] * c[j] - b[j] * c[i]);
     }
   }
-  /// In the cube of the coordinates' unit.
+  /// The volume, in cubed units of the coordinates.
   double volume() const { return (six_.high + six_.low) / 6; }
 
  private:
@@ -62,10 +63,10 @@ inline double max_norm(const Vec3d& v) {
   return std::max(std::fabs(v.x), std::max(std::fabs(v.y), std::fabs(v.z)));
 }
 
-/// Whether a sum in doubles of (a - origin) . ((b - a) x (c - a)) / 6 may be off by more than 1e-10 of its
-/// value. `products`: the sum of max_norm(b - a) max_norm(c - a); `size`: max_norm(a - origin) at most. A
-/// component of a cross product is off by at most 2^-51 of that product, three of them in a scalar product
-/// by three times as much; 2^-48 leaves room for the differences and the sum.
+/// Whether a sum in doubles of (a - origin) . ((b - a) x (c - a)) / 6 may have a relative error above 1e-10.
+/// `products`: the sum of max_norm(b - a) max_norm(c - a); `size`: upper bound of max_norm(a - origin). The
+/// error of a component of a cross product is at most 2^-51 of that product, and three of them in a scalar
+/// product have three times as much. 2^-48 leaves room for the differences and the sum.
 inline bool cancels(double volume, double products, double size) {
   return 0x1.0p-48 / 6 * products * size > 1e-10 * std::fabs(volume);
 }

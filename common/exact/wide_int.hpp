@@ -1,7 +1,7 @@
-// The fixed-width integers behind the exact predicates, for points that fit a BinaryScale.
+// Fixed-width integers for the exact predicates, for points that fit a BinaryScale.
 //
-// Only the operations that orient3d and in_sphere need are written: 64 x 128 -> 192, 128 x 192 -> 320, add,
-// subtract, sign; two's complement, least significant limb first.
+// Implements only the operations that orient3d and in_sphere need: 64 x 128 -> 192, 128 x 192 -> 320, add,
+// subtract, sign. Two's complement, least significant limb first.
 #pragma once
 
 #include <cstdint>
@@ -52,8 +52,8 @@ inline WideInt<3> multiply(std::int64_t a, Int128 b) {
   const auto b0 = static_cast<std::uint64_t>(ub), b1 = static_cast<std::uint64_t>(ub >> 64);
   const UInt128 low = static_cast<UInt128>(ua) * b0;
   const UInt128 high = static_cast<UInt128>(ua) * b1 + static_cast<std::uint64_t>(low >> 64);
-  // As unsigned: a_u = a + 2^64 [a < 0], b_u = b + 2^128 [b < 0]; the surplus b * 2^64 and a * 2^128 goes
-  // modulo 2^192.
+  // As unsigned numbers, a_u = a + 2^64 [a < 0] and b_u = b + 2^128 [b < 0]. The excess b * 2^64 and a *
+  // 2^128 is subtracted modulo 2^192.
   const UInt128 fixed = high - (a < 0 ? ub : 0) - (b < 0 ? static_cast<UInt128>(ua) << 64 : 0);
   return {{static_cast<std::uint64_t>(low), static_cast<std::uint64_t>(fixed),
            static_cast<std::uint64_t>(fixed >> 64)}};
@@ -79,7 +79,7 @@ inline WideInt<5> multiply(Int128 a, const WideInt<3>& b) {
     carry = static_cast<std::uint64_t>(t >> 64);
   }
   r.limb[4] = carry;
-  if (static_cast<std::int64_t>(b.limb[2]) < 0) {  // b_u = b + 2^192: take a * 2^192 away
+  if (static_cast<std::int64_t>(b.limb[2]) < 0) {  // b_u = b + 2^192: subtract a * 2^192
     const UInt128 top = (static_cast<UInt128>(r.limb[4]) << 64 | r.limb[3]) - ua;
     r.limb[3] = static_cast<std::uint64_t>(top);
     r.limb[4] = static_cast<std::uint64_t>(top >> 64);
@@ -87,8 +87,8 @@ inline WideInt<5> multiply(Int128 a, const WideInt<3>& b) {
   return negative ? WideInt<5>{} - r : r;
 }
 
-/// A value v with |c| < 2^k for every coordinate c exactly where v < 2^k: the bits of all magnitudes or-ed
-/// together.
+/// The magnitudes of all coordinates or-ed together: a value v such that |c| < 2^k for every coordinate c
+/// exactly if v < 2^k.
 inline std::uint64_t magnitude_bits(const IntPoint& p) {
   const auto magnitude = [](std::int64_t c) { return static_cast<std::uint64_t>(c < 0 ? -c : c); };
   return magnitude(p.x) | magnitude(p.y) | magnitude(p.z);

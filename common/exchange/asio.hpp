@@ -1,4 +1,4 @@
-// The parts of Boost.Asio and Boost.Beast that are used, by whoever asks and whoever answers; compiled once, in asio.cpp.
+// The parts of Boost.Asio and Boost.Beast that clients and servers use; compiled once, in asio.cpp.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

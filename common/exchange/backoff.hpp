@@ -1,5 +1,5 @@
-// How long to wait before a request is sent again: truncated exponential backoff, without jitter, since the callers of
-// one process are few and a busy server says by Retry-After when to come back.
+// How long to wait before a request is sent again: truncated exponential backoff. It has no jitter, because
+// one process has few callers, and a busy server sends Retry-After.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,9 @@ class Backoff {
  public:
   Backoff(Milliseconds first, Milliseconds longest) : pause_(first), longest_(longest) {}
 
-  /// Before the next try.
+  /// The wait before the next try.
   Milliseconds pause() const { return pause_; }
-  /// After a pause: the next one is twice as long, up to the longest.
+  /// To be called after a pause: the next one is twice as long, up to the longest.
   void lengthen() { pause_ = std::min(2 * pause_, longest_); }
 
  private:

@@ -25,8 +25,8 @@ Exchange::Outcome outcome_of(const error_code& error, const Interruption& interr
   return Exchange::Outcome::kBroken;
 }
 
-/// Sends the request, then reads the answer. A server that refuses a large upload answers and closes before
-/// it has read it: the answer counts.
+/// Sends the request, then reads the answer. A server that refuses a large upload may answer and close before
+/// it has read everything; its answer is still read.
 template <class Stream, class Request, class Parser>
 asio::awaitable<error_code> ask(Stream& stream, const Request& request, beast::flat_buffer& buffer,
                                 Parser& parser) {
@@ -43,7 +43,7 @@ asio::awaitable<error_code> ask(Stream& stream, const Request& request, beast::f
 struct ConnectionPool::Connection {
   explicit Connection(asio::io_context& io) : stream(io) {}
   beast::tcp_stream stream;
-  std::unique_ptr<asio::ssl::stream<beast::tcp_stream&>> tls;  ///< over the stream, where it is HTTPS
+  std::unique_ptr<asio::ssl::stream<beast::tcp_stream&>> tls;  ///< over the stream, if it is HTTPS
   beast::flat_buffer buffer;
   std::chrono::steady_clock::time_point used;
 };
@@ -87,7 +87,7 @@ asio::awaitable<Exchange> ConnectionPool::exchange(const HttpRequest& request, I
   ConnectionPtr connection = take_idle();
   const bool kept = connection != nullptr;
   Exchange result = co_await attempt(request, connection, interruption);
-  // RFC 9112, 9.3.1: a server may close an idle connection at any time; that says nothing of the request.
+  // RFC 9112, 9.3.1: a server may close an idle connection at any time, so the request may not be at fault.
   if (kept && result.outcome == Exchange::Outcome::kBroken && !result.began) {
     connection.reset();
     idle_.clear();  // the others are as old
@@ -110,7 +110,7 @@ asio::awaitable<bool> ConnectionPool::connect(Connection& connection, Exchange& 
     endpoints.emplace_back(address, settings_.port);
   } else {
     tcp::resolver resolver(io_);
-    const std::string port = std::to_string(settings_.port);  // named: g++ 12 destroys such a temporary twice
+    const std::string port = std::to_string(settings_.port);  // g++ 12 would destroy a temporary twice
     const auto found = co_await resolver.async_resolve(settings_.host, port,
                                                        asio::redirect_error(asio::use_awaitable, error));
     if (error || found.empty()) {
@@ -140,7 +140,7 @@ asio::awaitable<bool> ConnectionPool::shake_hands(Connection& connection, Exchan
   error_code error;
   asio::ip::make_address(settings_.host, error);
   const bool name = error.failed();
-  // RFC 6066, section 3: names alone, so that one address may have several servers.
+  // RFC 6066, section 3: only names, so that one address may have several servers.
   if (name) SSL_set_tlsext_host_name(tls->native_handle(), settings_.host.c_str());
   tls->set_verify_callback(asio::ssl::host_name_verification(settings_.host), error);
   connection.stream.expires_after(settings_.connect_timeout);
@@ -210,7 +210,7 @@ asio::awaitable<Exchange> ConnectionPool::attempt(const HttpRequest& request, Co
                   request.target.substr(0, 40) + ": " + error.message() + ".";
     if (exchange.outcome == Exchange::Outcome::kTimedOut)
       exchange.detail = "No complete response arrived within " + std::to_string(time.count()) + " ms.";
-    connection.reset();  // so that the server stops computing
+    connection.reset();  // makes the server stop computing
     co_return exchange;
   }
   auto response = parser.release();

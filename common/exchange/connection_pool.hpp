@@ -1,5 +1,4 @@
-// One HTTP exchange over one of a few connections that are kept alive. Everything here runs on the
-// thread of the io_context.
+// HTTP exchanges over a few keep-alive connections. All functions run on the thread of the io_context.
 #pragma once
 
 #include <deque>
@@ -20,8 +19,8 @@ class ConnectionPool {
   ConnectionPool(const ConnectionPool&) = delete;
   ConnectionPool& operator=(const ConnectionPool&) = delete;
 
-  /// Sends the request and reads the whole answer. A kept connection that the server had closed in the
-  /// meantime is replaced once, unseen.
+  /// Sends the request and reads the whole answer. If the server has closed an idle connection in the
+  /// meantime, it is replaced once, silently.
   asio::awaitable<Exchange> exchange(const HttpRequest& request, Interruption& interruption);
 
   /// Waits, unless interrupted.
@@ -36,16 +35,16 @@ class ConnectionPool {
 
   asio::awaitable<Exchange> attempt(const HttpRequest& request, ConnectionPtr& connection,
                                     Interruption& interruption);
-  /// False with the reason in `exchange`.
+  /// Returns false and describes the reason in `exchange`.
   asio::awaitable<bool> connect(Connection& connection, Exchange& exchange);
   asio::awaitable<bool> shake_hands(Connection& connection, Exchange& exchange);
   ConnectionPtr take_idle();
 
   asio::io_context& io_;
   const ConnectionSettings settings_;
-  std::deque<ConnectionPtr> idle_;  ///< the last used one at the back
+  std::deque<ConnectionPtr> idle_;  ///< the most recently used one at the back
   std::size_t busy_ = 0;
-  std::deque<asio::steady_timer*> waiting_;  ///< exchanges without a connection, first come first served
+  std::deque<asio::steady_timer*> waiting_;  ///< exchanges that wait for a connection, in order of arrival
   std::uint64_t made_ = 0;
 };
 

@@ -1,5 +1,6 @@
-// What goes over HTTP and how it ended, as plain data: no network here. The one stage of common/ that speaks
-// to anybody; the client of a game and `bake --server` are built on it, the pipeline knows nothing of it.
+// HTTP requests and their outcomes as plain data, without network access. This is the only module of common/
+// that uses the network. The client of a game and `bake --server` are built on it; the pipeline does not use
+// it.
 #pragma once
 
 #include <chrono>
@@ -17,21 +18,21 @@ using Milliseconds = std::chrono::milliseconds;
 
 struct TlsTrust;
 
-/// Host and port as a URL and the field Host have them: an IPv6 address in brackets (RFC 3986, 3.2.2).
+/// Host and port as in a URL and in the Host field: an IPv6 address is in brackets (RFC 3986, 3.2.2).
 inline std::string authority_of(const std::string& host, const std::string& port) {
   const bool brackets = host.find(':') != std::string::npos;
   return (brackets ? "[" + host + "]" : host) + ":" + port;
 }
 
-/// Where the server is, and how long it is waited for.
+/// The server's address, and how long to wait for it.
 struct ConnectionSettings {
   std::string host = "127.0.0.1";  ///< name or address; an IPv6 address without brackets
   std::uint16_t port = 8080;
   std::shared_ptr<TlsTrust> tls;  ///< HTTPS (tls.hpp); null: HTTP
-  std::string token;              ///< sent as `Authorization: Bearer …` where not empty
-  std::size_t connections = 4;    ///< kept alive, at most; further requests wait for one of them
+  std::string token;              ///< sent as `Authorization: Bearer …` unless empty
+  std::size_t connections = 4;    ///< maximum number kept alive; further requests wait for one of them
   Milliseconds connect_timeout{1000};
-  Milliseconds answer_timeout{10'000};  ///< of one exchange: first byte sent to last byte received
+  Milliseconds answer_timeout{10'000};  ///< from the first byte sent to the last byte received
   Milliseconds idle{10'000};  ///< a connection unused for longer is replaced (the server's limit is 15 s)
   std::size_t max_answer_bytes = std::size_t{256} << 20;
 
@@ -46,30 +47,30 @@ struct HttpRequest {
   std::string content_type{};
   std::shared_ptr<const std::string> body{};  ///< may be null
   std::vector<std::pair<std::string, std::string>> fields{};
-  Milliseconds answer_timeout{0};  ///< 0: that of the settings
+  Milliseconds answer_timeout{0};  ///< 0: the timeout of the settings
 };
 
 /// How an exchange ended.
 struct Exchange {
   enum class Outcome {
-    kAnswered,     ///< whatever the status
-    kNoServer,     ///< nobody listens, or the name is unknown
-    kBroken,       ///< closed or reset before the answer was whole, or what came is not HTTP
-    kTimedOut,     ///< at connecting or within answer_timeout
-    kTooLarge,     ///< over max_answer_bytes
-    kInterrupted,  ///< by interrupt()
+    kAnswered,     ///< with any status
+    kNoServer,     ///< no server listens, or the name is unknown
+    kBroken,       ///< closed or reset before the answer was complete, or the answer is not HTTP
+    kTimedOut,     ///< while connecting, or after answer_timeout
+    kTooLarge,     ///< larger than max_answer_bytes
+    kInterrupted,  ///< stopped by interrupt()
   };
   Outcome outcome = Outcome::kInterrupted;
   std::string detail;
-  bool began = false;  ///< some of the answer arrived
+  bool began = false;  ///< part of the answer arrived
   int status = 0;
   std::string body, repr_digest, server_timing, retry_after, content_type, content_location;
 };
 
-/// What a request is waiting for just now, so that it can be told not to.
+/// Lets another function interrupt the current wait of a request.
 struct Interruption {
   bool requested = false;
-  std::function<void()> wake;  ///< ends the wait; empty where there is none
+  std::function<void()> wake;  ///< ends the wait; empty if there is none
   void request() {
     requested = true;
     if (wake) wake();

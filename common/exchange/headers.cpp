@@ -10,7 +10,7 @@
 namespace fracture::protocol {
 namespace {
 
-/// The part before the separator; `rest` keeps what follows it.
+/// Returns the part before the separator; `rest` becomes the part after it.
 std::string_view cut(std::string_view& rest, char separator) {
   const std::size_t at = rest.find(separator);
   const std::string_view head = rest.substr(0, at);

@@ -1,4 +1,4 @@
-// The header fields of an answer, as values. No network.
+// Parses header fields of an answer. No network.
 #pragma once
 
 #include <optional>
@@ -16,13 +16,14 @@ struct StageTime {
   double milliseconds = 0;
 };
 
-/// Server-Timing (W3C): `queue;dur=0.1, clip;dur=3.25`. What is not understood is left out.
+/// Parses Server-Timing (W3C): `queue;dur=0.1, clip;dur=3.25`. Unknown parts are left out.
 std::vector<StageTime> parse_server_timing(std::string_view value);
 
-/// Retry-After in whole seconds (RFC 9110, 10.2.3); nothing for a date or nonsense, or beyond a day.
+/// Parses Retry-After in whole seconds (RFC 9110, 10.2.3). Returns nothing for dates, malformed values, or
+/// more than a day.
 std::optional<Milliseconds> parse_retry_after(std::string_view value);
 
-/// Does Repr-Digest (RFC 9530) name the SHA-256 of these bytes? False for a field without sha-256.
+/// Whether Repr-Digest (RFC 9530) contains the SHA-256 of these bytes. False if the field has no sha-256.
 bool digest_matches(std::string_view repr_digest, std::string_view bytes);
 
 }  // namespace fracture::protocol

@@ -1,4 +1,4 @@
-// A refusal as servers word it: problem details (RFC 9457), as far as callers use them. No network.
+// Problem details that servers send (RFC 9457), as far as callers use them. No network.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,23 +9,24 @@
 
 namespace fracture::protocol {
 
-/// What is missing, or is no text, is empty.
+/// Members that are missing or not text are empty.
 struct ProblemDocument {
   std::string type{};  ///< "/problems/mesh-not-closed"
   std::string title{}, detail{};
-  std::string parameter{};  ///< the one that is concerned (an extension member of this service)
-  /// All other members (`errors`, `known`, figures), but for those of the exchange: status, instance, request_id.
+  std::string parameter{};  ///< the parameter concerned (an extension member of this service)
+  /// All other members (`errors`, `known`, numbers), except those about the exchange: status, instance,
+  /// request_id.
   Figures extra{};
 
   /// The last segment of the type: "mesh-not-closed".
   std::string slug() const;
 };
 
-/// Of a document that was read already, also inside of another one. Empty for what is no object.
+/// Reads a problem from a parsed document, possibly a part of another one. Empty if it is not an object.
 ProblemDocument problem_in(const nlohmann::json& document);
 
-/// The problem in the body of a response of any media type. If the response has no detail, it is "The server responded with
-/// status 404."
+/// Reads the problem in the body of a response with any media type. If it has no detail, uses "The server
+/// responded with status 404."
 ProblemDocument problem_in(const Exchange& exchange);
 
 }  // namespace fracture::protocol

@@ -1,7 +1,7 @@
-// Meshes that a server stores by the digest of their bytes, from the side of who sends them. No network.
+// Client side of meshes that a server stores by the digest of their bytes. No network.
 //
 //   POST /meshes/sha256:<digest>/fracture
-//     └─ 404 not-found ──> PUT /meshes/sha256:<digest>, once for all who miss it ──> again
+//     └─ 404 not-found ──> PUT /meshes/sha256:<digest>, once for all requests that need it ──> again
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@
 
 namespace fracture::protocol {
 
-/// Bytes of the parameters of one fracture_request(): the server's limit.
+/// Maximum number of bytes of the parameters in one fracture_request(): the server's limit.
 inline constexpr std::size_t kMaxParameterBytes = 4096;
 
 /// "sha256:" and the digest in hex: the id of a mesh.
@@ -27,28 +27,28 @@ HttpRequest put_request(const std::string& mesh, std::string content_type,
 /// POST /meshes/{id}/fracture with parameters as JSON text.
 HttpRequest fracture_request(const std::string& mesh, std::string parameters);
 
-/// Does the answer to a fracture_request() say that the server has not got the mesh? A proxy's own 404 names no
-/// problem of this service.
+/// Whether the answer to a fracture_request() says that the server does not have the mesh. A 404 from a proxy
+/// has no problem of this service.
 bool mesh_is_missing(int status, std::string_view problem_slug);
 
-/// Of all who miss a mesh at the same time one puts it. Not thread-safe.
+/// Ensures that only one of several requests that need the same missing mesh uploads it. Not thread-safe.
 class PutOnce {
  public:
   using Clock = std::chrono::steady_clock;
   enum class Role {
-    kPut,    ///< puts it, and says done()
-    kWait,   ///< somebody is putting it: waits until it is not pending any more, then asks again
-    kRetry,  ///< it was put while the answer was on its way: asks again
+    kPut,    ///< upload the mesh, then call done()
+    kWait,   ///< another request is uploading it: wait until it is no longer pending, then ask again
+    kRetry,  ///< it was uploaded while the answer was on its way: ask again
   };
 
-  /// For who sent a request at `sent` and was told that the mesh is missing.
+  /// For a request that was sent at `sent` and whose answer says that the mesh is missing.
   Role begin(const std::string& mesh, Clock::time_point sent);
   bool pending(const std::string& mesh) const { return pending_.contains(mesh); }
   void done(const std::string& mesh, bool stored);
 
  private:
   std::set<std::string> pending_;
-  std::map<std::string, Clock::time_point> stored_;  ///< when the last PUT of a mesh had ended well
+  std::map<std::string, Clock::time_point> stored_;  ///< end time of the last successful PUT of each mesh
 };
 
 }  // namespace fracture::protocol

@@ -1,4 +1,4 @@
-// HTTPS from the side of who asks: whom to believe. The certificate is always checked, with its name.
+// HTTPS for clients: which certificates to trust. The server's certificate and name are always verified.
 #pragma once
 
 #include <boost/asio/ssl/context.hpp>
@@ -9,13 +9,13 @@
 
 namespace fracture::protocol {
 
-/// Certificates of those who may sign a server's, read once. Shared by connections.
+/// Certificates of trusted authorities, read once. Shared by connections.
 struct TlsTrust {
   boost::asio::ssl::context context{boost::asio::ssl::context::tls_client};
 };
 
-/// Those in a PEM file, or where it is empty those that this system trusts. kBadParameter: the file holds
-/// none.
+/// Reads the certificates in a PEM file or, if `ca_file` is empty, those that this system trusts. Error:
+/// kBadParameter if the file contains none.
 Expected<std::shared_ptr<TlsTrust>> trust_in(const std::string& ca_file);
 
 }  // namespace fracture::protocol

@@ -14,14 +14,14 @@
 namespace fracture {
 namespace {
 
-/// Can hits on the answer be local, as far as the parameters say it?
+/// Whether hits on the answer can be local, as far as the parameters decide it.
 bool may_be_local(const FractureParameters& p) {
   const bool counted = p.size.max_fragments > 0 || p.size.max_triangles > 0;
   return p.dual == Dual::kCircumcenter && !p.keep && !counted && p.max_volume == 0 &&
          (p.hits.empty() || p.rest == LocalRest::kFractured);
 }
 
-/// A bond with a new or changed fragment at one end or both.
+/// A bond with a new or changed fragment at one or both ends.
 struct ChangedBond {
   PlaceInAnswer a, b;
   Bond bond;  ///< its ends are not set yet
@@ -31,7 +31,7 @@ const KeptFragment& kept_at(const HitOutcome& hit, const PlaceInAnswer& place) {
   return hit.next.cells[place.site]->fragments[place.fragment];
 }
 
-/// The index of a place in an ascending list; kNoIndex if it is missing.
+/// The index of a place in an ascending list; kNoIndex if it is not in the list.
 std::uint32_t number_in(const std::vector<PlaceInAnswer>& places, const PlaceInAnswer& place) {
   const auto at = std::lower_bound(places.begin(), places.end(), place);
   return at != places.end() && *at == place ? static_cast<std::uint32_t>(at - places.begin()) : kNoIndex;
@@ -51,7 +51,7 @@ std::vector<ChangedBond> changed_cap_bonds(const HitOutcome& hit, Pacer& pacer) 
   return bonds;
 }
 
-/// Linear in the cells, and in the pieces of contacts of changed parts.
+/// Linear in the number of cells and in the pieces of contacts of changed parts.
 void add_changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
                                std::vector<ChangedBond>& bonds, const Execution& execution) {
   if (hit.changed.empty() || !parts_hold_together(with.solid)) return;
@@ -75,7 +75,7 @@ void add_changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
     bonds.push_back({places[bond.a], places[bond.b], bond});
 }
 
-/// The sites if bonds across parts need them, otherwise nothing.
+/// Returns the sites if bonds across parts need them, otherwise nothing.
 std::vector<Vec3d> points_of(const Solid& solid, const LocalBase& base, const Execution& execution) {
   if (!parts_hold_together(solid)) return {};
   std::vector<Vec3d> points;
@@ -88,7 +88,8 @@ std::vector<Vec3d> points_of(const Solid& solid, const LocalBase& base, const Ex
   return points;
 }
 
-/// The fragments that are new or changed, with their bonds and the ids of the neighbours that these lead to.
+/// Returns the new or changed fragments with their bonds, and adds the ids of these bonds' other ends to
+/// `delta`.
 CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellSites& cells,
                           double contact_strength, Delta& delta, const Execution& execution) {
   CutCells cut;
@@ -131,8 +132,8 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellS
   return cut;
 }
 
-/// Nothing where the hits change more than the cells around them, or what was kept does not prove itself with
-/// what is new. Errors of plan_sites(). Throws Interrupted.
+/// Returns nothing if the hits change more than the cells around them, or if the combination of stored and
+/// new fragments fails its check. Errors of plan_sites(). Throws Interrupted.
 Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const LocalBase& base,
                                                    const FractureParameters& parameters,
                                                    const NewHits& new_hits, const Execution& execution,
@@ -155,7 +156,7 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
                        : all_cells_of(solid, hit->next, execution);
     Expected<FracturedSolid> completed =
         complete(solid, hit->next.notes, parameters, std::move(cut), {points, hit->next.map}, execution);
-    if (!completed) return std::nullopt;  // the whole, made from nothing, has the last word
+    if (!completed) return std::nullopt;  // the whole is then made from scratch and decides
     completed->delta = std::move(hit->delta);
     return KeptAnswer{std::move(*completed), {std::move(hit->next)}, true};
   });

@@ -128,7 +128,7 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
     if (std::binary_search(wanted.begin(), wanted.end(), set.fragments[k].id)) index[k] = next++;
   }
   const std::uint32_t kept = next;
-  // Who is not here any more, but at the other end of a bond: numbered in the order of the whole.
+  // Removed fragments at the other end of a bond are numbered in the order of the whole.
   std::erase_if(set.bonds, [&](const Bond& b) { return index[b.a] == kNoIndex && index[b.b] == kNoIndex; });
   std::vector<char> met(n, 0);
   for (const Bond& b : set.bonds) met[b.a] = met[b.b] = 1;
@@ -149,7 +149,7 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
   for (std::size_t k = 0; k < n; ++k) {
     pacer.step(4);
     if (index[k] >= kept) {
-      set.fragments[k] = {};  // thousands of them take a while to go
+      set.fragments[k] = {};  // destroying thousands of them takes a while
       if (!all_hulls.empty()) all_hulls[k] = {};
       continue;
     }

@@ -1,4 +1,4 @@
-// How an answer differs from an earlier one, and of such an answer only what is different.
+// Finds how an answer differs from an earlier one, and reduces an answer to its changes.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -6,26 +6,28 @@
 
 namespace fracture {
 
-/// Equal in everything that is written of them, but for hulls.
+/// Whether two fragments are equal in everything that is written, except hulls.
 bool same_shape(const Fragment& a, const Fragment& b);
-/// Those of an aggregate can change while its shape does not: its neighbours beyond the solid cut them, too.
+/// Whether hulls are equal. An aggregate's hulls can change while its shape does not, because neighbours
+/// beyond the solid also cut them.
 bool same_hulls(const FragmentHulls& a, const FragmentHulls& b);
 
-/// Each from its lower fragment to its higher one, and in order.
+/// Directs each bond from its lower to its higher fragment, and sorts the bonds.
 void point_upwards(std::vector<Bond>& bonds, const Execution& execution);
 
-/// Compares fragments that have the same id. Without neighbours. Throws Interrupted.
+/// Compares fragments with the same id. Does not set neighbours. Throws Interrupted.
 Delta difference(const FracturedBase& before, const FracturedSolid& after, const Execution& execution = {});
 
-/// The same for the fragments of one cell, which `delta` gets in their order. Returns which of `after` are new or changed.
+/// The same for the fragments of one cell; appends to `delta` in their order. Returns the indices of those in
+/// `after` that are new or changed.
 std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
                                      const std::vector<KeptFragment>& after, Delta& delta,
                                      const Execution& execution);
 
-/// Takes out of the set what the delta (which there must be) says is neither new nor changed, with the bonds
-/// between such fragments, their hulls and anchors; the delta gets the neighbours. Certificate and report stay those of
-/// the whole, but that nothing counts its anchored fragments. Without hierarchy. Throws Interrupted; then it is good
-/// for nothing.
+/// Removes the fragments that are neither new nor changed according to the delta (which must exist), with the
+/// bonds between such fragments, their hulls and anchors. Sets the delta's neighbours. Certificate and report
+/// stay those of the whole, except that anchored fragments are not counted. There must be no hierarchy.
+/// Throws Interrupted; the set is then unusable.
 void keep_changed(FracturedSolid& fractured, const Execution& execution = {});
 
 }  // namespace fracture

@@ -88,7 +88,7 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
   std::vector<std::uint64_t> ids_gone, ids_new;
   Pacer pacer(execution);
   SiteId done{0};
-  const auto take_until = [&](SiteId s) {  // cells that did not change
+  const auto take_until = [&](SiteId s) {  // copies the cells before s, which did not change
     pacer.step((s - done) / 16 + 1);
     const std::uint32_t first = before.first_of[done], last = before.first_of[s];
     const auto shift = static_cast<std::uint32_t>(after.volumes.size()) - first;  // modulo 2^32
@@ -137,11 +137,12 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
 std::optional<SizeFigures> size_after(const SizeLimits& limits, double volume, const SizeFigures& before,
                                       const FragmentFigures& after, double smallest) {
   if (!limits.any_least()) return SizeFigures{};
-  // Pieces are weighed before they are assembled, with another rounding.
+  // Pieces are measured before they are assembled, with different rounding errors.
   constexpr double kRounding = 1e-6;
   const std::vector<double>& volumes = after.sorted_volumes;
   const double least = limits.least(volume, static_cast<std::uint32_t>(volumes.size()));
-  // What was below the limit touched nothing. What is below it now and was not made anew was below it then.
+  // Fragments below the old limit touched no other. Fragments now below the limit that were not made again
+  // were also below it then.
   if (least > before.min_volume || smallest < (1 + kRounding) * least) return std::nullopt;
   const auto below = [&](double limit) {
     return static_cast<std::uint32_t>(std::lower_bound(volumes.begin(), volumes.end(), limit) -

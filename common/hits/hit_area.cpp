@@ -35,7 +35,7 @@ const std::vector<SiteId>& HitArea::members_of(SiteId owner) const {
   return members_of_new_.empty() ? kNone : members_of_new_[owner - first_new_];
 }
 
-/// New cells stay together as their points do.
+/// Groups new cells like their points.
 void HitArea::join_new_cells(const std::vector<std::uint32_t>& points, std::span<const std::uint32_t> groups,
                              LocalBase& next) {
   if (groups.empty() && base_.lowest.size() == 0) return;
@@ -52,7 +52,8 @@ void HitArea::join_new_cells(const std::vector<std::uint32_t>& points, std::span
   }
 }
 
-/// Adds to each cell those that stay together with it or have pieces united with its own, and so on.
+/// Adds to each cell the cells that stay together with it or whose pieces are united with its own,
+/// transitively.
 void HitArea::complete(std::vector<SiteId>& sites) {
   for (SiteId& s : sites) s = next_.lowest_of(s);
   sort_once(sites, execution_);
@@ -99,7 +100,7 @@ void HitArea::find_wanted(const std::vector<TetId>& made, const std::vector<Site
   wanted_ = changed_;
   const FragmentFigures& before = base_.figures;
   if (before.cells == before.pieces && base_.unions->all.empty() && base_.late->all.empty())
-    return;  // each has one piece, and for itself
+    return;  // each cell has a single piece and is alone
   KeptTetrahedralization::PartMaker beside(next_.tetrahedra, execution_);
   for (const SiteId s : changed_)
     beside.add(s, [&](SiteId n) {
@@ -109,7 +110,7 @@ void HitArea::find_wanted(const std::vector<TetId>& made, const std::vector<Site
   complete(wanted_);
 }
 
-/// A triangle is convex: the cells that it meets hang together.
+/// A triangle is convex, so the cells that it meets are connected.
 void HitArea::find_part(std::size_t triangle_count) {
   RankedSet is_here(triangle_count);
   for (const SiteId s : wanted_) {
@@ -175,7 +176,7 @@ std::vector<Union> HitArea::lasting_late_unions() const {
   std::vector<Union> unions;
   for (const std::uint32_t number : of_wanted(*base_.late)) {
     const Union& pieces = base_.late->all[number];
-    // With one of its cells all change.
+    // If one of its cells changes, all of them do.
     if (!changes(pieces.front().lowest)) unions.push_back(pieces);
   }
   return unions;

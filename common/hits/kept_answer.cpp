@@ -29,7 +29,7 @@ std::size_t memory_size(const FracturedBase& base) {
   if (!base.local) return bytes;
   const LocalBase& local = *base.local;
   const FragmentFigures& f = local.figures;
-  // A site has a point, a tetrahedron, a cell and bonds: about eight, of which half are kept at it.
+  // A site has a point, a tetrahedron, a cell, and about eight bonds, half of which are stored at it.
   constexpr std::size_t kPerSite = sizeof(Vec3d) + sizeof(TetId) +
                                    2 * sizeof(std::shared_ptr<const KeptCell>) +
                                    sizeof(std::vector<KeptBond>) + 8 * sizeof(KeptBond);
@@ -79,7 +79,7 @@ void LocalBaseMaker::see(const RestrictedDiagram& restricted, const Execution& e
   if (restricted.diagram.map()) image_ = std::make_shared<const Solid>(restricted.seen);
   triangles_ = triangles_by_cell(restricted.seen, restricted.cuts, t.site_count(), execution);
 
-  // Inner vertices by tetrahedron; most have one.
+  // Inner vertices by tetrahedron; most tetrahedra have one.
   Pacer pacer(execution);
   std::vector<std::vector<PartWinding>> several;
   struct One {
@@ -180,7 +180,7 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
     for (; k < all.size() && fragments[all[k].a].sites[0] == s; ++k) {
       pacer.step(8);
       const Bond& bond = all[k];
-      if (fragments[bond.a].part != fragments[bond.b].part) continue;  // a contact's bond: computed again
+      if (fragments[bond.a].part != fragments[bond.b].part) continue;  // a contact's bond is computed again
       const SiteId other = fragments[bond.b].sites[0];
       of_cell.push_back(
           {bond.a - first_of[s], other, bond.b - first_of[other], bond.area, bond.centroid, bond.normal});

@@ -1,5 +1,5 @@
-// What is kept of an answer for the hits on it. Copies share what they have in common, so that an answer after a
-// hit costs what the hit has changed.
+// The stored data of an answer for hits on it. Copies share unchanged data, so the cost of an answer after a
+// hit depends on what the hit has changed.
 #pragma once
 
 #include <algorithm>
@@ -24,23 +24,25 @@
 
 namespace fracture {
 
-/// A bond of shared caps, kept at the cell of its lower fragment. For cells that stay together, this is the lowest of them.
+/// A bond of shared caps, stored at the cell of its lower fragment. For cells that stay together, this is the
+/// lowest of them.
 struct KeptBond {
-  std::uint32_t fragment;        ///< of that cell: its number there
-  SiteId other_cell;             ///< not lower; of cells that stay together the lowest
-  std::uint32_t other_fragment;  ///< its number there
+  std::uint32_t fragment;        ///< index in that cell
+  SiteId other_cell;             ///< not lower; if cells stay together, the lowest of them
+  std::uint32_t other_fragment;  ///< index in the other cell
   double area;
-  Vec3d centroid, normal;  ///< as Bond has them
+  Vec3d centroid, normal;  ///< as in Bond
 };
 
-/// What winds around a Voronoi vertex, as InnerVertex says it.
+/// A part that winds around a Voronoi vertex, as in InnerVertex.
 struct PartWinding {
   std::uint32_t part;
   std::int32_t winding;
   auto operator<=>(const PartWinding&) const = default;
 };
 
-/// The different things that wind around Voronoi vertices, numbered: most have nothing around them, or one part.
+/// The distinct sets of parts that wind around Voronoi vertices, numbered. Most vertices have no part around
+/// them, or one.
 class WindingStates {
  public:
   static constexpr std::uint32_t kNothing = 0;
@@ -49,7 +51,7 @@ class WindingStates {
     if (is_new) all_.push_back(state);
     return at->second;
   }
-  /// kNoIndex: not there.
+  /// kNoIndex if not found.
   std::uint32_t find(const std::vector<PartWinding>& state) const {
     const auto at = numbers_.find(state);
     return at == numbers_.end() ? kNoIndex : at->second;
@@ -62,15 +64,16 @@ class WindingStates {
   std::map<std::vector<PartWinding>, std::uint32_t> numbers_{{{}, kNothing}};
 };
 
-/// Unions of pieces, and which cells have pieces in them.
+/// Unions of pieces, and an index of the cells with pieces in them.
 struct KeptUnions {
   std::vector<Union> all;  ///< ascending
   std::vector<std::pair<SiteId, std::uint32_t>>
-      of_cell;  ///< the lowest cells that have pieces in them; ascending
+      of_cell;  ///< (lowest cell, union) for each cell with a piece in the union; ascending
 
   KeptUnions() = default;
   KeptUnions(std::vector<Union> unions, const Execution& execution);
-  /// Calls visit(number) for each that a piece of the cell, or of those that it is the lowest of, belongs to.
+  /// Calls visit(number) for each union that contains a piece of this cell, or of the cells that it is the
+  /// lowest of.
   template <class Visit>
   void each_of(SiteId lowest, const Visit& visit) const {
     for (auto at = std::lower_bound(of_cell.begin(), of_cell.end(), std::pair{lowest, 0u});
@@ -79,41 +82,41 @@ struct KeptUnions {
   }
 };
 
-/// What hits need that change only what is near to them.
+/// The data with which a hit changes only its surroundings.
 struct LocalBase {
   KeptTetrahedralization tetrahedra;
-  SharedBlocks<std::uint32_t, 256> state;  ///< per tetrahedron: what winds around its Voronoi vertex
+  SharedBlocks<std::uint32_t, 256> state;  ///< per tetrahedron: the state around its Voronoi vertex
   std::shared_ptr<const WindingStates> states;
   SharedBlocks<SiteId, 256> label;                      ///< per vertex of the solid: its cell
   SharedBlocks<std::shared_ptr<const KeptCell>> cells;  ///< per site
-  /// Per site the lowest of the cells that stay together with its own; empty: every cell is for itself.
+  /// Per site: the lowest of the cells that stay together with its cell; empty: every cell is alone.
   SharedBlocks<SiteId, 256> lowest;
   SharedBlocks<std::shared_ptr<const std::vector<KeptBond>>> bonds;  ///< per site; null: none
   FragmentFigures figures;
   CellMap map{};
   SiteNotes notes;
-  std::shared_ptr<const Solid> image{};  ///< of the solid under the map, where there is one
+  std::shared_ptr<const Solid> image{};  ///< image of the solid under the map, if there is one
   SizeFigures size{};
-  std::uint32_t pattern_sites = 0;  ///< those of the pattern: the first ones
-  /// What the limits of size had united before hits came. Which of these are fragments depends on where hits are
+  std::uint32_t pattern_sites = 0;  ///< number of sites of the pattern, which come first
+  /// Unions made by the size limits before any hit. The positions of hits decide which of these are fragments
   /// (unions_beside_hits() in pipeline/before_hits.hpp).
   std::shared_ptr<const KeptUnions> unions{};
-  std::shared_ptr<const KeptUnions> late{};  ///< CutCells::late, all of them fragments or parts of one
-  std::optional<LocalRough> rough{};         ///< where cuts are
+  std::shared_ptr<const KeptUnions> late{};  ///< CutCells::late; all of them are fragments or parts of one
+  std::optional<LocalRough> rough{};         ///< set if cuts are rough
   std::shared_ptr<const std::vector<std::uint32_t>>
-      bricks{};                ///< RestrictedDiagram::bricks; null: there are none
-  std::size_t cell_bytes = 0;  ///< of memory behind `cells`; those that answers share are counted by each
+      bricks{};                ///< RestrictedDiagram::bricks; null if there are none
+  std::size_t cell_bytes = 0;  ///< memory behind `cells`; answers that share memory each count it
 
   SiteId lowest_of(SiteId s) const { return lowest.size() == 0 ? s : lowest[s]; }
 };
 
-/// An answer as far as further hits need it: reusable for any number of them.
+/// The data of an answer that further hits need; reusable for any number of hits.
 struct FracturedBase {
-  /// Hits can be local: every fragment is a piece of one cell, or of cells that stay together, or united because of its
-  /// size: with flat cuts, of some of the pattern, or beside hits; nothing else was united, nor dropped, kept or split. Where
-  /// not, the whole is fractured again.
+  /// Set if hits can be local. Then every fragment is a piece of one cell or of cells that stay together, or
+  /// was united because of its size: with flat cuts, among the pattern's pieces, or near hits. No other
+  /// pieces were united, dropped, kept or split. If hits cannot be local, the whole is fractured again.
   std::optional<LocalBase> local{};
-  /// Where it is not: the fragments, in the order of the answer.
+  /// If `local` is not set: the fragments, in the order of the answer.
   std::vector<KeptFragment> fragments{};
 };
 
@@ -121,23 +124,24 @@ struct FracturedBase {
 std::size_t memory_size(const KeptCell& cell);
 std::size_t memory_size(const FracturedBase& base);
 
-/// Per cell the triangles of the solid that meet it, ascending. Throws Interrupted.
+/// Returns, per cell, the triangles of the solid that meet it, ascending. Throws Interrupted.
 std::vector<std::vector<std::uint32_t>> triangles_by_cell(const Solid& solid, const SurfaceCuts& cuts,
                                                           std::size_t cells, const Execution& execution);
 
-/// Takes notes while an answer is made whole.
+/// Collects the data while a whole answer is made.
 class LocalBaseMaker {
  public:
-  /// Called when the clipper has finished.
+  /// To be called when the clipper has finished.
   void see(const RestrictedDiagram& restricted, const Execution& execution);
-  /// How the fragments came about: takes it out of the cut.
+  /// Records how the fragments were made, and moves the data out of the cut.
   void see(CutCells& cut);
-  /// When the answer is there. Nothing where the tetrahedralization cannot be kept. Throws Interrupted.
+  /// To be called when the answer is complete. Returns nothing if the tetrahedralization cannot be stored.
+  /// Throws Interrupted.
   std::optional<LocalBase> make(const FracturedSolid& answer, const Diagram& diagram,
                                 const Execution& execution);
 
  private:
-  Box box_;  // of the solid as it was seen
+  Box box_;  // of the solid or its image
   std::vector<std::uint32_t> state_;
   WindingStates states_;
   std::vector<SiteId> label_;
@@ -149,14 +153,14 @@ class LocalBaseMaker {
   std::shared_ptr<const std::vector<std::uint32_t>> bricks_;
 };
 
-/// Fragment k with its hulls.
+/// Returns fragment k with its hulls.
 KeptFragment kept_fragment(const FracturedSolid& answer, std::uint32_t k, const Execution& execution);
 
-/// All fragments, bonds and hulls of an answer that is local, with the certificate, as fracture() makes them
-/// before they are judged. Throws Interrupted.
+/// Returns all fragments, bonds and hulls of a local answer, with the certificate, like fracture() before
+/// they are checked. Throws Interrupted.
 CutCells all_cells_of(const Solid& solid, const LocalBase& base, const Execution& execution);
 
-/// The certificate of the whole answer, apart from crossing caps.
+/// Returns the certificate of the whole answer, except for crossing caps.
 Certificate certificate_of(const Solid& solid, const FragmentFigures& figures);
 
 }  // namespace fracture

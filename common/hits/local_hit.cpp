@@ -19,13 +19,13 @@
 namespace fracture {
 namespace {
 
-/// Of all cells with rough cuts: made in one try, and in all tries together.
+/// Maximum shares of all cells that are made again with rough cuts: in one try, and in all tries together.
 constexpr double kMostOfCells = 0.75, kMostInAllTries = 1.1;
 
 class LocalHit {
  public:
-  /// `further`: cells that are to be made, too. Gets those that would have had to be. `made`: so many cells were made in
-  /// earlier tries.
+  /// `further`: more cells to make again; cells that should have been included are added. `made`: number of
+  /// cells made in earlier tries.
   LocalHit(const Solid& solid, const LocalBase& base, const FractureParameters& parameters,
            std::vector<SiteId>& further, std::size_t& made, const Execution& execution)
       : solid_(solid),
@@ -48,14 +48,14 @@ class LocalHit {
     sites.duplicates_merged = now().duplicates_merged();
     if (inserted->made.empty()) return keeps_to_limits() ? std::optional(std::move(out_)) : std::nullopt;
     area_.emplace(base_, out_.next, *inserted, groups, further_, solid_.triangles.size(), execution_);
-    // To make most cells, perhaps in vain, and then the whole, is worse than the whole. A try that follows another mostly
-    // succeeds.
+    // If most cells were made again, perhaps in vain, and then the whole, this would cost more than making
+    // only the whole. The second try usually succeeds.
     made_in_all_ += area_->wanted().size();
     const double cells = now().site_count();
     if (base_.rough && (static_cast<double>(area_->wanted().size()) > kMostOfCells * cells ||
                         static_cast<double>(made_in_all_) > kMostInAllTries * cells))
       return std::nullopt;
-    // What they united is too small, but for what the hit made of it; beside hits these limits are what they were.
+    // A union that the hit takes apart leaves pieces that are too small, and these limits also apply near hits.
     if ((parameters_.size.min_volume > 0 || parameters_.size.min_fraction > 0) && area_->takes_unions_apart())
       return std::nullopt;
     if (!make_fragments(inserted->made) || !others_are_as_they_were()) return std::nullopt;
@@ -70,7 +70,7 @@ class LocalHit {
   }
 
  private:
-  /// Which points the new sites are.
+  /// Records which points the new sites came from.
   void number_points(const KeptTetrahedralization::Insertion& inserted, std::size_t given) {
     std::vector<std::uint32_t>& point_of_site = out_.next.notes.point_of_site;
     if (point_of_site.empty() && inserted.points.size() == given) return;
@@ -84,14 +84,14 @@ class LocalHit {
   KeptTetrahedralization& now() { return out_.next.tetrahedra; }
   const KeptTetrahedralization::Part& part() const { return area_->part(); }
 
-  /// What was made of a wanted cell and those that stay together with it: all is at the lowest.
+  /// Number of fragments of a wanted cell and the cells that stay together with it, all stored at the lowest.
   std::uint32_t fragments_made(SiteId s) const {
     if (!area_->is_owner(s)) return 0;
     const std::uint32_t owner = area_->number_of(s);
     return made_.first_of[owner + 1] - made_.first_of[owner];
   }
 
-  /// Voronoi vertices of the part that were there before, and what winds around them, by parts of the solid.
+  /// Finds the part's Voronoi vertices that existed before, with the winding numbers of parts around them.
   void find_known(const std::vector<TetId>& made) {
     IdTable is_made;
     for (const TetId t : made) is_made.slot(t) = 1;
@@ -105,7 +105,7 @@ class LocalHit {
     }
   }
 
-  /// Nothing is left out but what has no volume or crosses itself: false there.
+  /// Returns false if pieces without volume were left out, or if caps cross.
   bool make_fragments(const std::vector<TetId>& made) {
     find_known(made);
     std::vector<std::uint32_t> parts;
@@ -161,7 +161,7 @@ class LocalHit {
     return true;
   }
 
-  /// What is too small unites with cells that change, too: false where they are not among these.
+  /// Pieces that are too small unite with cells that change too. Returns false if other cells are involved.
   bool late_unions_change(const WantedFragments& made) {
     const std::size_t before = further_.size();
     further_.insert(further_.end(), made.further.begin(), made.further.end());
@@ -200,7 +200,7 @@ class LocalHit {
     return true;
   }
 
-  /// What was made again beside changed cells may be less rough for a changed neighbour's sake: then it changes, too.
+  /// Returns false if other cells that were made again became less rough because of a changed neighbour.
   bool others_are_as_they_were() {
     if (!base_.rough) return true;
     const std::size_t before = further_.size();
@@ -234,7 +234,7 @@ class LocalHit {
     return true;
   }
 
-  /// The fragments of a cell that changed: which are new, changed, gone?
+  /// Finds which fragments of a changed cell are new, changed or gone.
   void compare(SiteId s, const std::vector<KeptFragment>& before, const std::vector<KeptFragment>& after) {
     for (const std::uint32_t k : differing(before, after, out_.delta, execution_))
       out_.changed.push_back({s, k});
@@ -254,7 +254,7 @@ class LocalHit {
     for (const SiteId s : area_->wanted()) {
       const std::uint32_t count = fragments_made(s);
       pacer_.step(64 * (1 + count));
-      if (!area_->changes(s)) {  // as it was
+      if (!area_->changes(s)) {  // unchanged
         next += count;
         continue;
       }
@@ -294,7 +294,7 @@ class LocalHit {
     out_.next.late = std::make_shared<const KeptUnions>(std::move(late), execution_);
   }
 
-  /// False where two fragments have the same id: the whole answer resolves that.
+  /// Returns false if two fragments have the same id, which only the whole answer can resolve.
   bool sum_up_again() {
     std::optional<FragmentFigures> after = figures_after(
         base_.figures, area_->changed(), area_->first_new(),
@@ -305,8 +305,8 @@ class LocalHit {
     return true;
   }
 
-  /// Those of changed cells as they were made, the others as they were: a cell beside a changed one may have been
-  /// made again and touch cells of which only the number of fragments was known.
+  /// Uses the new bonds of changed cells and the old bonds of the others. A cell next to a changed one may
+  /// have been made again, with only the number of fragments known for some of its neighbours.
   void replace_bonds() {
     const auto place = [&](std::uint32_t fragment) {
       const auto after = std::upper_bound(made_.first_of.begin(), made_.first_of.end(), fragment);
@@ -358,7 +358,7 @@ class LocalHit {
   void replace_states(const std::vector<TetId>& made) {
     SharedBlocks<std::uint32_t, 256>::Edit state(out_.next.state);
     while (out_.next.state.size() < now().tet_end()) state.push_back(WindingStates::kNothing);
-    IdTable number;  // per new tetrahedron: its place in `around`
+    IdTable number;  // per new tetrahedron: its index in `around`
     std::vector<std::vector<PartWinding>> around(made.size());
     for (std::uint32_t k = 0; k < made.size(); ++k) number.slot(made[k]) = k;
     for (const InnerVertex& v : inner_vertices_) {
@@ -366,7 +366,7 @@ class LocalHit {
       if (const std::uint32_t k = number.find(part().tets[v.tet]); k != IdTable::kEmpty)
         around[k].push_back({surface_.parts[v.part], v.winding});
     }
-    std::shared_ptr<WindingStates> more;  // with those that are new; most hits have none
+    std::shared_ptr<WindingStates> more;  // with new states; most hits have none
     for (std::size_t k = 0; k < made.size(); ++k) {
       pacer_.step(4);
       std::uint32_t number_of_state = more ? kNoIndex : out_.next.states->find(around[k]);
@@ -389,10 +389,10 @@ class LocalHit {
   Pacer pacer_;
   HitOutcome out_;
   std::optional<HitArea> area_;
-  std::vector<TetId> known_;                 // of the part
+  std::vector<TetId> known_;                 // tetrahedra of the part
   std::vector<InnerVertex> known_windings_;  // `tet` is an index into known_
   SolidPatch surface_;
-  // Of the part: what was made.
+  // The new data of the part.
   WantedFragments made_;
   CollisionHulls hulls_;
   std::vector<std::vector<std::uint32_t>> triangles_by_cell_;
@@ -405,7 +405,7 @@ class LocalHit {
 std::optional<HitOutcome> hit_cells(const Solid& solid, const LocalBase& base, std::span<const Vec3d> points,
                                     std::span<const std::uint32_t> groups,
                                     const FractureParameters& parameters, const Execution& execution) {
-  // Cuts make others less rough that are about as far as triangles are long: more than two steps are rare.
+  // Cuts make others less rough at distances of about a triangle's length; more than two steps are rare.
   constexpr int kMostTries = 4;
   std::vector<SiteId> further;
   std::size_t made = 0;

@@ -24,7 +24,7 @@ CellCuts gathered(Cuts cuts) {
   return out;
 }
 
-/// Moves the cuts of one cell, as a trace has them: ascending by lo.
+/// Moves the cuts of one cell out of a trace, in which they are ascending by lo.
 void take_cuts(std::vector<KeptCut>& all, std::size_t& next, SiteId lo, std::size_t& bytes, Cuts& out) {
   for (; next < all.size() && all[next].lo == lo; ++next) {
     bytes += memory_size(all[next]);
@@ -35,7 +35,7 @@ void take_cuts(std::vector<KeptCut>& all, std::size_t& next, SiteId lo, std::siz
 }  // namespace
 
 std::size_t heap_size(const LocalRough& rough) {
-  // A pointer and its count for each cut: about seven a cell.
+  // A pointer and its count for each cut, about seven per cell.
   constexpr std::size_t kPerSite =
       sizeof(CellCuts) + sizeof(Cuts) + 7 * 2 * sizeof(std::shared_ptr<const KeptCut>);
   return rough.cut_bytes + kPerSite * rough.cuts.size() + heap(*rough.calmings);

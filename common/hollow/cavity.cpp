@@ -28,7 +28,7 @@ std::vector<std::uint32_t> shells_of(const InnerSurface& surface, std::uint32_t&
   return shells;
 }
 
-/// The middle of a part's box is the origin of volumes, so that little is lost to rounding.
+/// Uses the middle of the part's box as the origin, which reduces rounding errors.
 double volume_of(const InnerSurface& surface, const Vec3d& origin) {
   double six = 0;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -39,7 +39,8 @@ double volume_of(const InnerSurface& surface, const Vec3d& origin) {
 }
 
 void measure(Cavity& cavity, const SurfaceTree& outside, Pacer& pacer) {
-  // Nothing is farther from the outside than its neighbour is, and that one from it.
+  // The distance of a point to the outside is at most the distance of its neighbour plus the distance between
+  // the two.
   constexpr double kBeyondRounding = 1 + 1e-9;
   const auto depth_near = [&](const Vec3d& p, const Vec3d& q, double depth) {
     return outside.distance(p, kBeyondRounding * (depth + length(p - q)), pacer);
@@ -61,8 +62,9 @@ void measure(Cavity& cavity, const SurfaceTree& outside, Pacer& pacer) {
     least = std::fmin(least, thickness);
     cavity.walls.push_back({thickness, length(cross(b - a, c - a)) / 2});
   }
-  // Where the outside bends inwards, a large triangle is nearest to it anywhere, mostly within one of its edges. No place
-  // is nearer than its middle less what it is away from that.
+  // If the outside bends inwards, a large triangle may be nearest to it anywhere, usually at a point
+  // within one of its edges. No point of a triangle is nearer than the distance of its middle minus the
+  // triangle's radius.
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto corners = corners_of(surface, t);
     const Vec3d middle = (1.0 / 3) * (corners[0] + corners[1] + corners[2]);

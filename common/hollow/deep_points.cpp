@@ -11,9 +11,10 @@
 namespace fracture::hollow_detail {
 namespace {
 
-/// Of a cube, as a multiple of half its side: a little more than the root of three.
+/// Half the diagonal of a cube divided by half its side: slightly more than √3.
 constexpr double kHalfDiagonal = 1.7321;
-/// Half the side of the smallest cube in which the middle of a ball is looked for, of its radius.
+/// Half the side of the smallest cube in which the middle of a ball is searched for, divided by the ball's
+/// radius.
 constexpr double kFinest = 1.0 / 32;
 
 struct Cube {
@@ -21,7 +22,8 @@ struct Cube {
   double half;
 };
 
-/// How often the triangles enclose the point: near a whole number for a closed surface that is not near.
+/// The winding number of the triangles around the point. Near an integer if the surface is closed and not
+/// near the point.
 double winding(const SurfaceTree& surface, const Vec3d& point, Pacer& pacer) {
   double angle = 0;
   for (const auto& corners : surface.corners()) {
@@ -34,8 +36,8 @@ double winding(const SurfaceTree& surface, const Vec3d& point, Pacer& pacer) {
   return angle / (4 * std::numbers::pi);
 }
 
-/// Tells for blocks of points what one distance tells: how far a point is from the surface differs from how far another
-/// is by no more than lies between them.
+/// Decides whole blocks of points from the distance of one point: the distances of two points to the surface
+/// differ by at most the distance between the points.
 class Depths {
  public:
   Depths(const SurfaceTree& surface, const Lattice& lattice, double depth, std::vector<std::uint8_t>& deep,
@@ -47,7 +49,7 @@ class Depths {
   }
 
   struct Block {
-    std::array<std::uint32_t, 3> low, high;  ///< the points from low to before high
+    std::array<std::uint32_t, 3> low, high;  ///< the points from `low` up to, but not including, `high`
   };
 
   void tell(const Block& block) {
@@ -74,7 +76,8 @@ class Depths {
   }
 
  private:
-  /// More than a distance may be wrong by, of the largest coordinate: nothing is told otherwise than point by point.
+  /// Exceeds the error of a distance, relative to the largest coordinate, so blocks give the same result as
+  /// single points.
   static constexpr double kRounding = 1e-11;
 
   std::uint32_t at(const std::array<std::uint32_t, 3>& p) const { return lattice_.at(p[0], p[1], p[2]); }
@@ -93,7 +96,7 @@ class Depths {
   double rounding_ = 0;  ///< m
 };
 
-/// Points along a side of the blocks that threads take.
+/// Number of points along each side of the blocks that threads process.
 constexpr std::uint32_t kBlock = 16;
 
 std::vector<Depths::Block> blocks_of(const Lattice& lattice) {
@@ -118,8 +121,8 @@ std::vector<std::uint8_t> deep_points(const SurfaceTree& surface, const Lattice&
     for (std::size_t k = begin; k < end; ++k) depths.tell(blocks[k]);
   });
 
-  // The balls around two neighbours cover what is between them: both are on one side of the surface, and one
-  // point tells for all that hang together.
+  // The balls around two neighbouring points cover the space between them, so both are on the same side of
+  // the surface. One point therefore decides for its whole connected group.
   Pacer pacer(execution);
   DisjointSets groups;
   groups.reserve(points);
@@ -131,8 +134,8 @@ std::vector<std::uint8_t> deep_points(const SurfaceTree& surface, const Lattice&
   });
   std::vector<std::uint32_t> members(points, 0);
   for (std::uint32_t p = 0; p < points; ++p) members[groups.find(p)] += deep[p];
-  std::vector<std::uint8_t> inside(points, 0);   // of roots
-  const std::uint32_t outside = groups.find(0);  // the first corner of the lattice is
+  std::vector<std::uint8_t> inside(points, 0);   // only for roots
+  const std::uint32_t outside = groups.find(0);  // the first corner of the lattice is outside
   for (std::uint32_t p = 0; p < points; ++p)
     if (members[p] >= smallest && p != outside) inside[p] = winding(surface, lattice.place(p), pacer) > 0.5;
   for (std::uint32_t p = 0; p < points; ++p) deep[p] = deep[p] && inside[groups.find(p)];
@@ -140,8 +143,8 @@ std::vector<std::uint8_t> deep_points(const SurfaceTree& surface, const Lattice&
 }
 
 bool holds_ball(const SurfaceTree& surface, const Box& box, double radius, const Execution& execution) {
-  // The middle of such a ball is in the cube around one of these points: half the diagonal from it, or less. All of that
-  // cube is inside, because the surface is farther from the point than that.
+  // The middle of such a ball is in the cube around one of these points, at most half a diagonal away. The
+  // whole cube is inside, because the surface is farther from the point.
   const Lattice lattice(box, radius / 2);
   const std::vector<std::uint8_t> near_a_middle =
       deep_points(surface, lattice, (1 - kHalfDiagonal / 4) * radius, 1, execution);

@@ -8,12 +8,13 @@
 namespace fracture::hollow_detail {
 namespace {
 
-/// Copies with polls between blocks: a hundred megabytes take longer than two polls may be apart.
+/// Copies in blocks with polls in between, because copying a hundred megabytes takes longer than the maximum
+/// time between polls.
 class Copier {
  public:
   explicit Copier(const Execution& execution) : execution_(execution) {}
 
-  /// Counted before it is made.
+  /// Counts the memory before copying.
   template <class T>
   void copy(const std::vector<T>& from, std::size_t more, std::vector<T>& to) const {
     execution_.made(Product::kMeshBytes, (from.size() + more) * sizeof(T));
@@ -25,7 +26,7 @@ class Copier {
       to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(std::min(kAtOnce, from.size() - k)));
     }
   }
-  /// Stays empty where there is nothing.
+  /// Leaves `to` empty if `from` is empty.
   template <class T>
   void copy_any(const std::vector<T>& from, std::size_t more, std::vector<T>& to) const {
     if (!from.empty()) copy(from, more, to);
@@ -70,7 +71,7 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   copier.copy(source.material, triangles, mesh.material);
   copier.copy(source.node, triangles, mesh.node);
   copier.copy_any(source.triangle_color, triangles, mesh.triangle_color);
-  // An importer may leave these two out.
+  // An importer may leave these two empty.
   mesh.material.resize(mesh.triangles.size(), kNoIndex);
   mesh.node.resize(mesh.triangles.size(), 0);
 }
@@ -86,7 +87,7 @@ std::uint32_t ExtendedSource::add_wedges(const InnerSurface& surface) {
   }
   mesh_->positions.insert(mesh_->positions.end(), surface.positions.begin(), surface.positions.end());
   Attributes& a = mesh_->attributes;
-  // Any direction along the surface: nothing of a texture is shown there.
+  // Any direction along the surface is suitable, because no texture is shown there.
   const auto tangent = [](const Vec3d& n) {
     const Vec3d across = std::fabs(n.x) < 0.7 ? cross(n, Vec3d{1, 0, 0}) : cross(n, Vec3d{0, 1, 0});
     return (1 / length(across)) * across;

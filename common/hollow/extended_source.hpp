@@ -1,4 +1,5 @@
-// A copy of a solid's source that also has the inner sides of walls: their wedges and triangles stand behind its own.
+// A copy of a solid's source, extended by the inner sides of walls: their wedges and triangles follow those
+// of the source.
 #pragma once
 
 #include <array>
@@ -13,18 +14,19 @@
 
 namespace fracture::hollow_detail {
 
-/// Of one triangle, by its corners.
+/// The corners of one triangle.
 std::array<Vec3d, 3> corners_of(const InnerSurface& surface, std::size_t triangle);
 
 class ExtendedSource {
  public:
-  /// With room for so many more. Counts what the copy takes (Product::kMeshBytes). Throws Interrupted.
+  /// Makes a copy with room for additional wedges and triangles. Counts its memory (Product::kMeshBytes).
+  /// Throws Interrupted.
   ExtendedSource(const Mesh& source, std::size_t wedges, std::size_t triangles, const Execution& execution);
 
-  /// A wedge for each corner, whose numbers follow the one that is returned: its normal is the mean by area; it
-  /// has no texture and is white.
+  /// Adds a wedge for each position, and returns the number of the first. Normals are means, weighted by
+  /// area. The wedges have no texture and are white.
   std::uint32_t add_wedges(const InnerSurface& surface);
-  /// Of kCavityMaterial, in the node and with the colour of the part.
+  /// Adds a triangle with kCavityMaterial, and with the node and colour of the part.
   void add_triangle(const std::array<std::uint32_t, 3>& wedges, const Part& part);
 
   std::shared_ptr<const Mesh> finished() && { return std::move(mesh_); }

@@ -19,7 +19,7 @@ namespace {
 using hollow_detail::Cavity;
 using hollow_detail::Run;
 
-/// Divides the sum of thicknesses by the area, and says in words what the figures do not.
+/// Divides the sum of thicknesses by the area, and adds remarks.
 void finish(SolidReport& report, const HollowOptions& options, std::uint32_t asked, double area) {
   const std::uint64_t hollow = report.parts_hollowed, solid = asked - hollow;
   const bool by_material = options.least_ball > 0;
@@ -47,7 +47,8 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
         "Ask for thicker walls, or model the inner side in a modelling tool.");
 }
 
-/// Triangles of the lattice for each that a part may have: more are work for nothing where many parts share them.
+/// Lattice triangles per triangle that a part may have. If many parts share the triangles, more would be
+/// wasted work.
 constexpr std::uint32_t kMarched = 4;
 
 std::uint32_t most_marched(std::size_t triangles) {
@@ -55,8 +56,9 @@ std::uint32_t most_marched(std::size_t triangles) {
       std::min<std::size_t>(kMarched * triangles, HollowOptions{}.max_triangles));
 }
 
-/// Of walls that a material has by itself every fracture pays for the triangles: no finer than the outside asks for, and
-/// those of an eye no finer than those of its head. `share`: of the longest side of the largest part.
+/// Limits for walls added by a material, because every fracture pays for their triangles: no finer than the
+/// outside requires, and an eye no finer than its head. `share`: longest side of the part / longest side of
+/// the largest part.
 hollow_detail::InnerSurfaceLimits fine_enough(std::size_t outside, double share, std::uint32_t most) {
   constexpr std::size_t kForEach = 4, kLarge = 4000, kLeast = 1000;
   const auto of_size = static_cast<std::size_t>(kLarge * share * share);
@@ -64,9 +66,10 @@ hollow_detail::InnerSurfaceLimits fine_enough(std::size_t outside, double share,
   return {static_cast<std::uint32_t>(triangles), most_marched(triangles)};
 }
 
-/// Makes the cavities of parts that share a number of triangles: each may have as many as are left for it when those
-/// before it have theirs. That is no fewer than are left for each now, so many are made at once with that, and those
-/// that would be others with what they may have in the end are made again: the same come for any number of threads.
+/// Makes the cavities of parts that share a limited number of triangles. The limit of each part depends on
+/// the triangles left by the parts before it. It is never below the current share of each part, so several
+/// cavities are made at once with that share. A cavity that would differ with its final limit is made again.
+/// So the result is the same for any number of threads.
 class Hollower {
  public:
   Hollower(Solid& solid, const HollowOptions& options, const Execution& execution)
@@ -88,11 +91,11 @@ class Hollower {
     finish(solid_.report, options_, asked(), area_);
     return std::move(cavities_);
   }
-  /// Of the inner sides, m².
+  /// Area of the inner sides, m².
   double area() const { return area_; }
 
  private:
-  /// More are made again the more there are at once.
+  /// With more at once, more cavities have to be made again.
   static constexpr int kForAThread = 4;
 
   std::uint32_t asked() const { return static_cast<std::uint32_t>(chosen_.size()); }
@@ -127,7 +130,7 @@ class Hollower {
     waiting_ = asked();
   }
 
-  /// Triangles for the next of those that wait, or for any of them at least.
+  /// Maximum number of triangles of the next waiting part, and a lower bound of this limit for the others.
   std::uint32_t most() const { return std::min(options_.max_triangles, left_ / waiting_); }
 
   hollow_detail::InnerSurfaceLimits limits_of(std::size_t p, std::uint32_t most) const {
@@ -165,14 +168,14 @@ class Hollower {
   void keep(Cavity cavity) {
     Part& part = solid_.parts[cavity.part];
     SolidReport& report = solid_.report;
-    // A surface that crosses itself may enclose less than its deep places do.
+    // If a surface crosses itself, it may enclose less volume than its deep points do.
     if (cavity.surface.triangles.empty() || cavity.volume >= part.volume) return;
     left_ -= static_cast<std::uint32_t>(cavity.surface.triangles.size());
     execution_.made(Product::kSurfaceTriangles, cavity.surface.triangles.size());
     report.least_thickness = report.parts_hollowed == 0
                                  ? cavity.least_thickness
                                  : std::fmin(report.least_thickness, cavity.least_thickness);
-    // A sum that finish() divides.
+    // A sum, which finish() divides by the area.
     for (const Cavity::Wall& wall : cavity.walls) {
       report.mean_thickness += wall.thickness * wall.area;
       area_ += wall.area;
@@ -192,8 +195,8 @@ class Hollower {
   const double least_ball_;
   const std::vector<Run> runs_;
   std::vector<std::size_t> chosen_;  // parts that may become walls
-  std::uint32_t waiting_ = 0;        // of them
-  std::uint32_t left_;               // triangles
+  std::uint32_t waiting_ = 0;        // number of chosen parts not processed yet
+  std::uint32_t left_;               // number of triangles left
   double longest_ = 0, area_ = 0;
   std::vector<Cavity> cavities_;
 };

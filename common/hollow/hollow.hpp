@@ -1,4 +1,4 @@
-// Things that are hollow although their mesh is not: parts of a solid become walls.
+// Makes parts of a solid hollow, for objects that are hollow although their mesh is solid.
 #pragma once
 
 #include <memory>
@@ -8,28 +8,31 @@
 
 namespace fracture {
 
-/// Fewer make no hollow worth the name.
+/// Minimum number of triangles for which an inner side is worthwhile.
 inline constexpr std::uint32_t kLeastTriangles = 500;
-/// Smaller balls are not looked for: it takes a lattice of a fourth of their diameter.
+/// Smaller balls are not searched for, because that needs a lattice with a step of a fourth of their
+/// diameter.
 inline constexpr double kSmallestBall = 0.1;
 
 struct HollowOptions {
-  double thickness = 0;  ///< metres, of the walls; 0: as `fraction` says
-  double fraction = 0;   ///< of the longest side of a part's box; 0 with thickness 0: nothing becomes hollow
+  double thickness = 0;  ///< thickness of the walls, m; 0: determined by `fraction`
+  double fraction = 0;   ///< thickness / longest side of the part's box; both 0: nothing becomes hollow
   double least_ball =
-      0;  ///< diameter, as a fraction of that side: only what holds such a ball becomes walls; 0: whatever is
-  ///< thick enough; else at least kSmallestBall. With it the inner side of a part has at most four times
-  ///< as many triangles as its outside, or 4000, of parts that are smaller than others down to 1000
-  std::uint32_t max_triangles = 20'000;  ///< of the inner side of one part
+      0;  ///< diameter / longest side. Only parts that can contain such a ball become walls. 0: all parts
+          ///< that are thick enough. Otherwise at least kSmallestBall, and inner sides have fewer
+          ///< triangles: the maximum is the largest of 1000, 4 · the triangles of the outside, and 4000 ·
+          ///< (longest side of the part / longest side of any such part)²
+  std::uint32_t max_triangles = 20'000;  ///< maximum for the inner side of one part
   std::uint32_t max_all =
-      400'000;  ///< of all: parts for which fewer than kLeastTriangles are left stay solid
+      400'000;  ///< maximum for all parts; parts with fewer than kLeastTriangles left stay solid
   bool any() const { return thickness > 0 || fraction > 0; }
   friend bool operator==(const HollowOptions&, const HollowOptions&) = default;
 };
 
-/// The solid with a cavity in each part that has none and is thick enough (hollow/inner_surface.hpp): further
-/// shells of the part, of kCavityMaterial, whose wedges are added to a copy of the source. A part, or a place of it,
-/// that is thinner than twice the thickness stays as it is. The report says what was done. Throws Interrupted.
+/// Returns the solid with a cavity in each part that has none and is thick enough (hollow/inner_surface.hpp).
+/// Cavities are additional shells of the part, with kCavityMaterial. Their wedges are added to a copy of the
+/// source. A part, or a region of it, that is thinner than twice the thickness is unchanged. The report
+/// describes the changes. Throws Interrupted.
 Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execution);
 
 }  // namespace fracture

@@ -12,13 +12,13 @@
 namespace fracture::hollow_detail {
 namespace {
 
-/// Steps that an edge of the lattice is divided into.
+/// Number of steps into which an edge of the lattice is divided.
 constexpr int kParts = 16;
-/// Points of the lattice that a hollow has at least.
+/// Minimum number of lattice points in a cavity.
 constexpr std::uint32_t kSmallest = 8;
 
-/// The next of the steps whose first three binary digits are all they have: floats hold sixteenths of them exactly, as
-/// far as their multiples reach.
+/// The next larger step whose mantissa has only three binary digits. Floats represent sixteenths of such
+/// steps exactly, within the range of their multiples.
 double coarser(double step) {
   int exponent = 0;
   const double fraction = std::frexp(step, &exponent);  // 4, 5, 6 or 7 eighths
@@ -26,7 +26,7 @@ double coarser(double step) {
 }
 constexpr double kFloatSteps = 4 * kParts;
 
-/// How many triangles a surface has for each square of the lattice (measured on balls).
+/// Number of triangles of a surface per square of the lattice (measured on balls).
 constexpr double kTrianglesPerSquare = 9;
 
 double area_of(const SurfaceTree& surface, Pacer& pacer) {
@@ -38,7 +38,7 @@ double area_of(const SurfaceTree& surface, Pacer& pacer) {
   return twice / 2;
 }
 
-/// About how many points the lattice over this box has.
+/// Approximate number of lattice points for this box.
 double expected_points(const Box& box, double step) {
   const Vec3d size = box.size();
   return (size.x / step + 4) * (size.y / step + 4) * (size.z / step + 4);
@@ -53,12 +53,14 @@ class March {
         execution_(execution),
         pacer_(execution) {}
 
-  /// Empty where it would have more triangles than that: how many is said instead.
+  /// Returns an empty surface if it would have more than `most` triangles, and sets `too_many` to their
+  /// number.
   InnerSurface run(std::uint32_t most, std::uint32_t& too_many) {
-    // Points from which a sixteenth of an edge still leads to a place that is deep enough.
+    // Points from which moving by a sixteenth of an edge still leads to a point that is deep enough.
     const double depth = depth_ + 1.0001 * std::sqrt(3.0) / kParts * lattice_.step();
     deep_ = deep_points(surface_, lattice_, depth, kSmallest, execution_);
-    // How many there will be does not depend on where on its edge a corner lies, which takes most of the time.
+    // The number of triangles does not depend on the positions of corners on their edges, which take most of
+    // the time to compute.
     std::uint32_t count = 0;
     lattice_.each_cube([&](std::uint32_t point) {
       pacer_.step();
@@ -80,7 +82,7 @@ class March {
   }
 
  private:
-  /// Of the six tetrahedra of a cube, each along its edges from corner 0 to 7.
+  /// The six tetrahedra of a cube, each as the path of its edges from corner 0 to corner 7.
   static constexpr std::uint32_t kPaths[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
 
   bool is_divided(std::uint32_t cube) const {
@@ -99,10 +101,10 @@ class March {
     return count;
   }
 
-  /// Edges of a cube: an end inside, and one outside.
+  /// Edges of a cube: one end inside, and one outside.
   template <std::size_t N>
   using Edges = std::array<std::array<std::uint32_t, 2>, N>;
-  /// Corners of a cube by their bits, each contained in the next.
+  /// Corners of a cube by their bits; each corner's bits contain those of the previous one.
   using Tetrahedron = std::array<std::uint32_t, 4>;
 
   void tetrahedron(std::uint32_t cube, const Tetrahedron& corners) {
@@ -115,7 +117,7 @@ class March {
     } else if (ins == 3) {
       polygon(cube, Edges<3>{{{in[0], out[0]}, {in[1], out[0]}, {in[2], out[0]}}}, in[0]);
     } else if (ins == 2) {
-      // Around the tetrahedron: neighbours share an end.
+      // Around the tetrahedron, neighbouring edges share an end.
       polygon(cube, Edges<4>{{{in[0], out[0]}, {in[0], out[1]}, {in[1], out[1]}, {in[1], out[0]}}}, in[0]);
     }
   }
@@ -124,10 +126,11 @@ class March {
     return {1.0 * (bits & 1), 1.0 * (bits >> 1 & 1), 1.0 * (bits >> 2 & 1)};
   }
 
-  /// `edges`: in their order around the piece.
+  /// `edges`: in order around the polygon.
   template <std::size_t N>
   void polygon(std::uint32_t cube, const Edges<N>& edges, std::uint32_t inside) {
-    // Which way round does not change while corners move along their edges: so it is that of the middles.
+    // The orientation does not change while corners move along their edges, so it is computed from the
+    // middles.
     std::array<Vec3d, 3> middle;
     for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * (of_bits(edges[k][0]) + of_bits(edges[k][1]));
     const bool faces_in =
@@ -137,7 +140,7 @@ class March {
     for (std::size_t k = 2; k < N; ++k) out_.triangles.push_back({corner[0], corner[k - 1], corner[k]});
   }
 
-  /// The corner of the surface on an edge: as near to the end outside as is deep enough.
+  /// Returns the corner of the surface on an edge: as near to the outer end as is deep enough.
   std::uint32_t corner_on(std::uint32_t cube, const std::array<std::uint32_t, 2>& edge) {
     const std::uint32_t low = edge[0] & edge[1], bits = edge[0] ^ edge[1];
     std::uint32_t& corner = corner_of_edge_[std::size_t{8} * lattice_.neighbour(cube, low) + bits];
@@ -166,8 +169,8 @@ class March {
   InnerSurface out_;
 };
 
-/// What is deep where it was made may be less so where triangles are larger: a share of what corners have to spare is
-/// left for that.
+/// Larger triangles may come nearer to the outside than the corners from which they were made. So a share of
+/// the corners' extra depth is reserved for this.
 InnerSurface as_simple_as_may_be(InnerSurface inner, const SurfaceTree& surface, double thickness,
                                  double step, const Execution& execution) {
   const double to_spare = std::sqrt(thickness * thickness + step * step) - thickness;

@@ -1,4 +1,4 @@
-// A cubic lattice whose points are multiples of its step, around a box.
+// A cubic lattice around a box, whose points are multiples of its step.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace fracture::hollow_detail {
 
 class Lattice {
  public:
-  /// At least a step wider than the box on every side.
+  /// At least one step wider than the box on every side.
   Lattice(const Box& box, double step) : step_(step) {
     for (int axis = 0; axis < 3; ++axis) {
       low_[axis] = std::floor(box.min[axis] / step) - 1;
@@ -26,7 +26,7 @@ class Lattice {
   std::uint32_t at(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return (z * size_[1] + y) * size_[0] + x;
   }
-  /// The point that lies in direction `bits` (x + 2y + 4z) of this one.
+  /// The neighbour of this point in direction `bits` (x + 2y + 4z).
   std::uint32_t neighbour(std::uint32_t point, std::uint32_t bits) const {
     return point + (bits & 1) + (bits >> 1 & 1) * size_[0] + (bits >> 2 & 1) * size_[0] * size_[1];
   }
@@ -35,7 +35,7 @@ class Lattice {
                         z = point / size_[0] / size_[1];
     return {step_ * (low_[0] + x), step_ * (low_[1] + y), step_ * (low_[2] + z)};
   }
-  /// visit(point) for the lowest corner of every cube.
+  /// Calls visit(point) for the lowest corner of every cube.
   template <class Visit>
   void each_cube(const Visit& visit) const {
     for (std::uint32_t z = 0; z + 1 < size_[2]; ++z)

@@ -1,4 +1,4 @@
-// A solid whose parts have cavities, as one list of triangles again.
+// Converts a solid whose parts have cavities back to one list of triangles.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 
 namespace fracture::hollow_detail {
 
-/// The triangles of a part: they follow one another.
+/// The triangles of a part, which are consecutive.
 struct Run {
   std::size_t begin = 0, end = 0;
 };
 
-/// One for each part.
+/// Returns one run per part.
 std::vector<Run> runs_of_parts(const Solid& solid);
 
-/// Writes the parts anew, each with its cavity behind its own triangles. The cavities are in the order of their parts. Throws
-/// Interrupted.
+/// Rewrites the parts, each with its cavity after its own triangles. The cavities are in the order of their
+/// parts. Throws Interrupted.
 void rebuild(Solid& solid, const std::vector<Cavity>& cavities, const Execution& execution);
 
 }  // namespace fracture::hollow_detail

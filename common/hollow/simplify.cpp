@@ -15,21 +15,22 @@
 namespace fracture::hollow_detail {
 namespace {
 
-/// Cosine of the most that a triangle may turn by.
+/// Cosine of the maximum angle by which a triangle may turn.
 constexpr double kMostTurn = 0.5;
-/// Twice its area by the square of its longest edge: of a needle less.
+/// Minimum of twice the area / square of the longest edge. Needles have less.
 constexpr double kLeastHeight = 0.05;
-/// Triangles at one corner, at most: those of the two that become one, less the two between them, which both had.
+/// Maximum number of triangles at one corner: those of both merged corners, minus the ones between them,
+/// which both corners had.
 constexpr std::size_t kMostAtACorner = 24, kBetween = 4;
-/// Halvings of a triangle until it has to be proved deep.
+/// Maximum number of times a triangle is halved to prove that it is deep.
 constexpr int kMostHalvings = 12;
-/// More than rounding does to a distance, of it.
+/// Exceeds the relative rounding error of a distance.
 constexpr double kRounding = 1e-9;
 
 using Corners = std::array<Vec3d, 3>;
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Sum of the squares of the distances to planes, each as often as its area.
+/// Sum of the squared distances to planes, weighted by area.
 struct Quadric {
   std::array<double, 6> a{};  // xx xy xz yy yz zz
   Vec3d b;
@@ -94,18 +95,18 @@ class Simplifier {
   }
 
  private:
-  /// Where a corner may go, and what that changes.
+  /// A possible merge of a corner into a neighbour, and its error.
   struct Way {
     double error;
     std::uint32_t to;
-    bool refused;  ///< until something changes around the corner
+    bool refused;  ///< until something near the corner changes
   };
-  /// The best way of a corner: of what is in the queue only those count that still are. With all the ways of all
-  /// corners in it, it would get some forty for each corner that goes.
+  /// The best merge of a corner. Entries in the queue are used only if they are still current. If the queue
+  /// contained all merges of all corners, about forty would be added for each removed corner.
   struct Offer {
     double error;
     std::uint32_t from, to;
-    bool operator<(const Offer& other) const {  // the queue has its greatest on top
+    bool operator<(const Offer& other) const {  // the queue puts its greatest element on top
       return std::tie(other.error, other.from, other.to) < std::tie(error, from, to);
     }
   };
@@ -113,7 +114,7 @@ class Simplifier {
   const Vec3d& point(std::uint32_t v) const { return points_[v]; }
   Corners corners(const Triangle& t) const { return {point(t[0]), point(t[1]), point(t[2])}; }
 
-  /// From the middle of all, so that squares keep their digits.
+  /// Coordinates are relative to the middle of the surface, so that squares keep their precision.
   void gather() {
     Box box;
     for (const Vec3f& p : surface_.positions) box.add(to_double(p));
@@ -134,7 +135,7 @@ class Simplifier {
     }
   }
 
-  /// Each once: an edge has two triangles, and in one of them it leads away from v.
+  /// Lists each neighbour once: an edge has two triangles, and it starts at v in only one of them.
   void list_neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
     out.clear();
     for (const std::uint32_t t : at_[v]) {
@@ -171,7 +172,7 @@ class Simplifier {
     if (!best)
       before.to = kNoIndex;
     else if (best->to != before.to || best->error != before.error)
-      offers_.push({best->error, v, best->to});  // else it is in the queue
+      offers_.push({best->error, v, best->to});  // otherwise it is already in the queue
     if (best) before = *best;
   }
 
@@ -184,7 +185,7 @@ class Simplifier {
       if (std::find(others_.begin(), others_.end(), w) != others_.end()) common_.push_back(w);
     if (common_.size() != 2 || at_[common_[0]].size() < 4 || at_[common_[1]].size() < 4) return false;
     pacer_.step(8 * at_[v].size());
-    bool bulges = false;  // towards the outside: where it does not, all of it is as deep as it was
+    bool bulges = false;  // towards the outside; if not, the new surface is as deep as before
     for (const std::uint32_t t : at_[v]) {
       Triangle now = triangles_[t];
       if (std::find(now.begin(), now.end(), u) != now.end()) continue;
@@ -208,7 +209,7 @@ class Simplifier {
     return size > kLeastHeight * longest;
   }
 
-  /// The middles of what u gets, and of their edges there: two triangles have each of these.
+  /// Tests the middles of u's new triangles and of their edges at u, each of which belongs to two triangles.
   bool is_deep_around(std::uint32_t v, std::uint32_t u) {
     for (const std::uint32_t t : at_[v]) {
       Triangle now = triangles_[t];
@@ -274,9 +275,9 @@ class Simplifier {
   Pacer pacer_;
   Vec3d middle_;
   std::vector<Vec3d> points_;
-  std::vector<std::vector<std::uint32_t>> at_;  // triangles of each corner
-  std::vector<std::vector<Way>> ways_;          // of each corner
-  std::vector<Way> best_;                       // of them, that is in the queue; or to kNoIndex
+  std::vector<std::vector<std::uint32_t>> at_;  // triangles at each corner
+  std::vector<std::vector<Way>> ways_;          // possible merges of each corner
+  std::vector<Way> best_;                       // the best of these, in the queue; if none, to kNoIndex
   std::vector<Quadric> quadric_;
   std::priority_queue<Offer> offers_;
   std::vector<std::uint32_t> neighbours_, others_, common_, changed_;
@@ -304,7 +305,7 @@ bool is_deep(const Corners& t, const SurfaceTree& outside, double depth, int hal
   const double distance = outside.distance(middle, depth + radius, pacer);
   if (distance >= depth + radius) return true;
   if (halvings == 0 || distance < (1 - kRounding) * depth) return false;
-  // What is large beside what it has to spare would take thousands of middles.
+  // A triangle that is large compared with its extra depth would need thousands of middles.
   if (const std::optional<bool> near = outside.near_triangle(t, depth, pacer)) return !*near;
   const Vec3d &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3], half = 0.5 * (a + b);
   return is_deep({a, half, c}, outside, depth, halvings - 1, pacer) &&
@@ -337,7 +338,7 @@ bool crosses_itself(const InnerSurface& surface, const Execution& execution) {
     boxes.push_back(box_of(planes.back().corners));
     all.add(boxes.back());
   }
-  const double tolerance = 1e-9 * all.longest_side();  // rounding of their planes is far less
+  const double tolerance = 1e-9 * all.longest_side();  // the rounding errors of the planes are far smaller
   const BoxTree tree(boxes, execution);
   bool found = false;
   for (const BoxTree::Task& task : tree.pair_tasks(1))

@@ -1,4 +1,4 @@
-// The same closed surface in fewer triangles.
+// Reduces the number of triangles of a closed surface.
 #pragma once
 
 #include "common/bvh/surface_tree.hpp"
@@ -6,20 +6,23 @@
 
 namespace fracture::hollow_detail {
 
-/// Corners go, one after the other, each into a neighbour of its own, where that changes the surface least (quadrics:
-/// Garland & Heckbert 1997, "Surface simplification using quadric error metrics"; nothing new is placed, so what is left
-/// is as deep as it was, and floats hold it). None goes where
-/// - the surface would be farther than `tolerance` (m; root of the mean square over what was there) from what it was,
-/// - a triangle would turn by more than 60 degrees, become a needle, or, at its middle or that of an edge, come nearer to
-///   `outside` than `depth` (m),
-/// - it would not be a surface any more (link condition: Dey, Edelsbrunner, Guha & Nekhayev 1999, "Topology preserving
-///   edge contraction").
-/// `surface`: closed, each edge of two triangles. Its corners and triangles keep their order. Throws Interrupted.
+/// Merges corners one after another into their neighbours, in the order of the least change to the surface
+/// (quadrics: Garland & Heckbert 1997, "Surface simplification using quadric error metrics"). No new points
+/// are created, so the remaining corners are as deep as before, and floats represent them. A corner is not
+/// merged if
+/// - the surface would deviate by more than `tolerance` (m; root mean square over the original surface),
+/// - a triangle would turn by more than 60 degrees, become a needle, or come nearer to `outside` than `depth`
+///   (m) at its middle or at the middle of an edge,
+/// - the result would not be a surface (link condition: Dey, Edelsbrunner, Guha & Nekhayev 1999, "Topology
+///   preserving edge contraction").
+/// `surface`: closed, with two triangles at each edge. Its corners and triangles keep their order. Throws
+/// Interrupted.
 InnerSurface simplified(const InnerSurface& surface, double tolerance, const SurfaceTree& outside,
                         double depth, const Execution& execution);
 
-/// Whether nothing of it is nearer to `outside` than `depth`, for sure: triangles are divided until the distance of
-/// their middles proves it, or until so few of the outside are near that each is asked. Throws Interrupted.
+/// Whether the whole surface is certainly no nearer to `outside` than `depth`. Divides triangles until the
+/// distance of their middles proves it, or until so few triangles of the outside are near that each can be
+/// tested. Throws Interrupted.
 bool is_deep(const InnerSurface& surface, const SurfaceTree& outside, double depth,
              const Execution& execution);
 

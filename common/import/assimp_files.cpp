@@ -22,7 +22,7 @@ class MemoryStream : public Assimp::IOStream {
   std::size_t Write(const void*, std::size_t, std::size_t) override { return 0; }
   aiReturn Seek(std::size_t offset, aiOrigin origin) override {
     const std::size_t base = origin == aiOrigin_CUR ? at_ : origin == aiOrigin_END ? bytes_.size() : 0;
-    // From the end Assimp counts backwards with a positive number (as its own MemoryIOStream does).
+    // From the end, Assimp counts backwards with a positive number (like its own MemoryIOStream).
     const std::size_t to = origin == aiOrigin_END ? base - std::min(offset, base) : base + offset;
     if (to > bytes_.size() || (origin != aiOrigin_END && to < base)) return aiReturn_FAILURE;
     at_ = to;

@@ -1,4 +1,4 @@
-// The only files Assimp can see: the upload's own bytes under one name, and its further parts.
+// The only files that Assimp can see: the uploaded file under one name, and the further files of the upload.
 #pragma once
 
 #include <assimp/IOStream.hpp>
@@ -11,9 +11,10 @@
 
 namespace fracture {
 
-/// Companions that a reader looks for under a name made from the main file's ("mesh_d.3d" beside "mesh_a.3d",
-/// "mesh.skin") are found by what follows "mesh" where exactly one further part ends so: the upload does not
-/// say what the main file was called.
+/// A file system that contains only the upload. The upload does not say what the main file was called, so it
+/// is named "mesh". Some readers look for companion files under a name derived from it ("mesh_d.3d" next to
+/// "mesh_a.3d", "mesh.skin"). These are found by the rest of the name after "mesh", if exactly one further
+/// file ends with it.
 class UploadedFiles : public Assimp::IOSystem {
  public:
   UploadedFiles(std::string main_name, std::span<const std::byte> main, std::span<const ImportFile> files)

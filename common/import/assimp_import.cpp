@@ -26,7 +26,8 @@
 namespace fracture {
 namespace {
 
-/// Leaves the one reader of the format registered. Unregistering does not delete, so that is done here.
+/// Leaves only the reader of this format registered. Unregistering does not delete readers, so this function
+/// does.
 void keep_only(Assimp::Importer& importer, const std::string& extension) {
   std::vector<Assimp::BaseImporter*> others;
   for (std::size_t k = 0; k < importer.GetImporterCount(); ++k) {
@@ -40,10 +41,10 @@ void keep_only(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
-/// What the main file is called for Assimp: its readers go by the ending.
+/// The name of the main file for Assimp, whose readers depend on the file extension.
 std::string main_name(MeshFormat format, std::span<const ImportFile> files) {
-  if (format == MeshFormat::kXml) return "mesh.mesh.xml";  // Ogre's: see preflight::kind_of_xml
-  if (format == MeshFormat::k3d) {  // Unreal's vertices and their animation come in a pair
+  if (format == MeshFormat::kXml) return "mesh.mesh.xml";  // a mesh of Ogre; see preflight::kind_of_xml
+  if (format == MeshFormat::k3d) {  // Unreal stores vertices and their animation in a pair of files
     const bool animation = std::any_of(files.begin(), files.end(),
                                        [](const ImportFile& f) { return f.name.ends_with("_d.3d"); });
     return animation ? "mesh_a.3d" : "mesh_d.3d";
@@ -55,7 +56,7 @@ Transform to_transform(const aiMatrix4x4& m) {
   return {{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}, {m.a4, m.b4, m.c4}};
 }
 
-/// Before Assimp's own post-processing walks over them.
+/// Checks indices before Assimp's post-processing uses them.
 void check_indices(const aiScene& scene) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
@@ -72,8 +73,8 @@ void check_indices(const aiScene& scene) {
   }
 }
 
-/// Normals that only repeat the facets (STL) say nothing that the triangles do not; without them wedges can
-/// be shared and a reader shades flat, as glTF prescribes for missing normals.
+/// Normals that only repeat the facets (STL) add no information. Without them, wedges can be shared, and
+/// readers use flat shading, as glTF prescribes for missing normals.
 bool keeps_normals(MeshFormat format) { return format != MeshFormat::kStl; }
 
 Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t material,
@@ -96,7 +97,7 @@ Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t
   }
   for (unsigned set = 0; set < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.mTextureCoords[set] != nullptr; ++set) {
     auto& uvs = surface.attributes.uvs.emplace_back(count);
-    // Assimp's v points up, glTF's down.
+    // Assimp's v axis points up, and glTF's points down.
     for (std::size_t v = 0; v < count; ++v)
       uvs[v] = {mesh.mTextureCoords[set][v].x, 1.0f - mesh.mTextureCoords[set][v].y};
   }
@@ -118,7 +119,7 @@ Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t
   return surface;
 }
 
-/// Names that Assimp makes up where the file has none are not the source's.
+/// Names that Assimp invents for unnamed nodes do not come from the source.
 std::string node_name(const aiNode& node) {
   const std::string name = name_as_utf8(node.mName.C_Str());
   return name.empty() || name == "defaultobject" || name[0] == '<' ? "mesh" : name;
@@ -146,12 +147,12 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
       if (surface.triangles.empty()) continue;
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }
-    for (unsigned k = node->mNumChildren; k-- > 0;)  // the reader of RAW leaves null ones
+    for (unsigned k = node->mNumChildren; k-- > 0;)  // the RAW reader leaves null children
       if (node->mChildren[k] != nullptr) stack.emplace_back(node->mChildren[k], world);
   }
 }
 
-/// FBX: centimetres in one unit, and 0, 1, 2 for the axis that is up (GlobalSettings).
+/// FBX: the unit in centimetres, and the axis that is up as 0, 1 or 2 (GlobalSettings).
 SourceFrame fbx_frame(const aiScene& scene, MeshBuilder& builder) {
   SourceFrame frame;
   if (scene.mMetaData == nullptr) return frame;
@@ -187,7 +188,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     const auto check = [&importer, format](const aiScene* read) {
       if (read != nullptr && read->mRootNode != nullptr) return;
       std::string reason = importer.GetErrorString();
-      if (reason == "std::bad_alloc") throw std::bad_alloc();  // Assimp catches everything
+      if (reason == "std::bad_alloc") throw std::bad_alloc();  // Assimp catches all exceptions
       for (char& c : reason) c = c >= 0x20 && c < 0x7f ? c : ' ';
       refuse(ErrorCode::kMalformedMesh,
              "The file cannot be read as " + std::string(extension_of(format)) + ": " +
@@ -196,7 +197,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     const aiScene* scene = importer.ReadFile(name, 0);
     check(scene);
     check_indices(*scene);
-    fan_polygons(const_cast<aiScene&>(*scene));  // the importer's own, and it lets its users mend it
+    fan_polygons(const_cast<aiScene&>(*scene));  // owned by the importer, which permits changes
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     check(scene);
 

@@ -1,5 +1,5 @@
-// OBJ, STL, PLY, OFF and, where enabled, BLEND, FBX, DAE and 3DS through Assimp: the reader is chosen by the
-// declared format (never by asking all fifty), under an IOSystem that can open the upload and nothing else.
+// Imports OBJ, STL, PLY, OFF and, if enabled, BLEND, FBX, DAE and 3DS through Assimp. The declared format
+// determines the reader (the fifty readers are never asked to guess). Its IOSystem can open only the upload.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace fracture {
 
-/// The bytes have passed the preflight of their format.
+/// The bytes must have passed the preflight of their format.
 Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat format,
                                   const ImportLimits& limits, std::span<const ImportFile> files);
 

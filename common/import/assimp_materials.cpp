@@ -21,7 +21,8 @@ double unit_interval(float value) {
   return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, 1.0) : 1.0;
 }
 
-/// Decimal with few digits: Assimp's floats carry no more, and 0.8 shall not become 0.800000011920929.
+/// Rounds to a few decimal digits, because Assimp's floats have no more, and 0.8 must not become
+/// 0.800000011920929.
 double short_number(float value) { return std::round(unit_interval(value) * 1e6) / 1e6; }
 
 class Textures {
@@ -29,8 +30,8 @@ class Textures {
   Textures(const aiScene& scene, std::span<const ImportFile> files, TranslatedMaterials& out)
       : scene_(scene), files_(files), out_(out) {}
 
-  /// The glTF texture that shows this file or embedded image; kNoIndex (with a warning) where its bytes are
-  /// not there.
+  /// Returns the glTF texture for this file or embedded image; kNoIndex (with a warning) if its bytes are
+  /// missing.
   std::uint32_t texture(const std::string& path) {
     if (const auto it = known_.find(path); it != known_.end()) return it->second;
     Image image;

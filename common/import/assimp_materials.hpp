@@ -1,5 +1,5 @@
-// Assimp's materials in glTF's terms: the usual mapping of diffuse colour, opacity, shininess and emission to
-// metallic-roughness, and the textures whose bytes the upload holds.
+// Converts Assimp's materials to glTF's: the usual mapping of diffuse colour, opacity, shininess and emission
+// to metallic-roughness, and the textures whose bytes are in the upload.
 #pragma once
 
 #include <assimp/scene.h>

@@ -11,7 +11,7 @@ namespace {
 
 bool flat_with_reflex_corner(const std::vector<Vec3d>& p) {
   const std::size_t n = p.size();
-  // Newell's normal: the polygon's vector area, twice.
+  // Newell's normal: twice the polygon's vector area.
   Vec3d normal, center;
   Box box;
   for (std::size_t k = 0; k < n; ++k) {
@@ -66,7 +66,7 @@ void fan_polygons(aiMesh& mesh) {
   delete[] mesh.mFaces;
   mesh.mFaces = faces;
   mesh.mNumFaces = n;
-  // The flags must tell the truth: aiProcess_Triangulate aborts on a mesh that announces polygons and has
+  // The flags must be correct, because aiProcess_Triangulate aborts on a mesh that announces polygons but has
   // none.
   mesh.mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
   if (!polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);

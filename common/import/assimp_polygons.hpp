@@ -1,13 +1,13 @@
-// Polygons as everybody cuts them: a fan from the first corner, as OBJ readers commonly do. Assimp picks
-// other diagonals, which on bent polygons makes another solid than other tools see. Only flat polygons with a
-// reflex corner have one right triangulation, and it is not the fan: those stay for Assimp's ear cutting.
+// Divides polygons as most tools do: a fan from the first corner, like common OBJ readers. Assimp chooses
+// other diagonals, so that bent polygons give a different solid than in other tools. Flat polygons with a
+// reflex corner are the exception, because a fan is wrong for them. They are left to Assimp's ear cutting.
 #pragma once
 
 #include <assimp/scene.h>
 
 namespace fracture {
 
-/// Replaces the polygons of the scene by fans, flat ones with a reflex corner excepted (flat: within kFlat of
+/// Replaces the polygons of the scene by fans, except flat ones with a reflex corner (flat: within kFlat of
 /// their extent).
 inline constexpr double kFlat = 1e-3;
 void fan_polygons(aiScene& scene);

@@ -10,9 +10,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint64_t kMaxUvSets = 8;  // a material that names a higher set is damaged
+constexpr std::uint64_t kMaxUvSets = 8;  // a material that uses a higher set is damaged
 
-/// The non-negative integer `object[key]`, or the fallback.
+/// Returns the non-negative integer `object[key]`, or the fallback.
 std::uint64_t index_at(const json& object, const char* key, std::uint64_t fallback) {
   const auto it = object.find(key);
   return it != object.end() && it->is_number_integer() && it->get<std::int64_t>() >= 0
@@ -20,7 +20,7 @@ std::uint64_t index_at(const json& object, const char* key, std::uint64_t fallba
              : fallback;
 }
 
-/// The highest texCoord that any texture reference inside names, plus one; 0 where there is none.
+/// The highest texCoord in any texture reference inside, plus one; 0 if there is none.
 std::uint64_t uv_sets_needed(const json& value) {
   std::uint64_t needed = 0;
   if (value.is_object() && value.contains("index")) {
@@ -47,7 +47,8 @@ void clamp_colors(Mesh& mesh) {
   if (changed) mesh.remarks.note("Colours outside [0, 1] were clamped.");
 }
 
-/// Smooth normals by area, for a mesh that has none but whose normal maps need a frame.
+/// Computes smooth normals, weighted by area, for a mesh without normals whose normal maps need a tangent
+/// frame.
 void compute_normals(Mesh& mesh) {
   std::vector<Vec3d> sums(mesh.positions.size());
   for (const auto& t : mesh.triangles) {
@@ -74,7 +75,7 @@ void compute_tangents(Mesh& mesh, const std::vector<std::uint32_t>& uv_set_of_ma
     const Vec3d e1 = to_double(mesh.positions[t[1]]) - p0, e2 = to_double(mesh.positions[t[2]]) - p0;
     const double u1 = double{uvs[t[1]].x} - uvs[t[0]].x, u2 = double{uvs[t[2]].x} - uvs[t[0]].x;
     const double v1 = double{uvs[t[1]].y} - uvs[t[0]].y, v2 = double{uvs[t[2]].y} - uvs[t[0]].y;
-    const double area = u1 * v2 - u2 * v1;  // its sign, not its size: directions are normalised
+    const double area = u1 * v2 - u2 * v1;  // only its sign is used, because directions are normalised
     for (const std::uint32_t wedge : t) touched[wedge] = true;
     if (area == 0) continue;
     const double sign = area < 0 ? -1 : 1;

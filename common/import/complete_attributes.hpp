@@ -1,20 +1,22 @@
-// What a material needs and the file does not have is added once, on the source, so that cutting interpolates
-// it like everything else and the output is valid: texture coordinate sets that a material names, and a
-// tangent frame under normal maps. Colours are clamped to [0, 1], which is all the file format allows.
+// Adds attributes that a material needs but the file does not have: texture coordinate sets that a material
+// names, and a tangent frame for normal maps. They are added once, to the source, so that cutting
+// interpolates them like other attributes and the output is valid. Colours are clamped to [0, 1], the range
+// that the file format permits.
 #pragma once
 
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
 
-/// Adds to `mesh.remarks` what was made up.
+/// Adds a remark to `mesh.remarks` about each kind of attribute that was added.
 void complete_attributes(Mesh& mesh);
 
-/// Tangents for the triangles whose material is marked, from their positions and the UV set it names
-/// (kNoIndex: not marked); other wedges keep what they have. Lengyel 2001, "Computing Tangent Space Basis
-/// Vectors for an Arbitrary Mesh": the direction of growing u, averaged over the triangles at a wedge by
-/// area, made perpendicular to the normal; w is the side on which the texture's up (falling v) lies, as
-/// glTF's normal maps have it. A wedge without a usable UV gets zero. Needs normals.
+/// Computes tangents for the triangles whose material is marked, from their positions and the material's UV
+/// set (kNoIndex: not marked). Other wedges are unchanged. Method: Lengyel 2001, "Computing Tangent Space
+/// Basis Vectors for an Arbitrary Mesh". The tangent is the direction of increasing u, averaged by area over
+/// the triangles at a wedge, and made perpendicular to the normal. w is the side of the texture's up
+/// direction (decreasing v), as in glTF's normal maps. A wedge without usable UVs gets zero. Requires
+/// normals.
 void compute_tangents(Mesh& mesh, const std::vector<std::uint32_t>& uv_set_of_material);
 
 }  // namespace fracture

@@ -36,8 +36,7 @@ Expected<std::vector<std::byte>> inflate(std::span<const std::byte> bytes, std::
   if (bytes.size() > std::numeric_limits<uInt>::max())
     return fail(ErrorCode::kTooLarge, "The compressed file is larger than 4 GiB.");
   z_stream stream{};
-  stream.next_in =
-      reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));  // zlib's type; it only reads
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));  // not written by zlib
   stream.avail_in = static_cast<uInt>(bytes.size());
   constexpr int kGzipOrZlib = 32 + MAX_WBITS;
   if (inflateInit2(&stream, kGzipOrZlib) != Z_OK) throw InternalError("zlib could not be initialised");

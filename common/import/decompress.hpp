@@ -1,5 +1,5 @@
-// What some formats compress as a whole (.blend, .zgl), opened in our own code, so that the decoded size is
-// bounded.
+// Decompresses files that some formats compress as a whole (.blend, .zgl). This project's code does it, so
+// that the decoded size is limited.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@ namespace fracture {
 bool is_gzip(std::span<const std::byte> bytes);
 bool is_zstd(std::span<const std::byte> bytes);
 
-/// A gzip (RFC 1952) or zlib (RFC 1950) stream; bytes that follow it are ignored. kTooLarge beyond
-/// `max_bytes`, kMalformedMesh where the stream is damaged or ends early.
+/// Decompresses a gzip (RFC 1952) or zlib (RFC 1950) stream; bytes after it are ignored. Errors: kTooLarge
+/// beyond `max_bytes`, kMalformedMesh if the stream is damaged or ends early.
 Expected<std::vector<std::byte>> inflate(std::span<const std::byte> bytes, std::uint64_t max_bytes);
-/// Zstandard frames (RFC 8878), one after another as Blender 3 writes them. Errors as inflate().
+/// Decompresses concatenated Zstandard frames (RFC 8878), as written by Blender 3. Errors as inflate().
 Expected<std::vector<std::byte>> unzstd(std::span<const std::byte> bytes, std::uint64_t max_bytes);
 
 }  // namespace fracture

@@ -23,7 +23,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
                     [&](char x, char y) { return lower(x) == lower(y); });
 }
 
-/// Is the word one of the list's, which are separated by blanks?
+/// Whether the word is in the list, which is separated by blanks.
 bool contains(std::string_view list, std::string_view word) {
   while (!list.empty()) {
     const std::string_view next = list.substr(0, list.find(' '));
@@ -56,13 +56,13 @@ std::optional<MeshFormat> format_from_media_type(std::string_view media_type) {
 std::optional<MeshFormat> format_from_content(std::span<const std::byte> bytes) {
   constexpr std::size_t kSeen = 4096;
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kSeen));
-  if (text.substr(0, 4) == "FORM") {  // EA IFF 85: length and then the kind of form
+  if (text.substr(0, 4) == "FORM") {  // EA IFF 85: the length, then the kind of form
     const std::string_view kind = text.size() >= 12 ? text.substr(8, 4) : "";
     if (kind == "LWO2" || kind == "LWOB" || kind == "LWLO") return MeshFormat::kLwo;
     if (kind == "LXOB") return MeshFormat::kLxo;
     return std::nullopt;
   }
-  if (text.substr(0, 2) == "MM") {  // the main chunk spans the file
+  if (text.substr(0, 2) == "MM") {  // the main chunk spans the whole file
     std::uint64_t length = 0;
     for (std::size_t k = 6; k-- > 2 && text.size() >= 6;)
       length = length << 8 | static_cast<unsigned char>(text[k]);

@@ -47,8 +47,8 @@ std::uint64_t bytes_of(int type) {
   return bytes;
 }
 
-/// Where `count` elements of `element` bytes lie. The document was checked before; this is the last line of
-/// defence against a number that the two parsers understand differently.
+/// Returns the position of `count` elements of `element` bytes. The document was checked before. This is the
+/// last defence against a number that the two parsers interpret differently.
 const unsigned char* locate(const tinygltf::Model& model, int view, std::uint64_t offset, std::uint64_t count,
                             std::uint64_t element, std::uint64_t stride) {
   if (view < 0 || static_cast<std::size_t>(view) >= model.bufferViews.size())

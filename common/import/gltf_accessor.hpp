@@ -1,5 +1,5 @@
-// Accessors of a loaded glTF as numbers: strides, normalized integers, sparse substitution, missing
-// bufferViews.
+// Reads accessors of a loaded glTF as numbers. Handles strides, normalized integers, sparse substitution and
+// missing bufferViews.
 #pragma once
 
 #include <array>
@@ -10,15 +10,15 @@
 
 namespace fracture {
 
-/// Every component as a double (exact for all component types; normalized integers as c / max, at least -1,
-/// as the specification says), `width` of them for each element. Throws Refused when the accessor does not
-/// exist, is of another width, or leaves its view.
+/// Returns every component as a double, `width` per element. Exact for all component types; normalized
+/// integers become c / max, at least -1, as in the specification. Throws Refused if the accessor does not
+/// exist, has another width, or exceeds its view.
 std::vector<double> read_accessor(const tinygltf::Model& model, int accessor, int width);
 
-/// Unsigned integers (indices, joints) as they are.
+/// Returns unsigned integers (indices, joints) unchanged.
 std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, int accessor);
 
-/// Components of the accessor's type (3 for "VEC3").
+/// Number of components of the accessor's type (3 for "VEC3").
 int accessor_width(const tinygltf::Model& model, int accessor);
 
 }  // namespace fracture

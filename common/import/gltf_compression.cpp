@@ -54,7 +54,7 @@ std::vector<std::uint8_t> attribute_bytes(const draco::PointAttribute& attribute
   return out;
 }
 
-/// Adds a view over the bytes and an accessor like `like` on it; returns the accessor's index.
+/// Adds a view over the bytes, and an accessor for it that is like `like`. Returns the index of the accessor.
 std::uint64_t add_accessor(GltfDocument& document, const json& like, std::span<const std::uint8_t> bytes,
                            std::uint64_t count, const ImportLimits& limits) {
   const std::uint64_t offset = append_binary(document, bytes, limits);
@@ -81,7 +81,7 @@ void decode_primitive(GltfDocument& document, json& primitive, const ImportLimit
   const json& span = document.json["bufferViews"][view];
   const auto offset = span.at("byteOffset").get<std::uint64_t>(),
              length = span.at("byteLength").get<std::uint64_t>();
-  // The buffer grows while decoded data is appended, so the packed bytes are copied out first.
+  // The buffer grows while decoded data is appended, so the packed bytes are copied first.
   const std::vector<char> packed(document.binary.begin() + static_cast<std::ptrdiff_t>(offset),
                                  document.binary.begin() + static_cast<std::ptrdiff_t>(offset + length));
   draco::DecoderBuffer buffer;
@@ -114,7 +114,7 @@ void decode_primitive(GltfDocument& document, json& primitive, const ImportLimit
   primitive["indices"] =
       add_accessor(document, {{"componentType", component_type::kUnsignedInt}, {"type", "SCALAR"}}, indices,
                    faces * 3, limits);
-  primitive["mode"] = 4;  // Draco holds triangles, whatever order the encoder was given
+  primitive["mode"] = 4;  // Draco contains triangles, regardless of the mode given to the encoder
 
   const auto wanted = extension.find("attributes");
   if (wanted == extension.end() || !wanted->is_object() || !primitive.contains("attributes") ||

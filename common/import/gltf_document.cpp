@@ -16,15 +16,15 @@ namespace {
 
 using nlohmann::json;
 
-/// What the reader itself implements. Extensions of materials and textures are recognised by
-/// is_material_extension().
+/// Extensions that the reader implements itself. is_material_extension() recognizes those of materials and
+/// textures.
 constexpr std::array kGeometryExtensions = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
                                             "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
                                             "EXT_mesh_manifold"};
 
 const json kEmptyArray = json::array();
 
-/// The array `object[key]`, empty where absent; refuses another type.
+/// Returns the array `object[key]`, empty if absent; refuses any other type.
 const json& array_at(const json& object, const char* key, const std::string& pointer = {}) {
   const auto it = object.find(key);
   if (it == object.end()) return kEmptyArray;
@@ -73,14 +73,14 @@ void check_version_and_extensions(const json& document) {
   }
 }
 
-/// The bytes of every buffer: the GLB's own chunk, data uris, and parts of the upload. No other place exists.
+/// The bytes of every buffer: the GLB's chunk, data uris, and files of the upload. No others exist.
 class Buffers {
  public:
   Buffers(const json& document, std::span<const std::byte> glb_binary, bool is_glb,
           const ImportLimits& limits, std::span<const ImportFile> files) {
     const json& buffers = array_at(document, "buffers");
     std::uint64_t decoded = 0;
-    // All uris are looked at before any byte is decoded.
+    // Check all uris before decoding any bytes.
     for (std::size_t k = 0; k < buffers.size(); ++k) {
       const auto uri = buffers[k].find("uri");
       if (uri == buffers[k].end()) continue;
@@ -120,7 +120,7 @@ class Buffers {
       } else if (k == 0 && is_glb && !glb_binary.empty()) {
         bytes = {reinterpret_cast<const std::uint8_t*>(glb_binary.data()), glb_binary.size()};
       } else {
-        absent = true;  // legal as the fallback of compressed views; anything that reads it is refused below
+        absent = true;  // legal as the fallback of compressed views; reading it is refused below
       }
       if (!absent && length > bytes.size())
         refuse(ErrorCode::kMalformedMesh,
@@ -132,7 +132,7 @@ class Buffers {
     }
   }
 
-  /// The bytes [offset, offset + length) of a buffer; refuses what is not there.
+  /// Returns the bytes [offset, offset + length) of a buffer; refuses bytes that do not exist.
   std::span<const std::uint8_t> slice(std::uint64_t buffer, std::uint64_t offset, std::uint64_t length,
                                       const std::string& pointer) const {
     if (buffer >= views_.size())
@@ -156,8 +156,8 @@ class Buffers {
   std::vector<std::optional<std::span<const std::uint8_t>>> views_;
 };
 
-/// Which bufferViews the geometry needs: those of accessors and of Draco primitives. Views of images are not
-/// copied.
+/// Marks the bufferViews that the geometry needs: those of accessors and of Draco primitives. Views of images
+/// are not copied.
 std::vector<bool> used_views(const json& document, std::size_t count) {
   std::vector<bool> used(count, false);
   const auto mark = [&](const json& object) {
@@ -184,7 +184,7 @@ std::vector<bool> used_views(const json& document, std::size_t count) {
   return used;
 }
 
-/// Copies (or decodes) every needed view into the one buffer and rewrites it to point there.
+/// Copies (or decodes) every needed view into one buffer, and redirects it there.
 void gather_views(GltfDocument& document, const Buffers& buffers, const ImportLimits& limits) {
   const std::vector<bool> used = used_views(document.json, array_at(document.json, "bufferViews").size());
   json views = json::array();
@@ -230,7 +230,7 @@ void gather_views(GltfDocument& document, const Buffers& buffers, const ImportLi
   document.json["bufferViews"] = std::move(views);
 }
 
-/// Elements [0, count) of `element` bytes at `offset`, `stride` apart, inside a view; all in 64 bits.
+/// Checks that elements [0, count) of `element` bytes at `offset`, `stride` apart, are in a view, in 64 bits.
 void check_range(const json& document, std::uint64_t view, std::uint64_t offset, std::uint64_t count,
                  std::uint64_t element, bool may_stride, const std::string& pointer) {
   const json& views = array_at(document, "bufferViews");
@@ -242,8 +242,8 @@ void check_range(const json& document, std::uint64_t view, std::uint64_t offset,
   if (stride == 0) stride = element;
   if (stride < element)
     refuse(ErrorCode::kMalformedMesh, "The view's byteStride is smaller than an element.", pointer);
-  // offset + (count - 1) * stride + element <= length, without overflow: stride <= 252, count is divided, not
-  // multiplied
+  // offset + (count - 1) * stride + element <= length, without overflow: stride <= 252, and a division
+  // replaces the multiplication
   const bool fits =
       offset <= length && element <= length - offset && (count - 1) <= (length - offset - element) / stride;
   if (!fits)
@@ -334,7 +334,7 @@ std::uint64_t unsigned_at(const json& object, const char* key, std::uint64_t fal
     return fallback;
   }
   if (it->is_number_unsigned()) return it->get<std::uint64_t>();
-  // Some exporters write 12.0.
+  // Some exporters write 12.0 instead of 12.
   if (it->is_number_float() && it->get<double>() >= 0 && it->get<double>() < 0x1p53 &&
       it->get<double>() == static_cast<double>(static_cast<std::uint64_t>(it->get<double>())))
     return static_cast<std::uint64_t>(it->get<double>());

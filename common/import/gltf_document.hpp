@@ -1,7 +1,7 @@
-// A glTF document made safe and plain: parsed, every length and index checked in 64 bits against the bytes
-// that are there, buffers gathered into one, compressed views and primitives decoded, materials set aside.
-// What is left is a core glTF 2.0 document with a single buffer and no uri at all, which is what tinygltf
-// gets to see.
+// Turns a glTF document into a safe and plain one. Parses it, checks every length and index in 64 bits
+// against the available bytes, gathers all buffers into one, decodes compressed views and primitives, and
+// extracts the materials. The result is a core glTF 2.0 document with a single buffer and no uris. tinygltf
+// sees only this document.
 #pragma once
 
 #include <cstddef>
@@ -27,23 +27,23 @@ struct GltfDocument {
   Remarks remarks;
 };
 
-/// Throws Refused: kMalformedMesh, kUnsupportedFeature, kExternalResource, kTooLarge, each with a JSON
+/// Throws Refused with kMalformedMesh, kUnsupportedFeature, kExternalResource or kTooLarge, each with a JSON
 /// pointer.
 GltfDocument read_gltf_document(std::span<const std::byte> bytes, MeshFormat format,
                                 const ImportLimits& limits, std::span<const ImportFile> files);
 
-// -- helpers of the document's parts (gltf_document.cpp, gltf_compression.cpp, gltf_materials.cpp)
+// -- helpers for the parts of a document (gltf_document.cpp, gltf_compression.cpp, gltf_materials.cpp)
 
-/// The non-negative integer `object[key]`, or `fallback` where the key is absent. Refuses anything else.
+/// Returns the non-negative integer `object[key]`, or `fallback` if the key is absent. Refuses anything else.
 std::uint64_t unsigned_at(const nlohmann::json& object, const char* key, std::uint64_t fallback,
                           const std::string& pointer);
-inline constexpr std::uint64_t kRequired = ~0ull;  ///< as a fallback: the key has to be there
+inline constexpr std::uint64_t kRequired = ~0ull;  ///< as a fallback: the key is required
 
-/// Components of a type ("VEC3"); 0 when unknown.
+/// Number of components of a type ("VEC3"); 0 if the type is unknown.
 std::uint64_t component_count(const std::string& type);
 
-/// Appends bytes to the document's buffer at an 8-byte boundary; returns the offset. Refuses beyond the
-/// limit.
+/// Appends bytes to the document's buffer at an 8-byte boundary, and returns the offset. Refuses to exceed
+/// the limit.
 std::uint64_t append_binary(GltfDocument& document, std::span<const std::uint8_t> bytes,
                             const ImportLimits& limits);
 

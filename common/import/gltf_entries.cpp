@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Keeps nothing: a text that is all brackets holds a bit for each of them, in the parser.
+/// Stores no values. Even for text that consists only of brackets, the parser keeps only one bit per bracket.
 class Reader final : public nlohmann::json_sax<json> {
  public:
   using Take = std::function<bool(const std::string&, std::string&)>;
@@ -50,7 +50,7 @@ class Reader final : public nlohmann::json_sax<json> {
   }
 
  private:
-  static constexpr std::size_t kEntry = 3;  // the document, a list in it, an object in that
+  static constexpr std::size_t kEntry = 3;  // the document, a list in it, and an object in the list
   bool value() {
     if (depth_ == kEntry) named_ = false;
     return true;

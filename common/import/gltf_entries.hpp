@@ -1,5 +1,5 @@
-// One text of each entry of a glTF's lists, without a document in memory: what is asked before a sandbox reads the file may cost
-// no more than the file.
+// Reads one text of each entry in a glTF's lists, without building a document in memory. Checks made before a
+// sandbox reads the file must not need more memory than the file itself.
 #pragma once
 
 #include <array>
@@ -9,11 +9,13 @@
 
 namespace fracture {
 
-/// The JSON of a GLB (glTF 2.0, section 4.4: 12 bytes of header, then the JSON chunk as length, type, text), or the text itself.
+/// Returns the JSON of a GLB (glTF 2.0, section 4.4: a header of 12 bytes, then the JSON chunk as length,
+/// type, text), or the whole text if it is not a GLB.
 std::string_view gltf_text(std::string_view bytes);
 
-/// Calls take(list, text) for every string `<list>[k].<member>` of the outermost object, in the order of the text, until it
-/// returns false. False: it did, or the text is no JSON; what was taken before is then worth nothing.
+/// Calls take(list, text) for every string `<list>[k].<member>` of the outermost object, in the order of the
+/// text, until it returns false. Returns false if it did, or if the text is not JSON; earlier calls are then
+/// meaningless.
 bool read_gltf_entries(std::string_view bytes, const char* member,
                        const std::function<bool(const std::string& list, std::string& text)>& take);
 

@@ -20,7 +20,7 @@ namespace {
 
 // -- primitives
 
-/// Decoded once for each mesh: primitives with the same attribute accessors share wedges.
+/// Decoded once per mesh. Primitives with the same attribute accessors share wedges.
 struct RawSurface {
   std::map<std::string, int> accessors;
   std::vector<double> positions, normals, tangents;
@@ -44,7 +44,7 @@ class MeshReader {
         continue;
       }
       if (primitive.attributes.count("POSITION") == 0)
-        continue;  // the specification: such a primitive is not drawn
+        continue;  // according to the specification, such a primitive is not drawn
       if (!primitive.targets.empty())
         builder_.remarks().note("Morph targets were left out: the base shape is used.");
       auto it = std::find_if(surfaces.begin(), surfaces.end(), [&](const RawSurface& surface) {
@@ -121,8 +121,8 @@ class MeshReader {
 
 // -- skins
 
-/// One matrix for each joint: where the pose stored in the file carries the mesh (joint's world · inverse
-/// bind matrix).
+/// One matrix per joint, which moves the mesh to the pose stored in the file (joint's world · inverse bind
+/// matrix).
 std::vector<Transform> joint_matrices(const tinygltf::Model& model, const GltfScene& scene,
                                       const tinygltf::Skin& skin) {
   std::vector<double> inverse;
@@ -148,9 +148,9 @@ double largest_difference(const Transform& a, const Transform& b) {
   return d;
 }
 
-/// How a vertex of a skinned mesh gets to the world. When the stored pose is the bind pose, all joints agree
-/// up to the rounding of the inverse bind matrices; then one matrix moves the whole mesh, and what was
-/// identical stays so.
+/// Moves the vertices of a skinned mesh to the world. If the stored pose is the bind pose, all joints agree
+/// up to the rounding of the inverse bind matrices. Then one matrix moves the whole mesh, and identical
+/// vertices stay identical.
 class Skinning {
  public:
   Skinning(std::vector<Transform> joints, double size) : joints_(std::move(joints)) {
@@ -194,8 +194,8 @@ Vec3d triple(const std::vector<double>& values, std::size_t v, std::size_t width
   return {values[width * v], values[width * v + 1], values[width * v + 2]};
 }
 
-/// The surface under a transform for each vertex (the same one for all unless skinned). Winding follows
-/// `mirrored`.
+/// Returns the surface after applying a transform to each vertex (the same for all vertices unless skinned).
+/// The winding is reversed if `mirrored`.
 template <class TransformOf>
 Surface place(const RawSurface& raw, bool mirrored, TransformOf&& transform_of) {
   Surface surface;
@@ -210,7 +210,7 @@ Surface place(const RawSurface& raw, bool mirrored, TransformOf&& transform_of) 
     surface.positions[v] = to_float(identity ? p : m.point(p));
     if (!raw.normals.empty()) {
       const Vec3d n = triple(raw.normals, v);
-      // Unit already and not moved: the bits stay. Quantised normals are unit only after normalising.
+      // A unit normal that is not transformed keeps its bits. Quantised normals must be normalised.
       const bool keep = identity && std::abs(dot(n, n) - 1) < 1e-6;
       surface.attributes.normals[v] = keep ? to_float(n) : unit_float(identity ? n : m.normal(n));
     }

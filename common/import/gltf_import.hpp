@@ -1,4 +1,4 @@
-// glTF 2.0 and GLB through tinygltf: document (gltf_document.hpp) -> tinygltf -> scene -> surfaces.
+// Imports glTF 2.0 and GLB through tinygltf: document (gltf_document.hpp) -> tinygltf -> scene -> surfaces.
 #pragma once
 
 #include <cstddef>

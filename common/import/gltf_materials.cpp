@@ -25,7 +25,7 @@ json copy_array(const json& document, const char* key) {
   return it != document.end() && it->is_array() ? *it : json::array();
 }
 
-/// The names of all extensions used anywhere inside (an "extensions" object's keys, at any depth).
+/// Collects the names of all extensions used at any depth (the keys of "extensions" objects).
 void collect_extensions(const json& value, std::set<std::string>& names) {
   if (value.is_object()) {
     for (const auto& [key, child] : value.items()) {
@@ -38,7 +38,8 @@ void collect_extensions(const json& value, std::set<std::string>& names) {
   }
 }
 
-/// An extension that is neither of materials nor understood could hold indices that no longer mean anything.
+/// Drops extensions that are not material extensions, because they could contain indices that are no longer
+/// valid.
 void drop_foreign_extensions(json& value) {
   if (value.is_object()) {
     if (const auto it = value.find("extensions"); it != value.end() && it->is_object()) {
@@ -64,7 +65,8 @@ void drop_extras(json& value) {
   }
 }
 
-/// Whoever keeps the mesh keeps its materials as parsed JSON, which takes up to thirty times its text.
+/// Limits the memory of the materials. They are kept with the mesh as parsed JSON, which takes up to thirty
+/// times its text.
 void bound(MaterialLibrary& library, Remarks& remarks) {
   json* const lists[] = {&library.materials, &library.textures, &library.samplers};
   const auto held = [&] { return json_bytes(*lists[0]) + json_bytes(*lists[1]) + json_bytes(*lists[2]); };
@@ -81,10 +83,10 @@ void bound(MaterialLibrary& library, Remarks& remarks) {
       " MiB of memory. The fragments' materials have no extras. If you need them, make them smaller.");
 }
 
-using Remap = std::vector<std::uint32_t>;  ///< old index -> new index, or kNoIndex where dropped
+using Remap = std::vector<std::uint32_t>;  ///< old index -> new index, or kNoIndex if dropped
 
-/// The image a texture (or a texture's extension) shows: rewrites "source" at any depth; drops what shows a
-/// lost image. Returns whether the texture still shows something.
+/// Rewrites "source" in a texture and its extensions to the new image indices, and drops references to lost
+/// images. Returns whether the texture still has an image.
 bool remap_sources(json& texture, const Remap& images) {
   bool shows = false;
   const auto rewrite = [&](json& object) {
@@ -112,8 +114,8 @@ bool remap_sources(json& texture, const Remap& images) {
   return shows;
 }
 
-/// Texture references of a material are objects with an "index" under a key that ends in "Texture" (core and
-/// all ratified extensions). Drops those of lost textures, renumbers the others.
+/// Texture references in a material are objects with an "index", under a key that ends in "Texture" (in the
+/// core and all ratified extensions). Drops references to lost textures, and renumbers the others.
 void remap_textures(json& value, const Remap& textures) {
   if (value.is_array()) {
     for (json& child : value) remap_textures(child, textures);
@@ -175,7 +177,7 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
         "file again with its images.");
     return std::nullopt;
   }
-  // What the bytes are decides; a wrong declaration would be an error in the output file.
+  // The bytes determine the type; a wrong declaration would be an error in the output file.
   if (const std::string sniffed = sniff_image(image.bytes); !sniffed.empty()) image.mime_type = sniffed;
   if (image.bytes.empty() || image.mime_type.empty()) {
     remarks.warn(
@@ -192,7 +194,7 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
 bool is_material_extension(const std::string& name) {
   static const std::set<std::string> kTextures = {"KHR_texture_transform", "KHR_texture_basisu",
                                                   "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
-  if (name == "KHR_materials_variants") return false;  // lives on primitives, which are made anew
+  if (name == "KHR_materials_variants") return false;  // it belongs to primitives, which are created again
   return begins_with(name, "KHR_materials_") || begins_with(name, "EXT_materials_") ||
          kTextures.count(name) > 0;
 }

@@ -1,5 +1,5 @@
-// Materials, textures, samplers and images of a glTF, set aside as they are: JSON stays JSON, image bytes
-// stay bytes.
+// Materials, textures, samplers and images of a glTF, kept unchanged: JSON stays JSON, and image bytes stay
+// bytes.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,23 @@
 
 namespace fracture {
 
-/// Extensions that only concern materials, textures and images: passed through without being understood.
+/// Whether an extension concerns only materials, textures and images. Such extensions are copied without
+/// being interpreted.
 bool is_material_extension(const std::string& name);
 
 using ViewBytes =
     std::function<std::span<const std::uint8_t>(std::uint64_t view, const std::string& pointer)>;
 
-/// Images come from bufferViews, data uris and parts of the upload. An image that is in none of these is
-/// dropped with a warning, and with it every texture that shows it and every reference to such a texture.
+/// Reads the materials. Images come from bufferViews, data uris and files of the upload. Any other image is
+/// dropped with a warning, together with every texture that uses it and every reference to such a texture.
 /// Throws Refused.
 MaterialLibrary read_materials(const nlohmann::json& document, const ViewBytes& view_bytes,
                                std::span<const ImportFile> files, Remarks& remarks);
 
-/// "image/png" … from the first bytes; empty when they are of no known kind.
+/// Returns "image/png" … from the first bytes; empty if the kind is unknown.
 std::string sniff_image(std::span<const std::uint8_t> bytes);
 
-/// The warning about an image that the mesh names but that was not uploaded.
+/// The warning about an image that the mesh refers to but that was not uploaded.
 std::string in_another_file(std::string_view image);
 
 }  // namespace fracture

@@ -144,7 +144,7 @@ std::vector<std::array<std::uint32_t, 3>> gltf_triangles(const std::vector<std::
       triangle = {i[k + 1], i[k + 2], i[0]};
     else
       triangle = k % 2 == 0 ? std::array{i[k], i[k + 1], i[k + 2]} : std::array{i[k], i[k + 2], i[k + 1]};
-    // Strips are stitched together by triangles that name a vertex twice.
+    // Strips are joined by triangles that use a vertex twice.
     if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
       triangles.push_back(triangle);
   }

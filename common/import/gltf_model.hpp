@@ -1,4 +1,5 @@
-// A checked document as tinygltf's model, and its scene graph: what the importer and the renderer share.
+// A checked document as tinygltf's model, with its scene graph. The importer and the renderer share this
+// code.
 #pragma once
 
 #include <array>
@@ -12,26 +13,26 @@
 
 namespace fracture {
 
-/// The plain document as a GLB in memory, given to tinygltf with callbacks that deny every file. Takes the
-/// document's binary. Throws Refused.
+/// Loads the plain document, as a GLB in memory, into tinygltf with callbacks that deny access to every file.
+/// Takes the document's binary. Throws Refused.
 tinygltf::Model load_gltf_model(GltfDocument& document);
 
-/// World transforms of the nodes of the default scene, depth first in the file's order. Nodes outside keep
-/// nothing.
+/// World transforms of the nodes in the default scene, depth first in the file's order. Other nodes have no
+/// transform.
 struct GltfScene {
   std::vector<std::optional<Transform>> world;
   std::vector<int> order;
 };
 
-/// Throws Refused where the nodes are no tree or name what does not exist.
+/// Throws Refused if the nodes are not a tree or refer to something that does not exist.
 GltfScene walk_gltf_scene(const tinygltf::Model& model);
 
-/// EXT_mesh_gpu_instancing: one transform for each instance, or the identity alone. Throws Refused.
+/// EXT_mesh_gpu_instancing: one transform per instance, or only the identity. Throws Refused.
 std::vector<Transform> gltf_instances(const tinygltf::Model& model, const tinygltf::Node& node,
                                       std::uint64_t max_instances);
 
-/// The triangles that the indices of a primitive make: mode 4 (triangles), 5 (strip) or 6 (fan). Triangles of
-/// strips and fans that name a vertex twice are left out: they stitch.
+/// The triangles given by the indices of a primitive: mode 4 (triangles), 5 (strip) or 6 (fan). Triangles
+/// that use a vertex twice only join strips and are left out.
 std::vector<std::array<std::uint32_t, 3>> gltf_triangles(const std::vector<std::uint32_t>& indices, int mode);
 
 }  // namespace fracture

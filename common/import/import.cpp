@@ -16,8 +16,8 @@
 namespace fracture {
 namespace {
 
-/// The file as its parser wants it: text in UTF-8, whole-file compression undone, `format` the one it turns
-/// out to be.
+/// The file in the form that its parser needs: text in UTF-8, and without whole-file compression. `format` is
+/// the actual one.
 struct PlainFile {
   std::span<const std::byte> bytes;
   MeshFormat format;
@@ -56,7 +56,7 @@ Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format,
   switch (format) {
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
-      return {};  // the glTF reader's own first step: it needs the chunks
+      return {};  // the glTF reader does this itself, because it needs the chunks
     case MeshFormat::kObj:
       return preflight::check_obj(bytes, limits);
     case MeshFormat::kStl:
@@ -87,7 +87,8 @@ Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span
   throw InternalError("a mesh format without a reader");
 }
 
-/// What the format says where the file cannot (FBX says it itself, its reader fills the frame in).
+/// Sets the frame that the format defines, if the file cannot state it. (FBX files state it, and their reader
+/// sets it.)
 void state_frame(Mesh& mesh, FormatFrame frame) {
   if (frame == FormatFrame::kUnknown) return;
   mesh.frame.up_stated = true;
@@ -112,7 +113,7 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
   state_frame(*mesh, format_info(plain->format).frame);
   for (auto* list : {&mesh->remarks.warnings, &mesh->remarks.notes})
     for (std::string& sentence :
-         *list)  // they quote the file, cut to a length that may end within a character
+         *list)  // they quote the file, shortened to a length that may divide a character
       sentence = name_as_utf8(sentence);
   complete_attributes(*mesh);
   mesh->triangle_color = surface_colors(*mesh, mesh->remarks);

@@ -1,13 +1,13 @@
-// Mesh files in: tinygltf for glTF and GLB, Assimp for everything else. Bytes in, Mesh or a typed error out;
-// no file is ever opened by name: the bytes, and the further parts of a multipart upload, are all a loader
-// can see.
+// Imports mesh files: tinygltf reads glTF and GLB, and Assimp reads everything else. The input is bytes, and
+// the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
+// the further parts of a multipart upload.
 //
 //   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish
 //                                                                                          (finite, limits)
 //
-// The preflight exists because the loaders trust what a file says about itself: tinygltf takes an accessor of
-// 2^31 elements, RapidJSON inside Assimp overflows the stack on 400 KB of '[', a 186-byte PLY that declares
-// 10^7 vertices costs seconds, and both libraries open any local file that a uri names.
+// The preflight is needed because the loaders trust the numbers in a file. tinygltf accepts an accessor with
+// 2^31 elements. RapidJSON inside Assimp overflows the stack on 400 KB of '['. A PLY file of 186 bytes that
+// declares 10^7 vertices takes seconds. Both libraries open any local file that a uri names.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,12 @@
 
 namespace fracture {
 
-/// Coordinates are those of the file after its own node transforms, and Mesh::frame says what they mean as
-/// far as the file or its format does (FormatInfo::frame; FBX by its global settings). Wedges with identical
-/// positions in the file have bit-identical positions here. Texture coordinates are glTF's (v down) whatever
-/// the format. Errors: kEmptyBody, kMalformedMesh (what and at which byte), kUnsupportedFeature (names it),
-/// kExternalResource, kTooLarge, kNotFinite (NaN or infinite coordinate, with the vertex), kEmptyMesh.
+/// Imports a mesh. Coordinates are those of the file after its own node transforms. Mesh::frame gives their
+/// meaning as far as the file or its format defines it (FormatInfo::frame; FBX in its global settings).
+/// Wedges with identical positions in the file have bit-identical positions here. Texture coordinates follow
+/// glTF (v down) for all formats.
+/// Errors: kEmptyBody, kMalformedMesh (what, and at which byte), kUnsupportedFeature (with its name),
+/// kExternalResource, kTooLarge, kNotFinite (a coordinate is NaN or infinite; with the vertex), kEmptyMesh.
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
                            std::span<const ImportFile> files = {});
 

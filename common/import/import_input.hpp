@@ -1,4 +1,4 @@
-// What is read, and how much of it: for those who pass files on to a reader in another process, too.
+// The input of an import and its limits. Also used by code that passes files to a reader in another process.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,18 @@ namespace fracture {
 
 struct ImportLimits {
   std::uint64_t max_triangles = 4'000'000;         ///< after instancing
-  std::uint64_t max_decoded_bytes = 256ull << 20;  ///< decompressed buffers, and the arrays of the Mesh
+  std::uint64_t max_decoded_bytes = 256ull << 20;  ///< decompressed buffers plus the arrays of the Mesh
   std::uint32_t max_json_depth = 64;
 };
 
-/// A further file that the mesh may name ("barrel.bin", "textures/wood.png", "barrel.mtl"): a part of a
-/// multipart upload. Names are compared literally with the percent-decoded uri, then with its last component;
-/// there is no directory to walk.
+/// A further file that the mesh may refer to ("barrel.bin", "textures/wood.png", "barrel.mtl"): a part of a
+/// multipart upload. Names are compared literally with the percent-decoded uri, then with its last component.
+/// There are no directories.
 struct ImportFile {
   std::string name;
   std::span<const std::byte> bytes;
 };
-/// Of a mesh and its further files together.
+/// Total bytes of a mesh and its further files.
 inline std::uint64_t input_bytes(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
   std::uint64_t sum = mesh.size();
   for (const ImportFile& file : files) sum += file.bytes.size();

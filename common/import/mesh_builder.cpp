@@ -15,8 +15,8 @@ namespace {
 
 bool finite(const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-/// Attributes are for looks: a value that is not a number becomes the neutral one instead of refusing the
-/// mesh.
+/// Attributes affect only the appearance. So a value that is not a number is replaced by a neutral one, and
+/// the mesh is not refused.
 template <class Vec>
 bool neutralise(Vec& value, const Vec& neutral) {
   const auto* f = reinterpret_cast<const float*>(&value);
@@ -113,7 +113,7 @@ Expected<Mesh> MeshBuilder::finish() {
   pad_to(mesh_.positions.size());
   for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (finite(mesh_.positions[v])) continue;
-    // JSON has no NaN: the offending vertex is named by its index and the node it belongs to.
+    // JSON has no NaN, so the vertex is identified by its index and its node.
     std::string node;
     for (std::size_t t = 0; t < mesh_.triangles.size() && node.empty(); ++t)
       for (const std::uint32_t wedge : mesh_.triangles[t])
@@ -137,7 +137,8 @@ Expected<Mesh> MeshBuilder::finish() {
 void merge_identical_wedges(Surface& surface) {
   const std::size_t count = surface.positions.size();
   const Attributes& a = surface.attributes;
-  // One row of bits for each wedge; open addressing over rows (hash by FNV-1a over words, compare by memcmp).
+  // One row of bits per wedge, with open addressing over rows (hash by FNV-1a over words, comparison by
+  // memcmp).
   const std::size_t words =
       3 + (a.normals.empty() ? 0 : 3) + (a.tangents.empty() ? 0 : 4) + 2 * a.uvs.size() + 4 * a.colors.size();
   std::vector<std::uint32_t> rows(count * words);

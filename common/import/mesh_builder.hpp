@@ -1,6 +1,5 @@
-// Collects surfaces into one Mesh. A surface that lacks an attribute another
-// surface has gets zeros (colours: ones), so that every attribute array of the Mesh is either empty or
-// complete.
+// Collects surfaces into one Mesh. If a surface lacks an attribute that another surface has, it gets zeros
+// (ones for colours). So every attribute array of the Mesh is either empty or complete.
 #pragma once
 
 #include <array>
@@ -15,8 +14,8 @@
 
 namespace fracture {
 
-/// Triangles that share one set of wedges, in the frame of the scene's root: one primitive, or several that
-/// share their accessors. Attribute arrays are empty or as long as positions.
+/// Triangles that share one set of wedges, in the frame of the scene's root: one primitive, or several with
+/// the same accessors. Attribute arrays are empty or as long as positions.
 struct Surface {
   std::vector<Vec3f> positions;
   Attributes attributes;
@@ -28,15 +27,15 @@ class MeshBuilder {
  public:
   explicit MeshBuilder(const ImportLimits& limits) : limits_(limits) {}
 
-  /// Begins a mesh instance; the surfaces that follow belong to it.
+  /// Begins a mesh instance. The surfaces added next belong to it.
   void begin_node(std::string name);
-  /// kMalformedMesh (a triangle names a vertex that does not exist), kTooLarge.
+  /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }
   void set_library(MaterialLibrary library);
   void set_copyright(std::string copyright) { mesh_.copyright = std::move(copyright); }
 
-  /// Completes the attribute arrays. kNotFinite naming the first vertex, kEmptyMesh.
+  /// Completes the attribute arrays. Errors: kNotFinite with the first such vertex, kEmptyMesh.
   Expected<Mesh> finish();
 
  private:
@@ -47,9 +46,9 @@ class MeshBuilder {
   std::uint64_t bytes_ = 0;
 };
 
-/// Merges wedges of the surface that agree in every bit of every attribute (formats that store one vertex for
-/// each corner: STL, and OBJ as Assimp reads it). Triangles and their order stay; wedges come in order of
-/// first use.
+/// Merges wedges of the surface that are identical in every bit of every attribute. For formats that store
+/// one vertex per corner (STL, and OBJ as read by Assimp). Triangles keep their order, and wedges are ordered
+/// by first use.
 void merge_identical_wedges(Surface& surface);
 
 }  // namespace fracture

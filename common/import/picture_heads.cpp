@@ -14,7 +14,7 @@ std::uint64_t short_at(std::string_view bytes, std::size_t at) {
   return byte_at(bytes, at) << 8 | byte_at(bytes, at + 1);
 }
 
-/// PNG specification, 11.2.2: the size stands in the first chunk.
+/// PNG specification, 11.2.2: the size is in the first chunk.
 std::uint64_t pixels_of_png(std::string_view png) {
   constexpr std::string_view kMagic = "\x89PNG\r\n\x1a\n";
   if (png.size() < 24 || !png.starts_with(kMagic)) return 0;
@@ -22,7 +22,7 @@ std::uint64_t pixels_of_png(std::string_view png) {
   return side(16) * side(20);
 }
 
-/// ITU-T T.81, B.1 and B.2.2: segments up to the frame header.
+/// ITU-T T.81, B.1 and B.2.2: skip segments up to the frame header.
 std::uint64_t pixels_of_jpeg(std::string_view jpeg) {
   if (!jpeg.starts_with("\xff\xd8\xff")) return 0;
   constexpr int kMostSegments = 1000;
@@ -37,7 +37,7 @@ std::uint64_t pixels_of_jpeg(std::string_view jpeg) {
   return 0;
 }
 
-/// The largest of what pixels_of(rest) gives wherever the byte occurs.
+/// The maximum of pixels_of(rest), where rest begins at any occurrence of the byte.
 template <class PixelsOf>
 std::uint64_t largest(std::string_view bytes, char first, const PixelsOf& pixels_of) {
   std::uint64_t most = 0;

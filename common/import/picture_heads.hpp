@@ -1,4 +1,5 @@
-// How large the pictures in a file are, by their heads: for those who give a reader the memory that it will need.
+// Finds the size of the pictures in a file from their headers, to determine how much memory a reader will
+// need.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +8,8 @@
 
 namespace fracture {
 
-/// Pixels of the largest PNG or JPEG that begins anywhere in these bytes; 0 where none does. What only looks like a
-/// head counts, too.
+/// Number of pixels of the largest PNG or JPEG that begins anywhere in these bytes; 0 if there is none. Bytes
+/// that only look like a header also count.
 std::uint64_t largest_picture(std::span<const std::byte> bytes);
 
 }  // namespace fracture

@@ -20,7 +20,7 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The first bytes, printable, for messages about files that are not what they are called.
+/// The first bytes, printable, for error messages about files that are not in the declared format.
 std::string beginning_of(std::span<const std::byte> bytes) {
   std::string shown;
   for (const char c : as_text(bytes.first(std::min<std::size_t>(bytes.size(), 16))))
@@ -30,7 +30,7 @@ std::string beginning_of(std::span<const std::byte> bytes) {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
-/// Reads whitespace-separated words; comments run from # to the end of the line.
+/// Reads words separated by white space; comments extend from # to the end of the line.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
@@ -153,7 +153,7 @@ Expected<void> check_stl(std::span<const std::byte> bytes, const ImportLimits& l
   }
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool ascii = first != std::string_view::npos && text.substr(first, 5) == "solid";
-  // Binary files whose free 80-byte header happens to begin with "solid" are not ASCII: those contain no
+  // A binary file may begin with "solid" in its free 80-byte header. Unlike an ASCII file, it does not contain
   // "facet".
   if (ascii && text.find("facet") != std::string_view::npos) {
     if (text.find('\0') != std::string_view::npos)
@@ -225,7 +225,7 @@ Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& l
     } else if (keyword == "property") {
       if (elements.empty()) return bad("has a property before any element");
       std::string_view type = words.next();
-      if (type == "list") type = words.next();  // an empty list is its count alone
+      if (type == "list") type = words.next();  // an empty list has only its count
       const std::uint64_t size = size_of(type);
       if (size == 0) return bad("has a property of unknown type");
       elements.back().bytes_each += size;
@@ -239,7 +239,7 @@ Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& l
   std::uint64_t remaining = text.size() - at;
   bool faces = false;
   for (const Element& element : elements) {
-    // ASCII: a word and a separator for each value (the last separator may be missing).
+    // ASCII: one word and one separator per value (the last separator may be missing).
     const std::uint64_t each =
         std::max<std::uint64_t>(1, ascii ? 2 * element.words_each : element.bytes_each);
     if (element.count > (remaining + 1) / each)

@@ -1,4 +1,4 @@
-// Formats inside XML and ZIP.
+// Checks formats based on XML and ZIP.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -9,14 +9,14 @@
 namespace fracture::preflight {
 namespace {
 
-/// Deeper than any chain of bones; the readers take less than a kilobyte of stack for each level.
+/// Deeper than any chain of bones. The readers use less than a kilobyte of stack per level.
 constexpr std::uint32_t kMaxXmlDepth = 1000;
 
 std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The position after the tag that begins at `at`: past its '>' outside quotes.
+/// Returns the position after the tag that begins at `at`: after its '>' outside quotes.
 std::size_t end_of_tag(std::string_view text, std::size_t at) {
   char quote = 0;
   for (; at < text.size(); ++at) {
@@ -32,8 +32,8 @@ std::size_t end_of_tag(std::string_view text, std::size_t at) {
   return at;
 }
 
-/// Calls f(tag with its brackets, its position) for every tag outside comments, CDATA and declarations; f
-/// answers whether to go on.
+/// Calls f(tag with its brackets, its position) for every tag outside comments, CDATA and declarations. f
+/// returns whether to continue.
 template <class F>
 void for_tags(std::string_view text, F&& f) {
   const auto skip_past = [&](std::size_t at, std::string_view end) {
@@ -93,7 +93,7 @@ Expected<MeshFormat> kind_of_xml(std::span<const std::byte> bytes) {
   if (root == "COLLADA") return MeshFormat::kDae;
   if (root == "irr_scene") return MeshFormat::kIrr;
   if (root == "WORLD" || root == "World" || root == "world") return MeshFormat::kXgl;
-  if (root == "mesh")  // Ogre's has its vertices in these two, Irrlicht's in buffers
+  if (root == "mesh")  // Ogre stores vertices in these two elements, Irrlicht in buffers
     return second == "submeshes" || second == "sharedgeometry" ? MeshFormat::kXml : MeshFormat::kIrrmesh;
   if (root.empty()) return fail(ErrorCode::kMalformedMesh, "The file is not XML: it contains no elements.");
   for (char& c : root) c = c >= 0x20 && c < 0x7f ? c : '.';
@@ -103,7 +103,7 @@ Expected<MeshFormat> kind_of_xml(std::span<const std::byte> bytes) {
 }
 
 Expected<void> check_zip(std::span<const std::byte> bytes, const ImportLimits& limits) {
-  // PKWARE APPNOTE 4.3.16: the end record, 22 bytes and a comment of at most 65,535.
+  // PKWARE APPNOTE 4.3.16: the end record has 22 bytes and a comment of at most 65,535 bytes.
   constexpr std::size_t kEnd = 22, kEntry = 46;
   const std::string_view text = as_text(bytes);
   const std::size_t tail = text.size() - std::min<std::size_t>(text.size(), kEnd + 65'535);

@@ -1,5 +1,5 @@
-// Inside an importer a refusal comes out of deep helpers; it travels as this exception to the importer's one
-// public function, which turns it into the Error it carries. It never leaves the library.
+// The exception that carries a refusal from the helpers inside an importer to its only public function, which
+// returns the contained Error. It never leaves the library.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ struct Refused {
   throw Refused{Error{code, std::move(detail), std::move(pointer), Figures(std::move(extra))}};
 }
 
-/// items[index], refused where a file names an item that it has not.
+/// Returns items[index]; refuses an index that does not exist.
 template <class T>
 const T& at(const std::vector<T>& items, int index, const char* what) {
   if (index < 0 || static_cast<std::size_t>(index) >= items.size())

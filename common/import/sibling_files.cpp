@@ -67,7 +67,7 @@ void add_dae(std::string_view text, Names& names) {
   }
 }
 
-/// FBX properties: binary as 'S', a 32-bit length and the text (after the record's name), ASCII in quotes.
+/// FBX properties. Binary: 'S', a 32-bit length and the text (after the record's name). ASCII: in quotes.
 void add_fbx(std::string_view text, Names& names) {
   constexpr std::string_view kKey = "RelativeFilename";
   for (std::size_t at = 0; (at = text.find(kKey, at)) != std::string_view::npos;) {
@@ -90,7 +90,7 @@ std::string read_whole(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The regular file `name` of the folder; nothing where it is not there or not below the folder.
+/// Returns the regular file `name` in the folder; none if it does not exist or is outside the folder.
 std::optional<fs::path> inside(const fs::path& folder, const std::string& name) {
   std::error_code error;
   const fs::path root = fs::canonical(folder, error);
@@ -125,7 +125,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// The files of the folder and below, ordered, links left out.
+/// Returns the files in the folder and its subfolders, sorted, without links.
 std::vector<fs::path> files_below(const fs::path& folder) {
   constexpr int kMaxDepth = 2, kMaxEntries = 1000;
   std::vector<fs::path> files;
@@ -140,7 +140,8 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   return files;
 }
 
-/// Does a reader look for it beside an asset of this stem without being told?
+/// Whether a reader looks for this file next to an asset with this stem, even if the asset does not mention
+/// it.
 bool is_companion(const std::string& stem, const std::string& name) {
   std::string base = stem;
   if (base.ends_with("_a") || base.ends_with("_d")) base.resize(base.size() - 2);
@@ -173,7 +174,7 @@ void read_mentioned(const fs::path& asset, const fs::path& folder, std::string_v
       return true;
     });
     if (next >= out.size()) return;
-    text = text_of(out[next++].bytes);  // an object that the scene names has textures of its own
+    text = text_of(out[next++].bytes);  // an object mentioned in the scene may mention its own textures
   }
 }
 
@@ -211,7 +212,7 @@ std::vector<std::string> textures_of_mtl(std::string_view text) {
                          key == "decal" || key == "refl";
     if (!texture) return;
     while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
-    // Options such as `-bm 0.2` stand before the name; a name may hold blanks, but not after options.
+    // Options such as `-bm 0.2` precede the name. A name may contain blanks, but not after options.
     const bool options =
         rest.substr(0, rest.find_first_not_of(" \t") + 1).find('-') != std::string_view::npos;
     names.add(std::string(options ? rest.substr(rest.find_last_of(" \t") + 1) : rest));

@@ -1,5 +1,5 @@
-// The files that an asset on a disk names: for programs whose user owns the file (`bake`, `inspect`, tests).
-// The server never comes here: its further files are the parts of the upload.
+// Finds files on disk that an asset refers to, for programs whose user owns the files (`bake`, `inspect`,
+// tests). The server does not use this: its further files are parts of the upload.
 #pragma once
 
 #include <cstddef>
@@ -12,30 +12,31 @@
 
 namespace fracture {
 
-/// The other files that a mesh file names, in the order it names them, each once, percent escapes decoded and
-/// backslashes turned: buffers and images of glTF and GLB, material files of OBJ, textures of FBX and DAE.
-/// Data uris and urls with a scheme are no files. A file that cannot be parsed names nothing, and neither do
-/// the other formats.
+/// Returns the other files that a mesh file refers to, in order and without duplicates: buffers and images of
+/// glTF and GLB, material files of OBJ, textures of FBX and DAE. Percent escapes are decoded, and backslashes
+/// replaced. Data uris and urls with a scheme are not files. For other formats and for files that cannot be
+/// parsed, the list is empty.
 std::vector<std::string> referenced_files(std::span<const std::byte> bytes, MeshFormat format);
-/// The textures that a material library (.mtl) of an OBJ names.
+/// The textures that an OBJ's material library (.mtl) refers to.
 std::vector<std::string> textures_of_mtl(std::string_view text);
 
 struct SiblingFile {
-  std::string name;  ///< as the asset names it
+  std::string name;  ///< as the asset refers to it
   std::string bytes;
-  std::string path;  ///< where it lies
+  std::string path;  ///< its location
 };
 
-/// Reads what the asset at `path` names, and what its material libraries name, from its folder and below: a
-/// name that is absolute, climbs with "..", or leads out of the folder through a link is looked up by its
-/// last component alone, as the importers do for textures; what is not there is left out, for the importer to
-/// report. For the formats that referenced_files() does not know: the files of the folder and two levels
-/// below (1,000 entries at most) whose name occurs in the asset's bytes or in those of a file found so, and
-/// those that belong to it by their name ("x_a.3d" to "x_d.3d", "x.skin" to "x.md3").
+/// Reads the files that the asset at `path` and its material libraries refer to, from the asset's folder and
+/// its subfolders. If a name is absolute, contains "..", or leads out of the folder through a link, only its
+/// last component is used, as the importers do for textures. Missing files are left out; the importer reports
+/// them.
+/// For formats that referenced_files() does not support, searches the folder and two levels of subfolders (at
+/// most 1,000 entries). Reads files whose names occur in the bytes of the asset or of a file found this way,
+/// and files that belong to the asset by name ("x_a.3d" to "x_d.3d", "x.skin" to "x.md3").
 std::vector<SiblingFile> read_sibling_files(const std::string& path, std::span<const std::byte> bytes,
                                             MeshFormat format);
 
-/// Views for import_mesh; valid as long as the files are.
+/// Returns views for import_mesh; valid as long as the files exist.
 std::vector<ImportFile> as_import_files(const std::vector<SiblingFile>& files);
 
 }  // namespace fracture

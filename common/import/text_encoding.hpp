@@ -1,5 +1,5 @@
-// Text formats sometimes come in UTF-16 (Windows tools). Only with a byte order mark; anything else is taken
-// as is.
+// Converts text in UTF-16, which some Windows tools write. Only text with a byte order mark is converted;
+// other text is unchanged.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace fracture {
 
-/// The text in UTF-8 where it begins with a UTF-16 byte order mark; nothing where it does not. Lone
-/// surrogates become U+FFFD.
+/// Returns the text in UTF-8 if it begins with a UTF-16 byte order mark, otherwise nothing. Lone surrogates
+/// become U+FFFD.
 inline std::optional<std::string> utf16_to_utf8(std::span<const std::byte> bytes) {
   if (bytes.size() < 2) return std::nullopt;
   const auto at = [&](std::size_t k) { return std::to_integer<unsigned>(bytes[k]); };
@@ -34,7 +34,7 @@ inline std::optional<std::string> utf16_to_utf8(std::span<const std::byte> bytes
       text += static_cast<char>(code);
       continue;
     }
-    const int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;  // bytes after the first
+    const int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;  // number of bytes after the first
     constexpr unsigned kFirst[] = {0, 0xc0, 0xe0, 0xf0};
     text += static_cast<char>(kFirst[more] | code >> 6 * more);
     for (int m = more - 1; m >= 0; --m) text += static_cast<char>(0x80 | (code >> 6 * m & 0x3f));
@@ -42,7 +42,7 @@ inline std::optional<std::string> utf16_to_utf8(std::span<const std::byte> bytes
   return text;
 }
 
-/// Is it UTF-8 by RFC 3629 (no overlong forms, no surrogates)?
+/// Whether the text is UTF-8 according to RFC 3629 (no overlong forms, no surrogates).
 inline bool is_utf8(std::string_view text) {
   for (std::size_t k = 0; k < text.size();) {
     const auto byte = [&](std::size_t at) {
@@ -67,7 +67,7 @@ inline bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// A name as JSON can hold it: what is no UTF-8 is taken for Latin-1, which old exporters write.
+/// Returns a name that JSON can contain: invalid UTF-8 is interpreted as Latin-1, which old exporters write.
 inline std::string name_as_utf8(std::string_view text) {
   if (is_utf8(text)) return std::string(text);
   std::string result;

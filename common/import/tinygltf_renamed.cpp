@@ -1,5 +1,4 @@
-// The one translation unit that holds tinygltf's code (a third-party header: its warnings are not ours to
-// mend).
+// The only translation unit with tinygltf's code. Its warnings are ignored because it is third-party code.
 #include <fstream>  // tinygltf's writers, unused here, need the type
 #include <sstream>
 

@@ -1,10 +1,10 @@
-// tinygltf 2.7, compiled once in tinygltf_renamed.cpp under a namespace of our own. libdraco.so.7, which
-// Assimp pulls in, exports the symbols of another build of tinygltf; linked under its own name the two mix
-// and crash. Every file that uses tinygltf includes this header, so that all see the same macros (they change
-// the classes' layout).
+// tinygltf 2.7, compiled once in tinygltf_renamed.cpp in a separate namespace. libdraco.so.7, a dependency of
+// Assimp, exports the symbols of another build of tinygltf. Under the original name, the two builds would mix
+// and crash. Every file that uses tinygltf includes this header, so that all see the same macros, which
+// change the layout of its classes.
 //
 // TINYGLTF_ENABLE_DRACO stays off: Draco primitives are decoded before tinygltf sees the document
-// (gltf_compression.hpp), with our own checks. TINYGLTF_NO_FS: it can open no file.
+// (gltf_compression.hpp), with this project's checks. TINYGLTF_NO_FS: it cannot open files.
 #pragma once
 
 #define tinygltf fracture_tinygltf

@@ -1,5 +1,5 @@
-// Affine transforms of scene graphs, in double. A transform that is exactly the identity leaves every bit
-// alone (also the sign of zero), so a file whose nodes do nothing keeps its coordinates.
+// Affine transforms of scene graphs, in double. A transform that is exactly the identity keeps every bit
+// (even the sign of zero), so a file whose nodes have no effect keeps its coordinates.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 namespace fracture {
 
 struct Transform {
-  /// Columns of the linear part, then the translation.
+  /// The columns of the linear part, and the translation.
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, t{0, 0, 0};
   friend bool operator==(const Transform&, const Transform&) = default;
 
@@ -19,8 +19,8 @@ struct Transform {
             x.z * v.x + y.z * v.y + z.z * v.z};
   }
   Vec3d point(const Vec3d& p) const { return linear(p) + t; }
-  /// Up to a positive factor: the cofactor matrix is det times the inverse transpose; the sign of det is
-  /// taken out.
+  /// Transforms a normal, up to a positive factor. The cofactor matrix is det times the inverse transpose,
+  /// and the sign of det is removed.
   Vec3d normal(const Vec3d& n) const {
     const Vec3d c = n.x * cross(y, z) + n.y * cross(z, x) + n.z * cross(x, y);
     return determinant() < 0 ? -1.0 * c : c;
@@ -28,7 +28,7 @@ struct Transform {
   double determinant() const { return dot(x, cross(y, z)); }
 };
 
-/// first `b`, then `a`.
+/// Applies `b` first, then `a`.
 inline Transform operator*(const Transform& a, const Transform& b) {
   return {a.linear(b.x), a.linear(b.y), a.linear(b.z), a.point(b.t)};
 }
@@ -48,7 +48,7 @@ inline Transform compose(const Vec3d& t, const std::array<double, 4>& quaternion
           s.z * Vec3d{2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}, t};
 }
 
-/// The unit vector, rounded once to float; zero where the length is zero or not finite.
+/// The unit vector, rounded once to float; zero if the length is zero or not finite.
 inline Vec3f unit_float(const Vec3d& v) {
   const double l = length(v);
   if (!(l > 0) || !std::isfinite(l)) return {};

@@ -20,8 +20,8 @@ double metres_of(LengthUnit unit) {
   }
 }
 
-/// (x, y, z) -> (x, z, -y). Subtracting from zero keeps a zero positive, so that equal coordinates stay equal
-/// bit for bit.
+/// (x, y, z) -> (x, z, -y). Subtracting from zero keeps zeros positive, so equal coordinates stay equal bit
+/// for bit.
 template <class Vector>
 void turn(Vector& v) {
   const float y = v.y;

@@ -1,4 +1,4 @@
-// Units and axes: what a file's coordinates mean, and the mesh in metres with y up.
+// Units and axes: interprets a file's coordinates, and converts the mesh to metres with y up.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,30 +11,31 @@ namespace fracture {
 enum class LengthUnit { kFromFile, kMetre, kCentimetre, kMillimetre, kInch };
 enum class UpAxis { kFromFile, kY, kZ };
 
-/// What the request says about the input; it overrides the file.
+/// The request's statement about the input; it overrides the file.
 struct FrameOptions {
   LengthUnit unit = LengthUnit::kFromFile;
   UpAxis up = UpAxis::kFromFile;
 };
 
-/// What was assumed of a file's coordinates.
+/// The interpretation of a file's coordinates.
 struct FrameReport {
   enum class From { kAssumed, kFile, kRequest };
 
   double metres_per_unit = 1;
   From unit_from = From::kAssumed;
-  bool z_up = false;  ///< else y
+  bool z_up = false;  ///< otherwise y
   From up_from = From::kAssumed;
   bool operator==(const FrameReport&) const = default;
 };
-/// "assumed", "file" or "request".
+/// Returns "assumed", "file" or "request".
 const char* name_of(FrameReport::From from);
 /// {metres_per_unit, unit_from, up, up_from}
 void to_json(nlohmann::json& document, const FrameReport& frame);
 
-/// Rescales and turns the mesh (positions, normals, tangents): z up becomes y up by a quarter turn about x,
-/// which is exact; a unit other than the metre rounds each coordinate once. Afterwards frame says metres and
-/// y up. Returns what was assumed. kNotFinite (with the vertex) when a rescaled coordinate overflows.
+/// Scales and rotates the mesh (positions, normals, tangents). z up becomes y up by a quarter turn about x,
+/// which is exact. A unit other than the metre rounds each coordinate once. Afterwards, `frame` says metres
+/// and y up. Returns the interpretation used. Error: kNotFinite (with the vertex) if a scaled coordinate
+/// overflows.
 Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options);
 
 }  // namespace fracture

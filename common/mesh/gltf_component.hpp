@@ -1,5 +1,5 @@
-// The number types of a glTF file, by name (glTF 2.0, section 3.6.2.2): for those who read such files, and for
-// those who write them.
+// The number types of glTF files, by name (glTF 2.0, section 3.6.2.2), for code that reads or writes such
+// files.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ inline constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsigne
                      kUnsignedInt = 5125, kFloat = 5126;
 }
 
-/// 0: there is no such type.
+/// Size of a component type; 0 if there is no such type.
 constexpr std::uint64_t component_bytes(std::uint64_t type) {
   using namespace component_type;
   switch (type) {
@@ -30,7 +30,7 @@ constexpr std::uint64_t component_bytes(std::uint64_t type) {
   }
 }
 
-/// May indices be of this type?
+/// Whether indices may have this type.
 constexpr bool is_index_type(std::uint64_t type) {
   using namespace component_type;
   return type == kUnsignedByte || type == kUnsignedShort || type == kUnsignedInt;

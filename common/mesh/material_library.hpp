@@ -1,5 +1,5 @@
-// What the surfaces of a mesh look like. Apart from mesh.hpp, because most of who works on meshes never reads it, and the JSON
-// library takes longer to compile than they do.
+// The appearance of a mesh's surfaces. It is separate from mesh.hpp because most code that uses meshes never
+// reads it, and the JSON library is slow to compile.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,20 @@
 
 namespace fracture {
 
-/// An image as the source holds it, byte for byte.
+/// An image as in the source, byte for byte.
 struct Image {
   std::string name;
   std::string mime_type;  ///< "image/png", "image/jpeg", "image/webp", "image/ktx2"
   std::vector<std::uint8_t> bytes;
 };
 
-/// Most that the three lists of a MaterialLibrary may hold together when they are parsed (json_bytes). A
-/// scene of 10,000 materials takes a quarter of it.
+/// Maximum memory of the three parsed lists of a MaterialLibrary together (json_bytes). A scene with 10,000
+/// materials takes a quarter of it.
 inline constexpr std::size_t kMaxLibraryBytes = 32u << 20;
 
-/// Materials in glTF's own terms: `materials[k]`, `textures[k]`, `samplers[k]` are glTF 2.0 JSON objects
+/// Materials in the form of glTF: `materials[k]`, `textures[k]` and `samplers[k]` are glTF 2.0 JSON objects
 /// whose indices refer to the arrays here (a texture's "source" is an index into `images`). Importers of
-/// other formats translate into these terms, so that the exporter writes every material back with what it
-/// had.
+/// other formats convert to this form, so the exporter can write every material back without loss.
 struct MaterialLibrary {
   nlohmann::json materials = nlohmann::json::array();
   nlohmann::json textures = nlohmann::json::array();

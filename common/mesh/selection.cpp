@@ -10,9 +10,9 @@
 namespace fracture {
 namespace {
 
-constexpr std::size_t kListedNames = 50;  // in an error
+constexpr std::size_t kListedNames = 50;  // maximum number in an error message
 
-/// Which of the names are selected; everything for an empty list.
+/// Marks the names that are selected; all of them if the list is empty.
 Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries,
                                    const std::vector<std::string>& names, const char* parameter) {
   std::vector<bool> result(names.size(), entries.empty());
@@ -45,8 +45,8 @@ std::vector<std::string> material_names(const Mesh& mesh) {
   return names;
 }
 
-/// The triangles that have `wanted`, with the wedges they use in the order of the source; everything that is
-/// not per wedge or per triangle is shared.
+/// Returns the triangles with the given selection state, and the wedges that they use in the order of the
+/// source. Data that is not per wedge or per triangle is shared.
 Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   constexpr std::uint32_t kUsed = 0;
   std::vector<std::uint32_t> new_wedge(mesh.positions.size(), kNoIndex), triangles, wedges;

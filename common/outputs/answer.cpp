@@ -26,11 +26,13 @@ const json& element(const json& document, const char* list, std::uint64_t index)
 
 namespace {
 
-/// What no other file shows is not even kept while the text is parsed: figures, bonds, sites and physics are most of it.
+/// Selects the members to keep while parsing. Data that no other format shows is dropped: statistics, bonds,
+/// sites and physics are most of the text.
 class Wanted {
  public:
   bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-    // The material of a mesh may be as deep as its file was (ImportLimits::max_json_depth), within lists of ours.
+    // The material of a mesh may be nested as deeply as in its file (ImportLimits::max_json_depth), inside
+    // lists of the answer.
     constexpr int kDeepest = 96;
     if (depth > kDeepest) throw Broken{"its text is nested too deeply"};
     if (event != json::parse_event_t::key) return true;
@@ -99,8 +101,8 @@ class Reader {
     }
   }
 
-  /// Parents only hold what is below them: nothing of an answer is turned or scaled. An answer is two or three levels
-  /// deep, one more for each level of clusters (at most 8).
+  /// Visits a node and its children. Parents only group their children: nodes of an answer are never rotated
+  /// or scaled. An answer has two or three levels, and one more for each level of clusters (at most 8).
   void walk(std::uint64_t index, Vec3f place, int depth = 0) {
     constexpr int kDeepest = 64;
     const json& node = element(document_, "nodes", index);
@@ -113,7 +115,7 @@ class Reader {
                place.z + by->at(2).get<float>()};
     const bool fragment = is_fragment(node);
     if (node.contains("mesh")) read_object(node, fragment, place);
-    if (fragment || !node.contains("children")) return;  // below a fragment there is only physics
+    if (fragment || !node.contains("children")) return;  // a fragment has only physics below it
     for (const json& child : node.at("children")) walk(child.get<std::uint64_t>(), place, depth + 1);
   }
 
@@ -170,7 +172,7 @@ class Reader {
 
   void read_merges(const json& extension, Object& object) {
     object.manifold = true;
-    if (!extension.contains("mergeIndices")) return;  // every vertex stands for itself
+    if (!extension.contains("mergeIndices")) return;  // no vertices are merged
     object.merge_corners = indices(number_at(extension, "mergeIndices", kHasToBeThere));
     object.merge_vertices = indices(number_at(extension, "mergeValues", kHasToBeThere));
     bool good = object.merge_corners.size() == object.merge_vertices.size();
@@ -181,7 +183,7 @@ class Reader {
       throw Broken{"EXT_mesh_manifold of " + object.name + " refers to something that does not exist"};
   }
 
-  /// Where the elements of an accessor begin, each of `size` bytes.
+  /// The position of an accessor's first element; each element has `size` bytes.
   const std::uint8_t* place_of(const json& accessor, std::size_t size, std::size_t& stride) const {
     const json& view = element(document_, "bufferViews", number_at(accessor, "bufferView", kHasToBeThere));
     const std::uint64_t count = number_at(accessor, "count", kHasToBeThere);

@@ -1,5 +1,6 @@
-// An answer as other files show it: what gltf_writer.hpp wrote, seen in its GLB without a copy. Reads what that writes and
-// nothing else, whoever sent the bytes; other glTF is import's.
+// Reads an answer written by gltf_writer.hpp from its GLB, without a copy, to convert it to other formats. It
+// accepts only the output of that writer, whatever the source of the bytes. The module import reads other
+// glTF files.
 #pragma once
 
 #include <array>
@@ -48,7 +49,7 @@ class Indices {
 
   std::size_t size() const { return count_; }
   std::uint32_t operator[](std::size_t k) const {
-    std::uint32_t value = 0;  // the bytes are little-endian, as those of every machine that this runs on
+    std::uint32_t value = 0;  // the bytes are little-endian, like every supported machine
     std::memcpy(&value, first_ + k * (wide_ ? 4 : 2), wide_ ? 4 : 2);
     return value;
   }
@@ -63,23 +64,23 @@ inline constexpr std::size_t kNoMaterial = ~std::size_t{0};
 
 struct Primitive {
   std::size_t material = kNoMaterial;
-  Indices indices;  ///< three for each triangle, each of a vertex that is there
+  Indices indices;  ///< three per triangle; each refers to an existing vertex
 };
 
 /// A fragment, or a part of the scene that was not fractured.
 struct Object {
-  std::string name;                 ///< no two objects have the same; ASCII letters, digits and _
-  std::optional<std::uint64_t> id;  ///< of a fragment: extras.fracture.id; nothing: was not fractured
-  Vec3f place;                      ///< of the node: what is added to its positions
+  std::string name;                 ///< unique among objects; ASCII letters, digits and _
+  std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: not fractured
+  Vec3f place;                      ///< translation of the node, added to its positions
   Floats positions, normals, colors;
   std::vector<Floats> uvs;
   std::vector<Primitive> primitives;
-  /// EXT_mesh_manifold: corners, counted through all primitives, and the vertices that stand for theirs.
+  /// EXT_mesh_manifold: corners, counted through all primitives, and the vertices that replace theirs.
   bool manifold = false;
   Indices merge_corners, merge_vertices;
 
-  /// In the frame of the scene, metres. Exact, as the pivots were chosen for that (I2): what two fragments share has
-  /// the same bits in both.
+  /// Position in the frame of the scene, metres. Exact, because the pivots were chosen for this (I2): points
+  /// that two fragments share have the same bits in both.
   Vec3f position(std::size_t vertex) const {
     const Vec3f p = positions.vec3(vertex);
     return {p.x + place.x, p.y + place.y, p.z + place.z};
@@ -89,19 +90,20 @@ struct Object {
 
 struct Map {
   std::size_t image = 0, uv_set = 0;
-  double scale[2] = {1, 1}, offset[2] = {0, 0};  ///< KHR_texture_transform, without its rotation
+  double scale[2] = {1, 1}, offset[2] = {0, 0};  ///< KHR_texture_transform, without rotation
 };
 
-/// What has no material has this one where there has to be one; no material of an answer is called so.
+/// Name of the material for objects without one, if a format requires a name. No material of an answer has
+/// this name.
 inline constexpr const char* kBareMaterial = "none";
 
-/// Metallic and roughness as glTF 2.0 means them; colours are linear.
+/// Metallic and roughness as in glTF 2.0; colours are linear.
 struct Material {
-  std::string name;  ///< as Object::name
+  std::string name;  ///< like Object::name
   Vec3d color{1, 1, 1}, emission{};
   double opacity = 1;
   std::optional<double> metallic,
-      roughness;  ///< nothing: a texture says them, and the factors alone would mislead
+      roughness;  ///< none: a texture defines them, and the factors alone would be wrong
   std::optional<Map> color_map, normal_map, emission_map;
 };
 
@@ -120,11 +122,12 @@ struct Answer {
   std::size_t triangles() const;
 };
 
-/// How every answer of every version calls who made it.
+/// The beginning of `generator` in every answer of every version.
 inline constexpr const char* kGenerator = "fracture, algorithm ";
 
-/// The bytes are borrowed. kInternal: they are no answer, and why.
+/// Reads an answer; the bytes are borrowed. Error: kInternal, with the reason, if the bytes are not an
+/// answer.
 Expected<Answer> read_answer(std::span<const std::uint8_t> glb);
-Expected<Answer> read_answer(std::vector<std::uint8_t>&&) = delete;  // nobody would hold them
+Expected<Answer> read_answer(std::vector<std::uint8_t>&&) = delete;  // would dangle
 
 }  // namespace fracture::outputs

@@ -1,4 +1,4 @@
-// The JSON of an answer: how answer.cpp and answer_materials.cpp take it apart.
+// Access to the JSON of an answer, for answer.cpp and answer_materials.cpp.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,21 @@
 
 namespace fracture::outputs {
 
-/// Thrown inside of read_answer() where the bytes are no answer.
+/// Thrown inside read_answer() if the bytes are not an answer.
 struct Broken {
   std::string why;
 };
 
-/// The unsigned number object[key]; `fallback` where it is absent. A GLB has no more than 4 GiB, so that none of its
-/// numbers is larger and no sum of two overflows.
+/// The unsigned number object[key], or `fallback` if it is absent. A GLB has at most 4 GiB, so none of its
+/// numbers is larger, and a sum of two does not overflow.
 std::uint64_t number_at(const nlohmann::json& object, const char* key, std::uint64_t fallback);
-inline constexpr std::uint64_t kHasToBeThere = ~std::uint64_t{0};  ///< as a fallback
+inline constexpr std::uint64_t kHasToBeThere = ~std::uint64_t{0};  ///< fallback: throws Broken if absent
 
 /// document[list][index]
 const nlohmann::json& element(const nlohmann::json& document, const char* list, std::uint64_t index);
 
-/// Names of which no two are equal, of letters, digits and _, whatever the answer says: they stand in lines of text.
+/// Makes names unique, with only letters, digits and _, whatever the answer contains, because they are
+/// written in lines of text.
 class Names {
  public:
   std::string add(std::string_view wanted) {
@@ -43,7 +44,7 @@ class Names {
   std::set<std::string> taken_;
 };
 
-/// Throws Broken.
+/// Reads all materials. Throws Broken.
 std::vector<Material> read_materials(const nlohmann::json& document, std::size_t images);
 
 }  // namespace fracture::outputs

@@ -5,7 +5,7 @@ namespace {
 
 using nlohmann::json;
 
-/// glTF's members are absent where they have their defaults.
+/// In glTF, members with default values are absent.
 const json& member(const json& object, const char* key) {
   static const json kAbsent = json::object();
   const auto at = object.find(key);
@@ -18,7 +18,8 @@ Vec3d color_at(const json& object, const char* key, Vec3d fallback) {
   return {at->at(0).get<double>(), at->at(1).get<double>(), at->at(2).get<double>()};
 }
 
-/// The image of a texture, which extensions may name for formats that core glTF has not (EXT_texture_webp, KHR_texture_basisu).
+/// The image of a texture. Extensions may give it for formats that core glTF does not support
+/// (EXT_texture_webp, KHR_texture_basisu).
 std::optional<std::size_t> image_of(const json& texture) {
   if (texture.contains("source")) return number_at(texture, "source", 0);
   for (const auto& [name, extension] : member(texture, "extensions").items())

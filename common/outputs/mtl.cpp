@@ -6,7 +6,7 @@
 namespace fracture::outputs {
 namespace {
 
-/// Of a number that was a float once: 0.45 and not 0.44999998807907104.
+/// Writes numbers that were floats: 0.45 instead of 0.44999998807907104.
 void line(Blocks& out, const char* keyword, std::initializer_list<double> numbers) {
   out.text(keyword);
   for (const double number : numbers) out.text(" ").number(static_cast<float>(number));
@@ -27,8 +27,8 @@ void write_map(Blocks& out, const char* keyword, const std::optional<Map>& map,
   out.text(" ").text(textures[map->image]).text("\n");
 }
 
-/// Blinn-Phong exponent of a roughness: alpha = roughness^2 = sqrt(2 / (n + 2)) (Walter et al. 2007), the inverse of what
-/// import makes of one; at most what MTL knows.
+/// Blinn-Phong exponent of a roughness: alpha = roughness^2 = sqrt(2 / (n + 2)) (Walter et al. 2007), the
+/// inverse of the conversion in import. At most the maximum of MTL.
 double exponent_of(double roughness) {
   constexpr double kSmoothest = 1000;
   const double alpha = roughness * roughness;

@@ -22,11 +22,11 @@ struct HashOfBits {
   }
 };
 
-/// Numbers what is new in the order in which it comes.
+/// Numbers values in the order of their first use.
 template <std::size_t N>
 class Numbering {
  public:
-  /// Its number, from 0; and is it new?
+  /// The number of a value, from 0, and whether it is new.
   std::pair<std::size_t, bool> of(const Bits<N>& bits) {
     const auto [at, fresh] = numbers_.try_emplace(bits, numbers_.size());
     return {at->second, fresh};
@@ -37,7 +37,7 @@ class Numbering {
   std::unordered_map<Bits<N>, std::size_t, HashOfBits> numbers_;
 };
 
-/// For each vertex the one that stands for all that are the same point of the surface.
+/// For each vertex, the vertex that represents all vertices at the same point of the surface.
 std::vector<std::uint32_t> merged_vertices(const Object& object) {
   const std::size_t count = object.positions.size();
   std::vector<std::uint32_t> merged(count);
@@ -52,7 +52,7 @@ std::vector<std::uint32_t> merged_vertices(const Object& object) {
     }
     return merged;
   }
-  std::size_t primitive = 0, before = 0;  // corners of the primitives before it; corners ascend
+  std::size_t primitive = 0, before = 0;  // number of corners in previous primitives; corners ascend
   for (std::size_t k = 0; k < object.merge_corners.size(); ++k) {
     const std::size_t corner = object.merge_corners[k];
     if (corner < before) primitive = before = 0;
@@ -122,7 +122,7 @@ class ObjWriter {
       return;
     }
     constexpr double kSteps =
-        1e4;  // finer than any screen, coarser than what two libraries of pow() differ by
+        1e4;  // finer than any screen, coarser than the difference between two pow() libraries
     out_.number(std::round(to_srgb(component) * kSteps) / kSteps);
   }
 
@@ -138,7 +138,7 @@ class ObjWriter {
     normals_ += numbers.size();
   }
 
-  /// Those that the primitive's material is painted by; null where there are none.
+  /// Writes the texture coordinates that the primitive's material uses. Returns null if there are none.
   const std::vector<std::size_t>* write_uvs(const Object& object, const Primitive& primitive) {
     std::size_t set = 0;
     if (primitive.material != kNoMaterial)
@@ -151,7 +151,7 @@ class ObjWriter {
     Numbering<2> numbers;
     at->second.resize(uvs.size());
     for (std::size_t vertex = 0; vertex < uvs.size(); ++vertex) {
-      const float u = uvs.at(vertex, 0), v = 1 - uvs.at(vertex, 1);  // glTF's runs down
+      const float u = uvs.at(vertex, 0), v = 1 - uvs.at(vertex, 1);  // glTF's v points down
       const auto [number, fresh] =
           numbers.of({std::bit_cast<std::uint32_t>(u), std::bit_cast<std::uint32_t>(v)});
       at->second[vertex] = uvs_ + number;
@@ -174,10 +174,9 @@ class ObjWriter {
   const Answer& answer_;
   const VertexColors colors_;
   Blocks out_;
-  std::size_t positions_ = 0, normals_ = 0, uvs_ = 0;  ///< written so far
-  std::vector<std::size_t> v_, vn_;                    ///< of the object: number of each vertex's
-  std::map<std::size_t, std::vector<std::size_t>>
-      sets_;  ///< of the object: the same of its uvs, by their set
+  std::size_t positions_ = 0, normals_ = 0, uvs_ = 0;     ///< written so far
+  std::vector<std::size_t> v_, vn_;                       ///< for the object: numbers of each vertex
+  std::map<std::size_t, std::vector<std::size_t>> sets_;  ///< for the object: the same for each UV set
 };
 
 }  // namespace

@@ -1,11 +1,14 @@
-// Answers in formats that every tool reads: OBJ with MTL, PLY and STL, of an answer (answer.hpp), piece by piece and the
-// same bytes each time. They show geometry and looks: no physics, bonds, hulls, clusters or figures, which are in GLB alone.
+// Writes answers (answer.hpp) in formats that every tool reads: OBJ with MTL, PLY and STL. The output is
+// written piece by piece, and its bytes are the same each time. It contains geometry and appearance. Only GLB
+// has physics, bonds, hulls, clusters and statistics.
 //
-// Frame and unit are the GLB's: metres, y up. Fragments lie where they were cut from the mesh; their positions are the
-// floats of Object::position(), in decimal the fewest digits that read back as the same float, so that each fragment is
-// closed and what two share has the same bits. Parts that were not fractured come behind the fragments.
+// Frame and unit are the GLB's: metres, y up. Fragments are where they were cut from the mesh. Their
+// positions are the floats of Object::position(). Decimal formats use the fewest digits that read back as the
+// same float. So each fragment is closed, and points that two fragments share have the same bits. Parts that
+// were not fractured come after the fragments.
 //
-// Bytes follow from the answer alone: who alters them raises kAlgorithmVersion, as for an answer.
+// The bytes depend only on the answer. A change that alters them must raise kAlgorithmVersion, as for
+// answers.
 #pragma once
 
 #include <string>
@@ -16,33 +19,35 @@
 
 namespace fracture::outputs {
 
-/// glTF's vertex colours are linear, those of other files are sRGB by custom. kKeep: the mesh came from such a file, whose
-/// numbers were taken as they are, and are given back so.
+/// Vertex colours are linear in glTF, and by convention sRGB in other files. kKeep: the mesh came from such a
+/// file, whose numbers were read unchanged, and are written unchanged.
 enum class VertexColors { kToSrgb, kKeep };
 
-/// All functions: false where the sink took no more.
+/// All functions return false if the sink stopped accepting data.
 
-/// An object `o` for each fragment, called as in the GLB, and faces v/vt/vn. In an object one `v` stands for all vertices of the GLB that are
-/// one by its EXT_mesh_manifold (else: at the same position), and have one colour: faces that touch name the same `v`.
-/// Colours: `v x y z r g b`. `materials`: file name of the MTL.
+/// Writes an object `o` for each fragment, named as in the GLB, and faces v/vt/vn. Within an object, one `v`
+/// represents all vertices of the GLB that its EXT_mesh_manifold merges (without it: that have the same
+/// position) and that have the same colour. So adjacent faces use the same `v`. Colours: `v x y z r g b`.
+/// `materials`: file name of the MTL.
 bool write_obj(const Answer& answer, const std::string& materials, VertexColors colors, const Sink& sink);
 
-/// The materials that an OBJ names. Kd, d, Ns, Ke as everywhere, Pr and Pm (roughness, metallic) for those who know
-/// them, but for what a texture says of both, which MTL has no word for; map_Kd, norm and map_Ke, with the scale and offset of their texture coordinates. `textures[k]`: file name of
-/// image k.
+/// Writes the materials that an OBJ refers to: Kd, d, Ns and Ke as usual, and Pr and Pm (roughness, metallic)
+/// for programs that support them. Pr and Pm are left out if a texture defines both, which MTL cannot
+/// express. Textures: map_Kd, norm and map_Ke, with the scale and offset of their texture coordinates.
+/// `textures[k]`: file name of image k.
 bool write_mtl(const Answer& answer, const std::vector<std::string>& textures, const Sink& sink);
-/// Images that it names, in ascending order.
+/// The images that the MTL refers to, in ascending order.
 std::vector<std::size_t> images_of_mtl(const Answer& answer);
 
-/// Binary, little-endian. Vertices as in the GLB, each with what some object has: normals, s and t (v up), colours of
-/// 8 bits; `fragment` of each vertex and face counts fragments from 0, -1: of no fragment. Comments give their names
-/// and ids.
+/// Writes binary, little-endian PLY. Vertices are those of the GLB, with every attribute that some object
+/// has: normals, s and t (v up), colours with 8 bits. `fragment` of each vertex and face is the number of its
+/// fragment from 0; -1: not in a fragment. Comments contain the fragments' names and ids.
 bool write_ply(const Answer& answer, VertexColors colors, const Sink& sink);
 
-/// Binary, one solid of all triangles in the order of the fragments.
+/// Writes binary STL: one solid with all triangles, in the order of the fragments.
 bool write_stl(const Answer& answer, const Sink& sink);
 
-/// Of a linear component in [0, 1] (IEC 61966-2-1).
+/// Converts a linear component in [0, 1] to sRGB (IEC 61966-2-1).
 double to_srgb(double linear);
 
 }  // namespace fracture::outputs

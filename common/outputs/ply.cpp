@@ -7,7 +7,7 @@
 namespace fracture::outputs {
 namespace {
 
-/// What some object has, all vertices of the file have.
+/// Attributes that some object has. All vertices of the file get them.
 struct Columns {
   bool normals = false, uvs = false, colors = false;
 
@@ -64,7 +64,7 @@ void write_vertices(Blocks& out, const Object& object, const Columns& columns, V
     if (columns.uvs) {
       const bool have = !object.uvs.empty();
       out.raw(have ? object.uvs.front().at(v, 0) : 0.0f);
-      out.raw(have ? 1 - object.uvs.front().at(v, 1) : 0.0f);  // glTF's runs down
+      out.raw(have ? 1 - object.uvs.front().at(v, 1) : 0.0f);  // glTF's v points down
     }
     if (columns.colors) write_color(out, object, v, colors);
     out.raw(fragment);
@@ -85,7 +85,7 @@ void write_faces(Blocks& out, const Object& object, std::size_t first, std::int3
 
 bool write_ply(const Answer& answer, VertexColors colors, const Sink& sink) {
   if (answer.vertices() > std::size_t{std::numeric_limits<std::int32_t>::max()})
-    throw InternalError("the PLY would have more than 2^31 - 1 vertices");  // a GLB has at most 4 GiB of them
+    throw InternalError("the PLY would have more than 2^31 - 1 vertices");  // a GLB is at most 4 GiB
   Blocks out(sink);
   const Columns columns(answer);
   write_head(out, answer, columns);

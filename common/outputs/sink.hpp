@@ -1,4 +1,4 @@
-// Where a file goes while it is written: block by block, so that none is held whole.
+// Destination of a file that is written block by block, so that the whole file is never in memory.
 #pragma once
 
 #include <charconv>
@@ -10,16 +10,16 @@
 
 namespace fracture::outputs {
 
-/// Takes the next bytes of a file. False: no more are wanted (a disk is full, a stop came), which whoever gave it knows
-/// the reason of.
+/// Receives the next bytes of a file. Returns false if no more are wanted (a full disk or a stop request);
+/// the function's creator knows the reason.
 using Sink = std::function<bool(std::string_view)>;
 
-/// Gathers small writes to blocks.
+/// Combines small writes into blocks.
 class Blocks {
  public:
   explicit Blocks(const Sink& sink) : sink_(sink) { block_.reserve(kBlock + 256); }
 
-  /// False as soon as the sink wants no more; what is written then goes nowhere.
+  /// False once the sink wants no more data; further writes are discarded.
   bool good() const { return good_; }
 
   Blocks& text(std::string_view text) {
@@ -27,21 +27,23 @@ class Blocks {
     if (block_.size() >= kBlock) flush();
     return *this;
   }
-  /// In decimal, the fewest digits that read back as the same number, in no language's manner.
+  /// Writes a number in decimal, with the fewest digits that read back as the same number, independent of the
+  /// locale.
   template <class Number>
   Blocks& number(Number number) {
     char digits[32];
     const auto end = std::to_chars(digits, digits + sizeof digits, number);
     return text({digits, static_cast<std::size_t>(end.ptr - digits)});
   }
-  /// As memory has it, which is little-endian on all machines that this runs on (gltf/vertex_data.cpp asserts it).
+  /// Writes the bytes as in memory: little-endian on all supported machines (gltf/vertex_data.cpp asserts
+  /// it).
   template <class Value>
   Blocks& raw(const Value& value) {
     char bytes[sizeof value];
     std::memcpy(bytes, &value, sizeof value);
     return text({bytes, sizeof bytes});
   }
-  /// Was all of it taken?
+  /// Writes the remaining data. Returns whether all data was accepted.
   bool finish() {
     flush();
     return good_;

@@ -5,7 +5,7 @@
 namespace fracture::outputs {
 namespace {
 
-/// Of unit length; zero where the triangle has no area, as STL wants it.
+/// The unit normal; zero if the triangle has no area, as STL requires.
 Vec3f normal_of(const Vec3f corners[3]) {
   const Vec3d a = to_double(corners[0]);
   const Vec3d n = cross(to_double(corners[1]) - a, to_double(corners[2]) - a);
@@ -19,7 +19,7 @@ Vec3f normal_of(const Vec3f corners[3]) {
 
 bool write_stl(const Answer& answer, const Sink& sink) {
   Blocks out(sink);
-  // Readers take a file that begins with "solid" for text.
+  // Readers treat a file that begins with "solid" as text.
   std::string head = answer.generator.substr(0, 60) + "; metres, y up";
   head.resize(80, ' ');
   out.text(head).raw(static_cast<std::uint32_t>(answer.triangles()));

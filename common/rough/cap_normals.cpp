@@ -10,20 +10,20 @@
 namespace fracture {
 namespace {
 
-/// Regions of one cut that may meet at one place and smooth each other; where more do (all facets of a
-/// lattice through one point), each has its own normal there: every pair would have to be looked at.
+/// Maximum number of regions of one cut that smooth each other at one place. If more meet (all facets of a
+/// lattice through one point), each keeps its own normal there, because every pair would have to be compared.
 constexpr std::size_t kMostAtOnePlace = 64;
-/// Cosine of the angle between two facets up to which they are one cut.
+/// Cosine of the largest angle between two facets that count as one cut.
 constexpr double kOneCut = 0.94;
-/// Least cosine of the angle between the normal of a corner and that of its triangle as the file has it. More than 0, so
-/// that rounding the normal to floats leaves it in front.
+/// Minimum cosine of the angle between the normal of a corner and the normal of its triangle in the file.
+/// More than 0, so that the normal still points to the front after rounding to floats.
 constexpr double kLeastCosine = 0.01;
 
 struct Corner {
   std::uint32_t region, corner;
 };
 
-/// The corners of a cut by the place where they are, in the order of their regions at each.
+/// The corners of a cut, grouped by place. Within each place, they are in the order of their regions.
 class CornersByPlace {
  public:
   void begin(std::size_t vertices) {
@@ -42,7 +42,7 @@ class CornersByPlace {
     places_.push_back(number);
     corners_.push_back(corner);
   }
-  /// A counting sort.
+  /// Groups the corners by a counting sort.
   void group() {
     for (std::size_t p = 0; p + 1 < begin_.size(); ++p) begin_[p + 1] += begin_[p];
     next_.assign(begin_.begin(), begin_.end() - 1);
@@ -64,14 +64,15 @@ Vec3f to_float(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-/// The normal of a corner, or that of its triangle if the mean of its neighbours points behind the triangle: a triangle
-/// that is steep on its cut is then lit as flat instead of as its own back. 0 has no front.
+/// Returns the corner's normal, or the triangle's normal if the mean of its neighbours points behind the
+/// triangle. So a triangle that is steep relative to its cut looks flat, and is not lit from behind.
+/// Returns the mean if the triangle has no area.
 Vec3d on_front(const Vec3d& normal, const Vec3d& of_triangle) {
   const double l = length(of_triangle);
   return l > 0 && dot(normal, of_triangle) < kLeastCosine * l ? (1 / l) * of_triangle : normal;
 }
 
-/// Per constructed vertex, one for all that lie at the same place of the seam lattice.
+/// Returns, per constructed vertex, a number shared by all vertices at the same place of the seam lattice.
 std::vector<std::uint32_t> places_of(const VertexPositions& positions, const Execution& execution) {
   const auto& steps = positions.steps;
   std::vector<std::uint32_t> order(steps.size()), place(steps.size());
@@ -91,7 +92,7 @@ std::vector<std::uint32_t> places_of(const VertexPositions& positions, const Exe
 std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                                const Caps& caps, const VertexPositions& positions,
                                const Execution& execution) {
-  // Regions by the pair of owners they part.
+  // Regions, grouped by the pair of owners that they separate.
   struct Cut {
     std::uint32_t low, high, region;
     auto operator<=>(const Cut&) const = default;
@@ -118,7 +119,7 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
     const auto& s = positions.steps[v - positions.first_constructed];
     return {s[0] * step.x, s[1] * step.y, s[2] * step.z};
   };
-  // From the owner with the lower number to the other.
+  // Normals point from the owner with the lower number to the other.
   const auto sign_of = [&](std::uint32_t r) {
     return owner_of_site[caps.regions[r].lo] < owner_of_site[caps.regions[r].hi] ? 1.0 : -1.0;
   };
@@ -132,7 +133,7 @@ std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<
       std::size_t first, last;
       Vec3d facet, normal;
     };
-    std::vector<Sum> sums;  // at one place, by region
+    std::vector<Sum> sums;  // the sums at one place, by region
     for (std::size_t c = first; c < last; ++c) {
       corners.begin(place.size());
       for (std::size_t k = begin[c]; k < begin[c + 1]; ++k) {

@@ -1,4 +1,4 @@
-// Normals of rough caps: smooth within a cut, creased between two.
+// Normals of rough caps: smooth within a cut, with creases between cuts.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace fracture {
 
-/// Per corner of every cap triangle the unit normal, outward for cell lo: the mean by area over the triangles
-/// there of the same cut, that is, of the regions between the same two owners whose facets face the same way. Corners whose
-/// mean would point behind their triangle have the triangle's normal instead.
+/// Returns the unit normal of each corner of every cap triangle, outward from cell lo. It is the mean,
+/// weighted by area, over the triangles of the same cut at that place: the regions between the same two
+/// owners whose facets face the same way. If the mean points behind the corner's triangle, the triangle's
+/// normal is used.
 std::vector<Vec3f> cap_normals(const VoronoiDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                                const Caps& caps, const VertexPositions& positions,
                                const Execution& execution);

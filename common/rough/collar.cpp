@@ -11,14 +11,14 @@ std::int64_t square_distance(const LatticePoint& a, const LatticePoint& b) {
 
 }  // namespace
 
-/// points[0 .. rim_begin) counter-clockwise, the others clockwise within them. False where no next triangle is
-/// counter-clockwise.
+/// points[0 .. rim_begin) are counter-clockwise, and the others are clockwise and inside them. Returns false
+/// if no next triangle would be counter-clockwise.
 bool Collar::zip(std::span<const LatticePoint> points, std::uint32_t rim_begin) {
   const std::uint32_t outer = rim_begin, inner = static_cast<std::uint32_t>(points.size()) - rim_begin;
-  std::uint32_t start = rim_begin;  // of the rim
+  std::uint32_t start = rim_begin;  // first corner of the rim
   for (std::uint32_t k = rim_begin; k < points.size(); ++k)
     if (square_distance(points[k], points[0]) < square_distance(points[start], points[0])) start = k;
-  // The i-th corner of the loop and the j-th of the rim from there, both counter-clockwise.
+  // Corner i of the loop, and corner j of the rim counted from `start`, both counter-clockwise.
   const auto loop = [&](std::uint32_t i) { return i == outer ? 0 : i; };
   const auto rim = [&](std::uint32_t j) { return rim_begin + (start - rim_begin + inner - j) % inner; };
   std::uint32_t i = 0, j = 0;

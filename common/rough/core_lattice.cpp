@@ -8,12 +8,12 @@
 namespace fracture {
 namespace {
 
-/// Lengths between the core and the loops. More than 1/sqrt(3), the radius of a triangle's circle: then an
-/// edge that passes through a triangle is too near to one of its corners.
+/// Distance between the core and the loops, in lengths. More than 1/sqrt(3), the radius of a triangle's
+/// circumcircle; so an edge that passes through a triangle is too near to one of its corners.
 constexpr double kMargin = 0.6;
-/// The box of the loops may have so many lattice points for each that their area has room for.
+/// Maximum number of lattice points in the box of the loops, per lattice point that fits into their area.
 constexpr double kMostEmpty = 64;
-/// Of removing pinches; the first is enough for nearly all regions.
+/// Maximum number of passes that remove pinches. One is enough for nearly all regions.
 constexpr int kMostPasses = 16;
 constexpr double kHalfRoot3 = 0.8660254037844386;
 
@@ -31,7 +31,7 @@ void CoreLattice::build(std::span<const Vec2d> plane, std::span<const std::uint3
   for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l)
     for (std::uint32_t k = loop_begin[l]; k < loop_begin[l + 1]; ++k)
       clear_near(plane[k], plane[k + 1 < loop_begin[l + 1] ? k + 1 : loop_begin[l]], pacer);
-  // Each pass looks at the whole core. What has pinches after so many is no core worth having.
+  // Each pass scans the whole core. A core that still has pinches after so many passes is not worth having.
   int passes = 0;
   while (remove_pinches(execution))
     if (++passes == kMostPasses) return;
@@ -57,7 +57,8 @@ bool CoreLattice::lay_out(std::span<const Vec2d> plane, double length, double ar
   return true;
 }
 
-// The winding number along each row: it rises where a loop passes downwards, seen from the left.
+// Computes the winding number along each row. It increases where a loop crosses the row downwards, seen from
+// the left.
 void CoreLattice::mark_inside(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin,
                               Pacer& pacer) {
   std::vector<std::vector<std::pair<double, int>>> rows(static_cast<std::size_t>(rows_));
@@ -120,7 +121,7 @@ void CoreLattice::clear_near(const Vec2d& a, const Vec2d& b, Pacer& pacer) {
 
 template <class Visit>
 void CoreLattice::each_triangle(Pacer& pacer, const Visit& visit) const {
-  // Even rows: (r, c) is below and between (r+1, c-1) and (r+1, c); odd ones: (r+1, c) and (r+1, c+1).
+  // In even rows, (r, c) is below and between (r+1, c-1) and (r+1, c); in odd rows, (r+1, c) and (r+1, c+1).
   for (std::int64_t r = 0; r + 1 < rows_; ++r)
     pacer.each(0, static_cast<std::size_t>(columns_), [&](std::size_t column) {
       const auto c = static_cast<std::int64_t>(column), left = (r & 1) ? c : c - 1;
@@ -131,8 +132,8 @@ void CoreLattice::each_triangle(Pacer& pacer, const Visit& visit) const {
     });
 }
 
-/// The third corner of the triangle on the other side of the edge a-b from c. In the lattice's own oblique
-/// coordinates, where x = column' + row / 2, it is a + b - c.
+/// The third corner of the triangle across the edge a-b from c. In the lattice's own oblique coordinates,
+/// where x = column' + row / 2, it is a + b - c.
 CoreLattice::Point CoreLattice::opposite(const Point& a, const Point& b, const Point& c) {
   const auto shift = [](std::int64_t row) { return row >> 1; };
   const std::int64_t row = a.row + b.row - c.row;
@@ -140,8 +141,8 @@ CoreLattice::Point CoreLattice::opposite(const Point& a, const Point& b, const P
   return {row, oblique + shift(row)};
 }
 
-/// Finds the edges of the rim, and takes away points where more than one of them leaves; the loops of the rim
-/// are simple without.
+/// Finds the edges of the rim, and removes points that several of these edges leave. Once there are none, the
+/// loops of the rim are simple.
 bool CoreLattice::remove_pinches(const Execution& execution) {
   Pacer pacer(execution);
   rim_edges_.clear();
@@ -174,7 +175,7 @@ void CoreLattice::collect(Pacer& pacer) {
     const std::uint32_t i = number_of(a), j = number_of(b), k = number_of(c);
     triangles_.push_back({i, j, k});
   });
-  // One edge of the rim leaves each of its points: follow them backwards, so that the core is on the right.
+  // One edge of the rim leaves each of its points. Follow them backwards, so that the core is on the right.
   std::vector<std::uint32_t> before(points_.size(), kNoIndex);
   for (const auto& e : rim_edges_) before[number_[e[1]]] = number_[e[0]];
   for (const auto& e : rim_edges_) {

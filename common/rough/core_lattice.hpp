@@ -1,4 +1,4 @@
-// The equilateral triangles of a lattice that lie well inside a set of loops in the plane.
+// The triangles of an equilateral lattice that are well inside a set of loops in the plane.
 #pragma once
 
 #include <array>
@@ -11,24 +11,25 @@
 
 namespace fracture {
 
-/// Rows of points `length` apart, every other row shifted by half of that, sqrt(3)/2 lengths from row to row.
+/// A lattice with rows of points `length` apart. Odd rows are shifted by half that, and rows are sqrt(3)/2
+/// lengths apart.
 class CoreLattice {
  public:
   /// Outer loops run counter-clockwise, holes clockwise; loop l is plane[loop_begin[l] .. loop_begin[l+1]).
-  /// `area`: of what they enclose. Leaves nothing where there is no room, or where the box of the loops is so
-  /// much larger than their area that they enclose a thin rim only. Throws Interrupted.
+  /// `area`: the area that the loops enclose. The result is empty if there is no room, or if the box of the
+  /// loops is so much larger than the area that the loops enclose only a thin rim. Throws Interrupted.
   void build(std::span<const Vec2d> plane, std::span<const std::uint32_t> loop_begin, double length,
              double area, const Execution& execution = {});
 
   const std::vector<Vec2d>& points() const { return points_; }
   const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return triangles_; }  ///< ccw
-  /// The rim as the collar around the core sees it (the core on the right), in simple loops: indices of
-  /// points(), loop l from rim_begin()[l] on.
+  /// The rim as seen from the collar around the core (with the core on the right), in simple loops of indices
+  /// of points(). Loop l begins at rim_begin()[l].
   const std::vector<std::uint32_t>& rim() const { return rim_; }
   const std::vector<std::uint32_t>& rim_begin() const { return rim_begin_; }
 
  private:
-  /// Of the lattice; may be one that it does not have.
+  /// A point of the lattice, possibly outside its rows and columns.
   struct Point {
     std::int64_t row, column;
   };
@@ -48,7 +49,7 @@ class CoreLattice {
     return p.row >= 0 && p.row < rows_ && p.column >= 0 && p.column < columns_ && usable_[index(p)];
   }
   static Point opposite(const Point& a, const Point& b, const Point& c);
-  /// visit(a, b, c), counter-clockwise, for every triangle whose corners are all usable.
+  /// Calls visit(a, b, c), counter-clockwise, for every triangle whose corners are all usable.
   template <class Visit>
   void each_triangle(Pacer& pacer, const Visit& visit) const;
 
@@ -58,7 +59,7 @@ class CoreLattice {
   std::vector<char> usable_;           // per lattice point
   std::vector<std::uint32_t> number_;  // per lattice point: its index in points_
   std::vector<std::pair<double, int>> crossings_;
-  std::vector<std::array<std::uint64_t, 2>> rim_edges_;  // directed, by their start
+  std::vector<std::array<std::uint64_t, 2>> rim_edges_;  // directed, given by their start and end
   std::vector<Vec2d> points_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::vector<std::uint32_t> rim_, rim_begin_;

@@ -18,7 +18,7 @@ std::vector<std::uint32_t> numbers_of(const std::vector<char>& flags) {
   return numbers;
 }
 
-/// Pairs come by the million: they are counted, and interruptions asked for, by the thousand.
+/// Counts pairs, which come by the million. Updates the shared count and polls once per thousand pairs.
 class PairCount {
  public:
   PairCount(std::atomic<std::uint64_t>& all, std::uint64_t most, const Execution& execution)
@@ -26,7 +26,7 @@ class PairCount {
   ~PairCount() { all_.fetch_add(mine_, std::memory_order_relaxed); }
   PairCount(const PairCount&) = delete;
   PairCount& operator=(const PairCount&) = delete;
-  /// False when there were too many.
+  /// Returns false if there were too many.
   bool one_more() {
     if (++mine_ == kAtOnce) {
       all_.fetch_add(std::exchange(mine_, 0), std::memory_order_relaxed);
@@ -81,7 +81,7 @@ bool Crossings::is_moved(std::uint32_t k) const {
 bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
   if (region_[i] == region_[j]) return false;
   if (seen_[i] >= caps_.first_given && seen_[j] >= caps_.first_given) return false;
-  // Few pairs pass the test of the planes, which reads less than the others: it comes first.
+  // The plane test comes first, because few pairs pass it and it reads the least memory.
   if (!cross_each_other(now_[i], now_[j], tolerance_)) return false;
   int shared = 0;
   for (const CutVertexId v : vertices(i))
@@ -90,7 +90,8 @@ bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
   return shared < 2 && (is_moved(i) || is_moved(j));
 }
 
-/// Can it have reached the outer surface? Its points are within 0.58 of its longest edge of a corner.
+/// Whether the triangle can reach the outer surface. Every point of it is within 0.58 of its longest edge
+/// from a corner.
 bool Crossings::may_leave_surface(std::uint32_t k) const {
   if (seen_[k] >= caps_.first_given || !is_moved(k)) return false;
   const PlaneTriangle& t = now_[k];
@@ -103,7 +104,7 @@ bool Crossings::may_leave_surface(std::uint32_t k) const {
   return from_surface < 0.58 * longest;
 }
 
-/// Calls leaves(k) for those of the triangles, all of one region, that pass through the outer surface.
+/// Calls leaves(k) for each of the triangles, all of one region, that passes through the outer surface.
 template <class Leaves>
 void Crossings::each_leaving(std::span<const std::uint32_t> triangles, SurfaceBeside& beside,
                              const Leaves& leaves) const {
@@ -154,7 +155,7 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
     changed.push_back(k);
   }
   if (looked_) tree_.refit(boxes_, execution);
-  // Where only few can be a pair's moved one these ask the tree, one by one; else it is walked against itself.
+  // If few triangles have moved, each of them queries the tree; otherwise, the tree is tested against itself.
   std::vector<char> asks(n, 0);
   std::size_t asking = 0;
   for (const std::uint32_t k : changed) {
@@ -172,7 +173,7 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
       std::atomic_ref(crossing[seen_[k]]).store(1, std::memory_order_relaxed);
     count.fetch_add(1, std::memory_order_relaxed);
     if (!named) return;
-    const std::lock_guard lock(naming);  // crossings are rare
+    const std::lock_guard lock(naming);  // the lock costs little, because crossings are rare
     if (named->size() < kMostNamed) named->push_back({seen_[i], seen_[j]});
   };
   const auto look = [&](std::uint32_t i, std::uint32_t j, PairCount& budget) {

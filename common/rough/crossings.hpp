@@ -1,7 +1,7 @@
-// Do caps pass through one another or through the outer surface? Judged on where their vertices are now, pair by
-// pair, by what makes two triangles cross: an edge of one that pierces the inside of the other. Triangles of one
-// region do not while each looks the way its facet does: whoever moves them has to see to that (of slivers, which
-// have no side, nobody does).
+// Finds caps that pass through one another or through the outer surface. Works pair by pair, on the current
+// positions of the vertices: two triangles cross if an edge of one pierces the interior of the other.
+// Triangles of one region do not cross if each faces the same way as its facet. The caller must ensure this;
+// for slivers, which have no definite side, nobody does.
 #pragma once
 
 #include <array>
@@ -20,60 +20,60 @@ namespace fracture {
 struct CapSurface {
   const std::vector<std::array<CutVertexId, 3>>& triangles;
   const std::vector<std::uint32_t>&
-      region_begin;                  ///< the first triangle of each region, and how many there are
-  const std::vector<char>& seen;     ///< per triangle: 0 where it lies inside a fragment and is no cut
-  CutVertexId first;                 ///< the vertex of points[0]
-  const std::vector<Vec3d>& points;  ///< where they are
-  const std::vector<Vec3d>& flat;    ///< where they were
-  const std::vector<char>& moved;    ///< per point: not where it was
+      region_begin;                  ///< the first triangle of each region, then the number of triangles
+  const std::vector<char>& seen;     ///< per triangle: 0 if it is inside a fragment and not part of a cut
+  CutVertexId first;                 ///< the vertex at points[0]
+  const std::vector<Vec3d>& points;  ///< current positions
+  const std::vector<Vec3d>& flat;    ///< original positions
+  const std::vector<char>& moved;    ///< per point: whether it has left its original position
   const std::vector<double>&
-      surface;  ///< per point: how far the flat one is from the outer surface, up to some reach
-  const std::vector<std::uint32_t>& place;  ///< per point: equal where flat ones coincide
-  /// The triangles from here on are in the way of the others; what they do among themselves and with the outer
-  /// surface is not asked.
+      surface;  ///< per point: distance of its original position to the outer surface, up to some maximum
+  const std::vector<std::uint32_t>& place;  ///< per point: equal for points whose original positions coincide
+  /// Triangles from this one on are only obstacles for the others. They are not tested against each other or
+  /// against the outer surface.
   std::uint32_t first_given;
 };
 
-/// Indices of two triangles that cross, or of one, twice, that does not lie as it should: for other reasons than
-/// another.
+/// Indices of two triangles that cross. Or one index twice, if a triangle leaves the surface or is turned
+/// over.
 using CrossingPair = std::array<std::uint32_t, 2>;
 
-/// Keeps references: what the caps are made of may change between two looks.
+/// Keeps references, because the caps may change between two calls of find().
 class Crossings {
  public:
-  /// Pairs that cross by `tolerance` (m) or less do not count. Throws Interrupted.
+  /// Crossings of at most `tolerance` (m) are ignored. Throws Interrupted.
   Crossings(const CapSurface& caps, const SurfaceTree& outside, double tolerance,
             const Execution& execution = {});
 
-  /// How many pairs cross and could do otherwise: they have a moved vertex. Sets `crossing` (per triangle) of
-  /// both. The first time all pairs are looked at, later only those with one of the `suspects` (per
-  /// triangle), which are the triangles whose vertices have been moved since. Nothing when too many lie in
-  /// each other's boxes (slivers as long as the mesh, movements as large as its pieces): kMostPairs for each
-  /// triangle, all looks together. `named`, if not null, gets those pairs, in any order; the first kMostNamed of a
-  /// look.
+  /// Returns the number of pairs that cross and have a moved vertex, and sets `crossing` (per triangle) for
+  /// both triangles. The first call tests all pairs. Later calls test only pairs with one of the `suspects`
+  /// (per triangle), which are the triangles whose vertices have moved since. Returns nothing if all calls
+  /// together test more than kMostPairs per triangle, because too many boxes overlap (slivers as long as the
+  /// mesh, movements as large as its pieces). `named`, if not null, receives these pairs in any order, at
+  /// most kMostNamed per call.
   std::optional<std::uint64_t> find(const std::vector<char>& suspects, std::vector<char>& crossing,
                                     const Execution& execution, std::vector<CrossingPair>* named = nullptr);
   static constexpr std::uint64_t kMostPairs = 300;
   static constexpr std::size_t kMostNamed = 1 << 16;
-  /// Of which boxes met, in all looks.
+  /// Number of pairs whose boxes overlapped, in all calls.
   std::uint64_t pairs() const { return pairs_; }
 
  private:
-  // These take indices of `seen_`.
+  // The following functions take indices of `seen_`.
   const std::array<CutVertexId, 3>& vertices(std::uint32_t k) const { return caps_.triangles[seen_[k]]; }
   PlaneTriangle as_it_is(std::uint32_t k) const;
   bool is_moved(std::uint32_t k) const;
-  /// Leaves pairs out that could do nothing about it, share a side, or are of one region.
+  /// Ignores pairs that have no moved vertex, share an edge, or are in one region.
   bool pair_crosses(std::uint32_t i, std::uint32_t j) const;
   bool may_leave_surface(std::uint32_t k) const;
   struct SurfaceBeside {
-    std::vector<std::uint32_t> may_leave;  // of the caps
-    std::vector<std::uint32_t> triangles;  // of the outer surface
-    std::vector<Box> boxes;                // of these
+    std::vector<std::uint32_t> may_leave;  // indices of cap triangles
+    std::vector<std::uint32_t> triangles;  // triangles of the outer surface nearby
+    std::vector<Box> boxes;                // boxes of `triangles`
   };
-  static constexpr std::size_t kFewBeside = 64;       // of which asking each is cheaper than asking the tree
-  static constexpr std::size_t kFewOutside = 20'000;  // of which looking for these takes no time to speak of
-  static constexpr std::uint32_t kFewMoved = 4;       // one of so many triangles, at most
+  static constexpr std::size_t kFewBeside = 64;       // up to this many, testing each is cheaper
+  static constexpr std::size_t kFewOutside = 20'000;  // up to this many, finding those nearby is cheap
+  static constexpr std::uint32_t kFewMoved = 4;       // if fewer than 1 / this have moved, each queries tree_
   template <class Leaves>
   void each_leaving(std::span<const std::uint32_t> triangles, SurfaceBeside& beside,
                     const Leaves& leaves) const;
@@ -81,11 +81,11 @@ class Crossings {
   const CapSurface caps_;
   const SurfaceTree& outside_;
   const double tolerance_;
-  std::vector<std::uint32_t> seen_;    // the triangles that are
-  std::vector<std::uint32_t> region_;  // of each of them
-  std::vector<PlaneTriangle> now_;     // per triangle of `seen_`, as it is
-  std::vector<Box> boxes_;             // the same
-  BoxTree tree_;                       // of the boxes
+  std::vector<std::uint32_t> seen_;    // indices of the triangles that count
+  std::vector<std::uint32_t> region_;  // region of each of them
+  std::vector<PlaneTriangle> now_;     // per triangle of `seen_`: its current state
+  std::vector<Box> boxes_;             // per triangle of `seen_`
+  BoxTree tree_;                       // tree over boxes_
   bool looked_ = false;
   std::uint64_t pairs_ = 0;
 };

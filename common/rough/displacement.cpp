@@ -8,18 +8,19 @@
 namespace fracture {
 namespace {
 
-/// Fading takes so many amplitudes: noise is rarely beyond half of what it can be.
+/// Distance over which movement fades, in amplitudes. It can be this short because noise rarely exceeds half
+/// of its bound.
 constexpr double kFade = 1.2;
-/// No point moves by more than this much of its distance from the surface, so that none reaches it.
+/// No point moves by more than this share of its distance to the surface, so no point reaches the surface.
 constexpr double kMostOfDistance = 0.6;
 
-/// The most by which it is longer along a grain than across.
+/// Maximum ratio of the movement along a grain to the movement across it.
 constexpr double kMostAlong = 4;
-/// Cells that are less than this many times as long as wide are no fibres: strips of metal, with their
-/// fine waves, would take a third longer to make.
+/// Cells that are shorter than this many widths do not count as fibres. Otherwise, strips of metal, which
+/// have fine waves, would take a third longer to compute.
 constexpr double kLeastStretch = 6;
 
-/// At least the largest factor by which the map lengthens a vector: sqrt(largest row sum · largest column
+/// An upper bound of the factor by which the map lengthens a vector: sqrt(largest row sum · largest column
 /// sum).
 double bound_of_norm(const Matrix3& m) {
   double rows = 0, columns = 0;
@@ -37,7 +38,7 @@ double bound_of_norm(const Matrix3& m) {
 
 }  // namespace
 
-// The change is dot(g, d), whose d lies in a cube and so in the ball around it.
+// The change is dot(g, d). d is in a cube, and so also in the ball around this cube.
 double Movement::along(const Vec3d& n) const {
   const Vec3d g = n + (further * dot(n, grain)) * grain;
   const double sum = std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z);
@@ -62,7 +63,7 @@ Displacement::Displacement(double amplitude, double frequency, std::uint32_t oct
     for (std::size_t k = 0; k < 3; ++k) to_waves.rows[k] = scale * frame.matrix.rows[k];
     Grain& grain = grain_.emplace_back();
     Matrix3
-        lengths;  // N Nᵀ of the inverse N, which makes the cells: its eigenvalues are squares of their lengths
+        lengths;  // N Nᵀ of the inverse map N, which shapes the cells: its eigenvalues are their squared lengths
     for (std::size_t i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         lengths.rows[i][j] = dot(frame.inverse.rows[i], frame.inverse.rows[static_cast<std::size_t>(j)]);
@@ -95,7 +96,7 @@ Vec3d Displacement::at(const Vec3d& p, double surface, std::size_t frame) const 
   double share = 1, frequency = frequency_;
   for (std::uint32_t o = 0; o < octaves_; ++o, share *= 0.5, frequency *= 2)
     d = d + share * gradient_noise(frequency * q, seed_ * kGoldenGamma + o);
-  // Along the grain it fades as much farther from the surface as it moves farther.
+  // Along the grain, the movement is larger, so it also fades over a longer distance.
   const Grain& grain = grain_[frame];
   const double faded = (surface - still_) / fading_, across = std::fmin(1, faded),
                along = std::fmin(1 + grain.further, faded);

@@ -8,7 +8,7 @@
 namespace fracture {
 namespace {
 
-/// A piece is not divided once more for being longer than so many parts by this.
+/// Tolerance, in parts, for the number of parts: a piece that is only this much too long gets no extra part.
 constexpr double kSlack = 1e-6;
 
 struct Ends {
@@ -42,7 +42,7 @@ EdgeSplits::EdgeSplits(const Winding& winding, double length,
                        const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions,
                        const Execution& execution) {
   Pacer pacer(execution);
-  // Rounded to the seam lattice, equal for coinciding vertices.
+  // Positions rounded to the seam lattice, which are equal for coinciding vertices.
   const auto at = [&](CutVertexId v) {
     return positions.lattice.to_world(positions.steps[v - positions.first_constructed]);
   };

@@ -1,6 +1,6 @@
-// What several caps share, the pieces of Voronoi edges inside the solid, divided evenly. Where is a function
-// of the rounded positions of the two ends alone, so that all caps at a piece agree, and pieces that coincide
-// under other keys (lattices) do too, bit for bit.
+// Divides the pieces of Voronoi edges inside the solid, which several caps share, into equal parts. The
+// positions depend only on the rounded positions of the two ends. So all caps at a piece agree, and so do
+// coinciding pieces with different keys (lattices), bit for bit.
 #pragma once
 
 #include <array>
@@ -15,19 +15,20 @@ namespace fracture {
 
 class EdgeSplits {
  public:
-  /// Divides the pieces that bound a facet of which `wanted(lo, hi)`, and none of which `plain(lo, hi)`, into
-  /// parts no longer than `length` (m) and appends the new vertices to `positions`. Throws Interrupted.
+  /// Divides the pieces that bound a facet with `wanted(lo, hi)` and no facet with `plain(lo, hi)` into parts no
+  /// longer than `length` (m). Appends the new vertices to `positions`. Throws Interrupted.
   EdgeSplits(const Winding& winding, double length, const std::function<bool(SiteId, SiteId)>& wanted,
              const std::function<bool(SiteId, SiteId)>& plain, VertexPositions& positions,
              const Execution& execution);
 
-  /// Appends the vertices strictly between a and b, in this order: none where (a, b) is no divided piece.
+  /// Appends the vertices strictly between a and b, in this order. Appends none if (a, b) is not a divided
+  /// piece.
   void between(CutVertexId a, CutVertexId b, std::vector<CutVertexId>& out) const;
 
  private:
   struct Edge {
     CutVertexId from, to;  // in lexicographic order of their positions
-    CutVertexId first;     // of `count` consecutive ones
+    CutVertexId first;     // the first of `count` consecutive vertices
     std::uint32_t count;
   };
   const Edge* find(CutVertexId a, CutVertexId b) const;
@@ -35,7 +36,7 @@ class EdgeSplits {
   std::vector<Edge> edges_;
 };
 
-/// The point of the seam lattice that is nearest to p.
+/// The point of the seam lattice nearest to p.
 std::array<std::int32_t, 3> nearest_steps(const SeamLattice& lattice, const Vec3d& p);
 
 /// Appends a vertex at p, rounded to the seam lattice.

@@ -1,4 +1,4 @@
-// Caps on their way into what is kept, and back among others.
+// Converts caps to stored cuts, and adds stored cuts to other caps.
 #include <algorithm>
 
 #include "common/base/stamped_map.hpp"

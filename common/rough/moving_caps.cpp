@@ -9,12 +9,13 @@
 namespace fracture {
 namespace {
 
-/// Rounds of calming: each of the first leaves a quarter of the movement, each later one nothing of it.
+/// Maximum number of rounds of calming. The first rounds leave a quarter of the movement, and each later
+/// round none of it.
 constexpr std::uint32_t kQuarteringRounds = 2, kMostRounds = 40;
 static_assert(kMostRounds < 64, "rounds are bits");
-/// Crossings of fewer lattice steps are rounding.
+/// Crossings of fewer lattice steps are due to rounding.
 constexpr double kLeastCrossing = 8;
-/// Of a place that is not made: calmed in other rounds than before.
+/// Value of outer_ for a place of an unchanged cell that was calmed in other rounds than before.
 constexpr char kOtherwise = 2;
 
 }  // namespace
@@ -68,7 +69,7 @@ void MovingCaps::restrain(const Restraints& restraints) {
 }
 
 void MovingCaps::move(const Displacement& displacement, const SurfaceTree& outside) {
-  std::vector<std::uint8_t> frame;  // of the map, for each vertex; empty where it has one at most
+  std::vector<std::uint8_t> frame;  // frame of the map for each vertex; empty if there is at most one
   if (diagram_.map().frames().size() > 1) {
     frame.assign(flat_.size(), 0);
     for (std::size_t r = 0; r < made_regions_; ++r)
@@ -109,7 +110,7 @@ void MovingCaps::place(std::size_t v) {
   moved_[v] = share_[v] > 0 && !(moves_[v] == Vec3d{});
 }
 
-/// Vertices at the same place under several keys (lattices of sites) stay together.
+/// Vertices at the same place under several keys (lattices of sites) move together.
 void MovingCaps::find_coinciding() {
   leader_.resize(flat_.size());
   order_.resize(flat_.size());
@@ -127,8 +128,8 @@ void MovingCaps::find_coinciding() {
 
 bool MovingCaps::is_made(SiteId s) const { return std::binary_search(made_.begin(), made_.end(), s); }
 
-/// Calls visit(region, place) for each corner that moves of caps with a cell that is not made: those of a facet between
-/// such a cell and a made one are made anew, and have to become what they were.
+/// Calls visit(region, place) for each movable corner of a cap with a cell that is not made here. Caps
+/// between such a cell and a made one are computed again, and must get the same result as before.
 template <class Visit>
 void MovingCaps::each_outer(const Visit& visit) {
   for (std::size_t r = 0; r < facets_.size(); ++r) {
@@ -143,7 +144,7 @@ void MovingCaps::each_outer(const Visit& visit) {
   }
 }
 
-/// What the rest did where it can be met here.
+/// Finds how the rest of the whole was calmed, at the places that also exist here.
 void MovingCaps::find_expected() {
   if (made_.empty()) return;
   expected_.assign(flat_.size(), 0);
@@ -170,9 +171,9 @@ void MovingCaps::find_expected() {
   }
 }
 
-/// Triangles that face away from their facet's normal. Those that are no higher than the tolerance have no side:
-/// such a one counts where it faced the right way when it was flat, or is higher now. Only suspects are asked, if there
-/// are any: the others lie as they did.
+/// Finds triangles that face away from their facet's normal. A triangle no higher than the tolerance has no
+/// definite side. It counts only if it faced the right way before it moved, or if its height now exceeds the
+/// tolerance. If there are suspects, only they are tested, because the others have not changed.
 void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& suspects, std::vector<char>& bad,
                                  std::vector<CrossingPair>* named) {
   for (std::size_t r = 0; r < made_regions_; ++r) {
@@ -204,7 +205,7 @@ void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& susp
   }
 }
 
-/// Returns whether anything was moved back.
+/// Moves vertices of bad triangles back. Returns whether anything was moved.
 bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad,
                             const std::vector<CrossingPair>& named, std::vector<char>& calmed, Outcome& out) {
   const std::uint64_t bit = std::uint64_t{1} << round;
@@ -249,7 +250,7 @@ void MovingCaps::sort_calmings(std::vector<Calming>& calmings) const {
   calmings.shrink_to_fit();
 }
 
-/// The cells that are not made of caps with a place that was calmed in other rounds than before.
+/// Returns the cells not made here that have a cap with a place calmed in other rounds than before.
 std::vector<SiteId> MovingCaps::changed_otherwise() {
   std::vector<SiteId> cells;
   std::size_t last = facets_.size();

@@ -1,8 +1,10 @@
-// The vertices of refined caps on their way: moved by noise, and moved less where triangles cross or turn over.
+// The vertices of refined caps while they move. They are moved by noise, and moved less where triangles cross
+// or turn over.
 //
-// What makes them move less goes in rounds, and each round is a function of where vertices are in it. Who knows that of
-// the rest of a diagram (trace.hpp) can do it for a part alone: the rest is given, as far as it lies in the part's
-// way, and follows its trace. Where the part would make it do otherwise, that is told: calm() names the cells.
+// Movement is reduced in rounds, and each round depends only on the positions of the vertices in it. If these
+// are known for the rest of a diagram (trace.hpp), a part can be computed alone. The cuts of the rest that the
+// part can meet are given, and repeat the calmings of their trace. If the part would change how the rest is
+// calmed, calm() returns the cells concerned.
 #pragma once
 
 #include <cstdint>
@@ -22,43 +24,42 @@ namespace fracture {
 
 class MovingCaps {
  public:
-  /// Calmings that are worth keeping.
+  /// Maximum number of calmings to store.
   static constexpr std::size_t kMostCalmings = 1 << 18;
 
-  /// `seen`: per triangle; those inside a fragment are no cuts and in nobody's way. `sites`: per site its number in
-  /// the whole; empty: it is the whole. Throws Interrupted, as everything here.
+  /// `seen`: per triangle; triangles inside a fragment are not part of a cut and cannot be met. `sites`:
+  /// number of each site in the whole; empty if this is the whole. All member functions throw Interrupted.
   MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, std::span<const SiteId> sites,
              const Execution& execution);
 
-  /// Before move(): vertices of restrained caps get their share of the movement.
+  /// Reduces the movement of restrained caps. Must be called before move().
   void restrain(const Restraints& restraints);
   void move(const Displacement& displacement, const SurfaceTree& outside);
 
-  /// The caps that are seen as what is kept of them. After move().
+  /// Returns the cuts that are seen, in the form that is stored. Must be called after move().
   std::vector<KeptCut> cuts() const;
-  /// Cuts of the rest. `before`: what was calmed in the whole as it was, ascending; `made`: per site of the whole, ascending,
-  /// whose caps are made here. Once, after move().
+  /// Adds cuts of the rest. `before`: the calmings in the previous whole, ascending. `made`: the sites,
+  /// numbered as in the whole and ascending, whose caps are made here. Must be called once, after move().
   void give(std::span<const KeptCut* const> cuts, std::span<const Calming> before,
             std::span<const SiteId> made);
 
   struct Outcome {
-    /// Of triangles that cross at the end; nothing where too many would have to be looked at: then everything is
-    /// back in its place.
+    /// Number of triangle pairs that cross at the end. None if too many would have to be tested; then every
+    /// vertex is back at its original position.
     std::optional<std::uint64_t> crossing;
-    std::uint64_t looked_at = 0;  ///< pairs of triangles
-    bool complete = false;        ///< the calmings are: they were asked for, and are not too many to be kept
-    std::vector<Calming>
-        calmings;  ///< what was calmed because of caps that are made here; ascending, none twice
-    std::vector<SiteId> spread;  ///< cells of the whole whose caps would no longer do what they did
+    std::uint64_t looked_at = 0;    ///< number of triangle pairs tested
+    bool complete = false;          ///< whether calmings were requested and there are few enough to store
+    std::vector<Calming> calmings;  ///< calmings due to caps made here; ascending, without duplicates
+    std::vector<SiteId> spread;     ///< cells of the whole whose caps would change
   };
-  /// The given cuts are gone afterwards.
+  /// Reduces movements until nothing crosses. Removes the given cuts afterwards.
   Outcome calm(const SurfaceTree& outside, bool trace);
-  /// Places where something is moved less than it might be.
+  /// Number of places with reduced movement.
   std::uint64_t calmed() const;
 
  private:
   struct Facet {
-    SiteId lo, hi;  // in the whole
+    SiteId lo, hi;  // numbers in the whole
     std::size_t frame;
     Vec3d normal;
   };
@@ -89,25 +90,24 @@ class MovingCaps {
   VertexPositions& positions_;
   std::vector<char> seen_;
   std::vector<Facet> facets_;                 // per region
-  std::vector<std::uint32_t> region_begin_;   // the first triangle of each region, and how many there are
-  const std::size_t fixed_;                   // the vertices before are on the surface
-  std::size_t made_vertices_, made_regions_;  // those after are given
+  std::vector<std::uint32_t> region_begin_;   // first triangle of each region, then the total
+  const std::size_t fixed_;                   // number of vertices on the surface, which come first
+  std::size_t made_vertices_, made_regions_;  // those with higher numbers are given
   std::vector<char> given_fixed_;
   // Per constructed vertex.
   std::vector<Vec3d> flat_;
   std::vector<Vec3d> moves_;
-  std::vector<double> surface_;  // distance, up to the reach of fading
-  std::vector<double> share_;    // of the movement
+  std::vector<double> surface_;  // distance to the surface, up to the reach of the displacement
+  std::vector<double> share_;    // share of the movement that remains
   std::vector<char> moved_;
-  std::vector<std::uint32_t>
-      leader_;                        // the lowest vertex at the same place that is fixed, or is not, like it
-  std::vector<std::uint32_t> order_;  // vertices by place
-  // Of the rest.
+  std::vector<std::uint32_t> leader_;  // the lowest vertex at the same place that is equally fixed or movable
+  std::vector<std::uint32_t> order_;   // vertices sorted by place
+  // Data of the rest of the whole.
   std::span<const Calming> before_;
   std::span<const SiteId> made_;
-  /// Per leader, a bit a round: calmed in the whole as it was; because of the rest alone.
+  /// Per leader, one bit per round: calmed in the previous whole; calmed because of the rest only.
   std::vector<std::uint64_t> expected_, replayed_;
-  std::vector<char> outer_;  // per leader: has vertices of cells that are not made; kOtherwise
+  std::vector<char> outer_;  // per leader: belongs to a cell that is not made here; or kOtherwise
   std::uint64_t rounds_expected_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace fracture {
 namespace {
 
-/// d · one of the twelve vectors from the middle of a cube to the middles of its edges.
+/// Dot product of d with one of the twelve vectors from the middle of a cube to the middles of its edges.
 double along_gradient(unsigned which, const Vec3d& d) {
   const double u = which < 8 ? d.x : d.y, v = which < 4 ? d.y : d.z;
   return (which & 1 ? -u : u) + (which & 2 ? -v : v);
@@ -30,7 +30,7 @@ Vec3d gradient_noise(const Vec3d& p, std::uint64_t seed) {
     const std::uint64_t hash = mix64(by_xy[corner & 3] + bits(cell.z) + z);
     const double weight = (x ? s.x : 1 - s.x) * (y ? s.y : 1 - s.y) * (z ? s.z : 1 - s.z);
     const Vec3d from{d.x - x, d.y - y, d.z - z};
-    // Three independent picks of twelve from one hash: sixteen of its bits each, scaled.
+    // Three independent choices out of twelve from one hash, each from sixteen of its bits.
     const auto pick = [&](unsigned shift) {
       return static_cast<unsigned>((hash >> shift & 0xffff) * 12 >> 16);
     };

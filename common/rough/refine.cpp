@@ -19,15 +19,15 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Regions narrower than this much of an edge have no width, up to so many corners.
+/// Regions narrower than this share of an edge count as slivers, if they have at most kLongestSliver corners.
 constexpr double kThin = 1e-3;
 constexpr std::size_t kLongestSliver = 160;
-/// The share of a region's area that triangles may have which turn right: more than rounding makes of it.
+/// Maximum share of a region's area in triangles that turn right: more than rounding causes.
 constexpr double kMostFolded = 1e-3;
-/// Planar coordinates are rounded to so many steps across a region.
+/// Number of steps across a region to which planar coordinates are rounded.
 constexpr double kSteps = 1 << 23;
 
-/// One region after the other; keeps its buffers between them.
+/// Refines one region after another; keeps its buffers in between.
 class RegionRefiner {
  public:
   RegionRefiner(const VoronoiDiagram& diagram, const VertexPositions& positions, const EdgeSplits& splits,
@@ -39,7 +39,7 @@ class RegionRefiner {
         execution_(execution),
         pacer_(execution) {}
 
-  /// Afterwards: triangles() in indices, of known() first and then of fresh(), and components().
+  /// Sets triangles(), as indices of known() followed by fresh(), and components().
   void refine(const CapRegion& region, std::span<const std::array<CutVertexId, 3>> old) {
     triangulate_anew(region, old);
     find_components();
@@ -47,8 +47,8 @@ class RegionRefiner {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   const std::vector<CutVertexId>& known() const { return ids_; }
   const std::vector<Vec3d>& fresh() const { return fresh_; }
-  /// Per triangle: which of the connected parts of the region it is of, in the order of their first
-  /// triangles. Empty: there is one.
+  /// Per triangle, the number of its connected component in the region, in the order of their first
+  /// triangles. Empty if there is only one.
   const std::vector<std::uint32_t>& components() const { return component_; }
 
  private:
@@ -60,7 +60,7 @@ class RegionRefiner {
     is_one_ = false;
     local_.next_epoch(positions_.points.size());
     gather_loops(old);
-    if (ring_.empty()) return keep(old);  // all sides are shared
+    if (ring_.empty()) return keep(old);  // all edges are shared
     flatten(region);
     const double area = planar_area();
     if (loop_begin_.size() == 2 && plane_.size() <= kLongestSliver && area < kThin * length_ * perimeter())
@@ -79,14 +79,14 @@ class RegionRefiner {
     }
   }
 
-  /// Nothing of it is divided.
+  /// Keeps the triangles of a region that is not divided.
   void keep(std::span<const std::array<CutVertexId, 3>> old) {
     for (const auto& t : old) triangles_.push_back({local(t[0]), local(t[1]), local(t[2])});
   }
 
-  // Where loops cross, triangles of opposite sense cancel, and what is left of a region may be several: two
-  // loops that only cancelled triangles held together. A region is what one piece and one other piece share
-  // (Pieces::piece_of_cap), so each has to be a region of its own.
+  // If loops cross, triangles of opposite orientation cancel, and the rest of the region may have several
+  // components. Each component must become a region, because a region is shared by exactly two pieces
+  // (Pieces::piece_of_cap).
   void find_components() {
     component_.clear();
     if (is_one_) return;
@@ -114,8 +114,8 @@ class RegionRefiner {
     return slot;
   }
 
-  /// The region's boundary with the vertices of the splits: edges that no other triangle uses the other way,
-  /// chained from vertex to vertex (the k-th that arrives goes on with the k-th that leaves).
+  /// The region's boundary with the vertices of the splits: edges that no other triangle uses in reverse,
+  /// chained from vertex to vertex (the k-th edge that arrives continues with the k-th that leaves).
   void gather_loops(std::span<const std::array<CutVertexId, 3>> old) {
     edges_.clear();
     for (const auto& t : old)
@@ -161,11 +161,11 @@ class RegionRefiner {
     }
   }
 
-  /// Planar coordinates of the loops, from the region's least vertex, with axes that the facet's normal
-  /// gives.
+  /// Computes planar coordinates of the loops, relative to the region's least vertex, with axes derived from
+  /// the facet's normal.
   void flatten(const CapRegion& region) {
     const Vec3d u = diagram_.facet_normal(region.lo, region.hi), normal = (1 / length(u)) * u;
-    int axis = 0;  // the coordinate axis least along the normal
+    int axis = 0;  // the coordinate axis most perpendicular to the normal
     for (int a = 1; a < 3; ++a)
       if (std::fabs(normal[a]) < std::fabs(normal[axis])) axis = a;
     Vec3d e;
@@ -214,9 +214,9 @@ class RegionRefiner {
     return sum;
   }
 
-  /// A facet without width (four sites on a circle): its sides lie on each other, and only triangles between
-  /// neighbours stay there when they move. The triangulation of least squared edges, by dynamic programming
-  /// (Gilbert 1979, Klincsek 1980 for lengths).
+  /// Triangulates a facet without width (four sites on a circle). Its sides coincide, so only triangles
+  /// between neighbours stay in place when it moves. Minimizes the sum of squared edges by dynamic
+  /// programming (Gilbert 1979, Klincsek 1980, for lengths).
   void triangulate_shortest() {
     const std::size_t n = plane_.size();
     least_.assign(n * n, 0);
@@ -252,9 +252,9 @@ class RegionRefiner {
             static_cast<std::int64_t>(std::nearbyint((p.y - low_.y) / step_))};
   }
 
-  /// False, with nothing promised, where the loops do not nest (surfaces that cross themselves).
+  /// Returns false, with an unspecified state, if the loops do not nest (surfaces that cross themselves).
   bool triangulate_with_core(double area) {
-    // Corners of the collar: the loops in their order, then the rim of the core.
+    // Corners of the collar: the loops in order, then the rim of the core.
     corner_.assign(loop_.begin(), loop_.end());
     collar_begin_ = loop_begin_;
     const auto known = static_cast<std::uint32_t>(ids_.size());
@@ -267,7 +267,7 @@ class RegionRefiner {
     for (std::size_t k = 0; k < loop_.size(); ++k) collar_points_.push_back(rounded(plane_[k]));
     for (const std::uint32_t r : core_.rim()) collar_points_.push_back(rounded(core_.points()[r]));
     if (!collar_.build(collar_points_, collar_begin_, loop_begin_.size() - 1, execution_)) return false;
-    double folded = 0;  // twice the area of what turns right: a loop may cross itself
+    double folded = 0;  // twice the area of triangles that turn right, because a loop may cross itself
     for (const auto& [p, q, r] : collar_.triangles())
       folded -= std::fmin(0, orient2d(collar_points_[p], collar_points_[q], collar_points_[r]));
     if (folded * step_ * step_ > 2 * kMostFolded * area) return false;
@@ -279,8 +279,8 @@ class RegionRefiner {
     return true;
   }
 
-  // A pair of vertices is split alike wherever it is a side, so nothing can open. Where the surface crosses itself a
-  // triangle may turn right, in which no ear would be found: it is divided as its mirror image.
+  // A side is split in the same way in every triangle, so no gap can open. If the surface crosses itself, a
+  // triangle may turn right and would have no ear, so its mirror image is divided instead.
   void split_sides(const std::array<CutVertexId, 3>& t) {
     const auto in_plane = [&](CutVertexId v) {
       const Vec3d d = positions_.points[v - positions_.first_constructed] - origin_;
@@ -318,7 +318,7 @@ class RegionRefiner {
   std::vector<std::pair<CutVertexId, CutVertexId>> boundary_;
   std::vector<char> used_;
   std::vector<CutVertexId> ring_;                 // the loops, one after the other
-  std::vector<std::uint32_t> loop_, loop_begin_;  // the same in local indices
+  std::vector<std::uint32_t> loop_, loop_begin_;  // indices into the local vertices
   Vec3d origin_, across_, up_;
   std::vector<Vec3d> flat_;   // per known vertex
   std::vector<Vec2d> plane_;  // per corner of the loops
@@ -333,7 +333,7 @@ class RegionRefiner {
   std::vector<CutVertexId> ids_;
   std::vector<Vec3d> fresh_;
   std::vector<Triangle> triangles_;
-  bool is_one_ = false;  // for sure, without looking
+  bool is_one_ = false;  // known to be a single component
   DisjointSets joined_;
   std::vector<std::uint32_t> number_, component_;
 };

@@ -1,4 +1,4 @@
-// Cells whose cuts get less of the roughness than was asked: the net under rough cuts
+// Cells whose cuts get less roughness than requested. This is the fallback if rough cuts fail
 // (pipeline/rough_cells.hpp).
 #pragma once
 
@@ -12,15 +12,15 @@ namespace fracture {
 
 enum class Restraint : std::uint8_t {
   kNone,
-  kLess,  ///< kLessAmplitude of the amplitude
-  kFlat,  ///< cuts as they are without roughness: neither moved nor refined
+  kLess,  ///< kLessAmplitude times the amplitude
+  kFlat,  ///< flat cuts: neither moved nor refined
 };
 inline constexpr double kLessAmplitude = 0.25;
 
-/// Per site; empty: nobody is restrained.
+/// One entry per site; empty: no cell is restrained.
 using Restraints = std::vector<Restraint>;
 
-/// Of the cap between two cells: that of the one that is restrained more.
+/// The restraint of the cap between two cells: the stronger one of the two.
 inline Restraint restraint_of(const Restraints& restraints, SiteId lo, SiteId hi) {
   return restraints.empty() ? Restraint::kNone : std::max(restraints[lo], restraints[hi]);
 }

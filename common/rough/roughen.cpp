@@ -15,13 +15,14 @@
 namespace fracture {
 namespace {
 
-/// Edges are no shorter than so many lattice steps.
+/// Minimum length of an edge, in lattice steps.
 constexpr double kLeastSteps = 32;
-/// Lengths from the outer surface up to which a cut has no corners but those of its outline (refine.hpp, and some more):
-/// they would move alone, and straight strips between them, as across a thin wall.
+/// Distance to the outer surface, in edge lengths, within which a cut has only the corners of its outline
+/// (refine.hpp, with a margin). These corners would move individually, with straight strips between them, as
+/// across a thin wall.
 constexpr double kOutlineAlone = 0.7;
 
-/// By Newton's iteration, from + * / alone: the C library's cbrt is not rounded alike everywhere.
+/// Uses Newton's iteration with only + * /, because the C library's cbrt is not rounded alike on all systems.
 double cube_root(double v) {
   int exponent = 0;
   const double mantissa = std::frexp(v, &exponent);  // v = mantissa 2^exponent, in [0.5, 1)
@@ -55,7 +56,7 @@ double area_of(const Caps& caps, const VertexPositions& positions, const Wanted&
   return twice / 2;
 }
 
-/// Of the pieces of Voronoi edges that wanted caps share, each as often as it has caps: at least its length.
+/// Total length of the Voronoi edges that bound wanted caps, counted once per cap; an upper bound.
 template <class Wanted>
 double length_of_edges(const Winding& winding, const VertexPositions& positions, const Wanted& wanted,
                        const Execution& execution) {
@@ -70,15 +71,15 @@ double length_of_edges(const Winding& winding, const VertexPositions& positions,
   return sum;
 }
 
-/// The least power of two that is no less: what depends on all cells is rounded, so that a further cell
-/// seldom changes it.
+/// Rounds up to a power of two. Values that depend on all cells are rounded, so that one more cell rarely
+/// changes them.
 double rounded_up(double length) {
   int exponent = 0;
   const double mantissa = std::frexp(length, &exponent);
   return std::ldexp(1, mantissa == 0.5 ? exponent - 1 : exponent);
 }
 
-/// Cuts of which all triangles but those inside a fragment are seen.
+/// Marks the triangles of all caps that separate two owners.
 template <class Parts>
 std::vector<char> seen_of(const Caps& caps, const Parts& parts) {
   std::vector<char> seen(caps.triangles.size(), 0);
@@ -88,7 +89,7 @@ std::vector<char> seen_of(const Caps& caps, const Parts& parts) {
   return seen;
 }
 
-/// Amplitude and length as they are without limits from how much there is to refine.
+/// Amplitude and edge length before limits on the number of triangles.
 RoughReport asked_of(double size, const Roughness& roughness) {
   RoughReport report;
   report.asked = roughness.amplitude * size;
@@ -98,15 +99,16 @@ RoughReport asked_of(double size, const Roughness& roughness) {
   return report;
 }
 
-/// What movement fades over shows as roughness; where that ends before a cut has corners within its outline, nothing moves.
+/// The fading zone is visibly rough. Near the surface, where a cut has only the corners of its outline,
+/// nothing moves.
 Displacement displacement_of(const RoughReport& report, const Roughness& roughness, double size,
                              std::uint64_t seed, const CellMap& map) {
   const double still = std::fmax(0, kOutlineAlone * report.length - Displacement::fading(report.amplitude));
   return {report.amplitude, roughness.frequency / size, roughness.octaves, seed, map, still};
 }
 
-/// An equilateral triangle of side l has 0.433 l² of area; edges have ends of their own; and what is shorter than the
-/// lattice is rounded away.
+/// An equilateral triangle of side l has an area of 0.433 l². Divided edges add vertices. Edges shorter than
+/// lattice steps would be rounded away.
 double least_length(double area, double edges, const SeamLattice& lattice) {
   const Vec3d step = lattice.step();
   return std::fmax(
@@ -114,7 +116,7 @@ double least_length(double area, double edges, const SeamLattice& lattice) {
       std::fmax(edges / kMostRoughTriangles, kLeastSteps * std::fmax(step.x, std::fmax(step.y, step.z))));
 }
 
-/// The triangles of the whole that are within `reach` (m) of the box.
+/// Returns the triangles of the whole solid that are within `reach` (m) of the box.
 std::vector<std::array<Vec3d, 3>> corners_near(const Solid& whole, Box box, double reach,
                                                const Execution& execution) {
   Pacer pacer(execution);

@@ -1,13 +1,12 @@
-// Rough cuts: the caps between fragments are refined (refine.hpp) and their vertices moved by noise
-// (noise.hpp), a function of position alone, so that both sides of a cut still match bit for bit and the
-// pieces still partition the solid. The movement fades to nothing at the outer surface, which stays as it
-// was.
+// Rough cuts: the caps between fragments are refined (refine.hpp), and their vertices are moved by noise
+// (noise.hpp). The noise depends only on position, so both sides of a cut still match bit for bit, and the
+// pieces still partition the solid. The movement fades to zero at the outer surface, which does not change.
 //
-// Why nothing crosses: p -> p + d(p) is one to one where |d(p) - d(q)| < |p - q|, and it takes no point out
-// of the solid where |d(p)| is less than the distance to its surface. The second always holds; the first
-// holds for the amplitudes that are allowed but for rare peaks of the noise, and triangles only sample d. So
-// the result is looked at (crossings.hpp): where caps cross one another or the outer surface, or a triangle
-// turns over in its cap, the vertices there are moved less, down to not at all.
+// Why nothing crosses: p -> p + d(p) is one to one if |d(p) - d(q)| < |p - q|, and moves no point out of the
+// solid if |d(p)| is less than the distance to its surface. The second condition always holds. The first
+// holds for the permitted amplitudes, except for rare peaks of the noise, and triangles only sample d. So the
+// result is tested (crossings.hpp). If caps cross one another or the outer surface, or a triangle turns
+// over in its cap, the vertices there are moved less, or not at all.
 #pragma once
 
 #include <cstdint>
@@ -27,59 +26,60 @@
 namespace fracture {
 
 struct RoughReport {
-  double amplitude = 0;         ///< m, in force: at most what was asked
-  double asked = 0;             ///< m
-  double length = 0;            ///< m, of the edges the caps were refined to
-  std::uint64_t triangles = 0;  ///< of all rough caps
-  std::uint64_t calmed = 0;     ///< places that are moved less, because triangles crossed or turned over
-  /// Pairs of triangles that cross all the same: 0 unless the surface crosses itself.
+  double amplitude = 0;         ///< the amplitude used, m: at most the requested one
+  double asked = 0;             ///< the requested amplitude, m
+  double length = 0;            ///< edge length of the refined caps, m
+  std::uint64_t triangles = 0;  ///< in all rough caps
+  std::uint64_t calmed = 0;     ///< places that are moved less because triangles crossed or turned over
+  /// Pairs of triangles that still cross: 0 unless the surface crosses itself.
   std::uint64_t crossing = 0;
-  /// The cuts are flat all the same: more pairs of triangles lie in each other's boxes than can be looked at.
+  /// The cuts are flat, because too many pairs of triangles have overlapping boxes to test them all.
   bool given_up = false;
 };
 
-/// Larger amplitudes are lowered: amplitude times frequency of the coarsest octave.
+/// Maximum of amplitude times frequency of the coarsest octave. Larger amplitudes are reduced.
 inline constexpr double kMostSteepness = 0.5;
 /// Edges of the refined caps per wave of the finest octave.
 inline constexpr double kEdgesPerWave = 2;
-/// Edges are made longer until the caps have at most about so many triangles, and the edges between them so
-/// many ends, beyond those of flat caps.
+/// Approximate limit for the triangles of refined caps and for the ends of the edges between them, in addition
+/// to those of flat caps. Edges are made longer until both limits are met.
 inline constexpr double kMostRoughTriangles = 400'000;
 
 /// Replaces the triangles of the caps between different owners (`owner_of_site`: cells of one owner stay
-/// together) and moves the vertices inside the solid; those on its surface stay. Fills Caps::normals and
-/// VertexPositions::flat_steps. With an amplitude of 0 nothing changes. Where the diagram has a map the waves
-/// are stretched as the cells are. Caps of restrained cells are moved less, or stay as they are; the others
-/// stay what they would be without restraints, but for vertices that they share.
-/// `trace`, if not null, gets what roughen_part() needs; nothing where a part cannot be made without the rest:
-/// triangles are longer than asked because there are many, cells are restrained, or something crosses.
+/// together), and moves the vertices inside the solid. Vertices on its surface stay. Fills Caps::normals and
+/// VertexPositions::flat_steps. Does nothing if the amplitude is 0. If the diagram has a map, the waves are
+/// stretched like the cells. Caps of restrained cells are moved less, or are unchanged. The other caps are
+/// the same as without restraints, except for vertices shared with restrained caps.
+/// `trace`, if not null, receives the data for roughen_part(). It is empty if a part cannot be made without
+/// the rest: if triangles are larger than requested because there are many, cells are restrained, or
+/// something crosses.
 RoughReport roughen(RestrictedDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
                     const Execution& execution, std::optional<RoughTrace>* trace = nullptr);
 
-/// How far cuts move at most, for each frame of the map (one without a map).
+/// Maximum movement of cuts, for each frame of the map (one entry if there is no map).
 std::vector<Movement> movements_of_cuts(const Solid& solid, const Roughness& roughness, const CellMap& map);
 
-/// The whole of which a diagram is a part.
+/// The whole to which a partial diagram belongs.
 struct RoughWhole {
   const Solid& solid;
-  std::span<const SiteId> sites;  ///< per site of the part its number in the whole; ascending
+  std::span<const SiteId> sites;  ///< number of each site of the part in the whole; ascending
   std::span<const SiteId>
-      made;            ///< of the whole, ascending: the cells that have all of their caps in the part
-  double area, edges;  ///< as in RoughTrace: no less than those of the caps that stay
-  std::span<const Calming> calmings;  ///< of the whole as it was
-  /// The cuts of the whole as it was, between cells that are not made, whose boxes meet one of these, or a place that
-  /// was calmed because of a cell that is made.
+      made;            ///< numbers in the whole, ascending: the cells all of whose caps are in the part
+  double area, edges;  ///< as in RoughTrace: upper bounds for the remaining caps
+  std::span<const Calming> calmings;  ///< of the previous whole
+  /// Returns the cuts of the previous whole, between cells that are not made, that meet one of these boxes.
+  /// Also returns cuts that meet a place calmed because of a cell that is made.
   std::function<std::vector<const KeptCut*>(std::vector<Box>)> near;
 };
 struct RoughPart {
-  RoughReport report;  ///< asked, amplitude and length
-  RoughTrace trace;    ///< of the caps of the made cells; area and edges with those of the whole
-  /// Cells whose caps, if all were made, would not be what they were: these have to be made, too.
+  RoughReport report;  ///< only asked, amplitude and length
+  RoughTrace trace;    ///< of the caps of made cells; area and edges include the whole's
+  /// Cells whose caps would change if all were made again. They must be made too.
   std::vector<SiteId> spread;
 };
-/// The caps of the made cells as roughen() makes them among all, to the bit. Nothing where that cannot be. Throws
-/// Interrupted.
+/// Makes the caps of the made cells, with the same bits as roughen() on the whole. Returns nothing if that is
+/// not possible. Throws Interrupted.
 std::optional<RoughPart> roughen_part(RestrictedDiagram& diagram,
                                       const std::vector<std::uint32_t>& owner_of_site,
                                       const Roughness& roughness, std::uint64_t seed, const RoughWhole& whole,

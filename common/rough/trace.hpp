@@ -1,4 +1,4 @@
-// What is kept of rough cuts, so that a part of them can be made anew as if all were (roughen_part() in
+// Stored data of rough cuts, with which a part of them can be made again as if all were (roughen_part() in
 // roughen.hpp).
 #pragma once
 
@@ -13,36 +13,36 @@
 
 namespace fracture {
 
-/// A cap as it is moved. Vertices: first those on the outer surface, which stay, then the others.
+/// A cap after its movement. The vertices on the outer surface, which stay, come first.
 struct KeptCut {
   SiteId lo, hi;             ///< lo < hi
-  Box box;                   ///< around all places that its vertices may take
+  Box box;                   ///< contains all possible positions of its vertices
   std::vector<Vec3d> fixed;  ///< m
   std::vector<std::array<std::int32_t, 3>>
-      flat;                  ///< of the others: before they move, steps of the seam lattice
-  std::vector<Vec3d> moves;  ///< of these, m: all of their movement
+      flat;                  ///< for the other vertices: original positions, in steps of the seam lattice
+  std::vector<Vec3d> moves;  ///< for the same vertices: their full movement, m
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 std::size_t memory_size(const KeptCut& cut);
 
-/// What lies at one place was moved less in one round, because two triangles crossed, or one did not lie as it
-/// should.
+/// The vertices at one place were moved less in one round, because two triangles crossed, or because one left
+/// the surface or turned over.
 struct Calming {
-  std::array<std::int32_t, 3> place;  ///< before it moved, steps of the seam lattice
+  std::array<std::int32_t, 3> place;  ///< original position, in steps of the seam lattice
   std::uint32_t round;
-  std::array<SiteId, 4> cells;  ///< lo and hi of the facets of both triangles; of one twice
+  std::array<SiteId, 4> cells;  ///< lo and hi of the facets of both triangles; of one triangle: twice
 
   auto operator<=>(const Calming&) const = default;
 };
 
 struct RoughTrace {
   std::vector<KeptCut> cuts;
-  std::vector<Calming> calmings;  ///< ascending, none twice
-  std::uint64_t pairs = 0;        ///< of triangles whose boxes met, in all rounds
-  double area = 0, edges = 0;     ///< m², m: of the flat caps, and of the Voronoi edges that bound them
+  std::vector<Calming> calmings;  ///< ascending, without duplicates
+  std::uint64_t pairs = 0;        ///< number of triangle pairs whose boxes overlapped, in all rounds
+  double area = 0, edges = 0;     ///< of the flat caps, m²; of the Voronoi edges that bound them, m
 };
 
-/// Different places that were calmed.
+/// Number of different places that were calmed.
 std::uint64_t places_of(std::span<const Calming> calmings);
 
 }  // namespace fracture

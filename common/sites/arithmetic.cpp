@@ -33,7 +33,7 @@ double logarithm(double x) {
     mantissa *= 2;
     --exponent;
   }
-  // ln m = 2 artanh(s): with |s| < 0.18 thirteen terms are good to 1e-19.
+  // ln m = 2 artanh(s). Because |s| < 0.18, thirteen terms are accurate to 1e-19.
   const double s = (mantissa - 1) / (mantissa + 1), s2 = s * s;
   double sum = 0;
   for (int k = 12; k >= 0; --k) sum = sum * s2 + 1.0 / (2 * k + 1);
@@ -43,7 +43,7 @@ double logarithm(double x) {
 Vec2d unit_at(double turns) {
   const double eighth = std::floor(8 * (turns - std::floor(turns)) + 0.5);
   constexpr double kTwoPi = 6.283185307179586476925;
-  // Within a sixteenth of a turn the Taylor series of degree 17 is good to 1e-19.
+  // Within a sixteenth of a turn, the Taylor series of degree 17 is accurate to 1e-19.
   const double x = kTwoPi * (turns - std::floor(turns) - eighth / 8), x2 = x * x;
   double c = 0, s = 0;
   for (int k = 8; k >= 1; --k) {
@@ -83,7 +83,7 @@ Vec3d random_direction(Random& random) {
 }
 
 Vec3d normalized(const Vec3d& v) {
-  // Scaled first, so that no square overflows or vanishes.
+  // Scale first, so that no square overflows or underflows.
   const double largest = std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
   const Vec3d scaled{v.x / largest, v.y / largest, v.z / largest};
   const double l = length(scaled);

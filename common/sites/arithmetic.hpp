@@ -1,5 +1,6 @@
-// The few transcendental functions that patterns need, from + - * / and sqrt, which IEEE 754 rounds exactly:
-// the C library's own differ in their last bits between systems, and no snapping to a lattice mends that.
+// The few transcendental functions that patterns need, computed with + - * / and sqrt, which IEEE 754 rounds
+// exactly. The C library's functions differ in their last bits between systems, and snapping to a lattice
+// does not remove such differences.
 #pragma once
 
 #include "common/base/random.hpp"
@@ -7,17 +8,17 @@
 
 namespace fracture::sites_detail {
 
-/// base^exponent for base in [0, 1] and exponent in [0, 64]: the whole part by squaring, the fraction by
-/// repeated square roots (x^0.b1b2b3… = Π x^(b_k 2^-k)). Good to about 1e-12.
+/// base^exponent for base in [0, 1] and exponent in [0, 64]. Squaring gives the integer part, and repeated
+/// square roots the fraction (x^0.b1b2b3… = Π x^(b_k 2^-k)). Accurate to about 1e-12.
 double power(double base, double exponent);
 
 /// The natural logarithm of x > 0, to about 1e-15.
 double logarithm(double x);
 
-/// (cos, sin) of a number of full turns, to about 1e-15.
+/// (cos, sin) of an angle given in full turns, to about 1e-15.
 Vec2d unit_at(double turns);
 
-/// A direction uniform on the sphere (rejection from the cube).
+/// A random direction, uniform on the sphere (by rejection from the cube).
 Vec3d random_direction(Random& random);
 
 /// Two unit vectors that make (u, v, axis / |axis|) a right-handed orthonormal frame; axis is not zero.

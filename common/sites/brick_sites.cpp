@@ -1,7 +1,8 @@
-// Masonry. On what is a wall (masonry.hpp) bricks lie in courses along its axes; on what is none they are rubble, stones
-// of the same volume that lie flat. A solid of more bricks than pieces breaks into lumps of them, whose edges are
-// toothed as the courses are: that is how walls come down. The bricks nearest to a hit are crushed, those around them
-// broken in halves, the next ones single, and lumps are the larger the farther away they are.
+// Masonry. Walls (masonry.hpp) are divided into bricks laid in courses along the axes of the wall. Other
+// parts become rubble: flat stones of the same volume as a brick. A solid with more bricks than pieces breaks
+// into lumps of bricks, with edges toothed like the courses; real walls collapse this way. The bricks nearest
+// to a hit are crushed, those around them are halved, and the next ones come off singly. Lumps grow larger
+// with the distance from the hit.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -21,22 +22,26 @@ namespace {
 
 constexpr std::uint64_t kBrickStream = 0x6a1d'0000'0000'0001ull;
 
-/// A brick, m: length, height and depth of the normal format (DIN 105), 240 x 71 x 115 mm.
+/// Size of a real brick, m: length, height and depth of the German normal format (DIN 105), 240 x 71 x 115
+/// mm.
 constexpr Vec3d kReal{0.24, 0.071, 0.115};
-/// So many bricks in a piece, at most, on the whole: beyond, bricks are larger than real ones. More cost more.
+/// Maximum number of bricks per piece, on average. Beyond it, bricks become larger than real ones, because
+/// more bricks cost more time.
 constexpr double kMostInPiece = 6;
-/// Of the pieces of what was hit: as many are crushed bricks, in quarters; bricks in halves; and single ones.
+/// Shares of the pieces of a solid that was hit: crushed bricks (in quarters), halved bricks, and single
+/// bricks.
 constexpr double kCrushed = 0.05, kHalved = 0.1, kSingle = 0.2;
 constexpr std::uint32_t kCrumbs = 4;
 
-constexpr int kMostScales = 4;  // tried
+constexpr int kMostScales = 4;  // maximum number of sizes to try
 constexpr double kMostCells = 4e6;
 
 double most_in_piece(double count) {
   return std::fmax(1, std::fmin(kMostInPiece, kMaxPatternSites / (2.5 * count)));
 }
 
-/// How many times as large as real ones bricks are, of which `volume` (m³) has about count to count * most_in_piece().
+/// Size of a brick relative to a real one, so that `volume` (m³) contains about count to count *
+/// most_in_piece() bricks.
 double scale_for(double volume, double count) {
   const double real = volume / (kReal.x * kReal.y * kReal.z);
   const double bricks = std::fmax(count, std::fmin(real, count * most_in_piece(count)));
@@ -44,7 +49,7 @@ double scale_for(double volume, double count) {
                   : 1;
 }
 
-/// The parts of the solid that are laid, or lie, together.
+/// The parts of the solid that share courses, or that are one heap of rubble.
 struct Place {
   Box box;  ///< in the image
   bool is_wall;
@@ -74,7 +79,7 @@ std::vector<Place> places_of(const Task& task, const BrickPattern& pattern) {
   return places;
 }
 
-/// Stones of rubble, uniform in their parts.
+/// Adds rubble: stones at uniform random points of the parts that are not walls.
 void add_rubble(const Task& task, ColumnSampler& sampler, const std::vector<Place>& places,
                 double brick_volume, const Vec3d& brick, Bricks& bricks) {
   double volume = 0, all = 0;
@@ -87,7 +92,7 @@ void add_rubble(const Task& task, ColumnSampler& sampler, const std::vector<Plac
   const auto points =
       sampler.sample(static_cast<std::uint32_t>(std::fmin(std::fmax(1, wanted), kMaxPatternSites)));
   const double h =
-      0.7 * brick.z;  // some more than half of the cube root of the volume: as far as neighbours may be
+      0.7 * brick.z;  // over half the cube root of the volume, so that neighbouring boxes overlap
   const Vec3d half{h, h, h};
   Pacer pacer(task.execution);
   for (const Vec3d& p : points) {
@@ -98,7 +103,7 @@ void add_rubble(const Task& task, ColumnSampler& sampler, const std::vector<Plac
   }
 }
 
-/// Distances of the bricks to the nearest hit, m.
+/// Distance of each brick to the nearest hit, m.
 std::vector<double> distances_to(const std::vector<Vec3d>& impacts, const Task& task, const Bricks& bricks) {
   const CellMap& map = task.seen.map();
   Pacer pacer(task.execution);
@@ -113,7 +118,8 @@ std::vector<double> distances_to(const std::vector<Vec3d>& impacts, const Task& 
   return distances;
 }
 
-/// Where lumps grow: `count` of the bricks order[first, …), at random, or the fewer the farther from a hit.
+/// Chooses the bricks where lumps start: `count` of order[first, …), at random; if there are hits, fewer far
+/// from them.
 std::vector<std::uint32_t> seeds_among(const std::vector<std::uint32_t>& order, std::size_t first,
                                        std::size_t count, const std::vector<double>& distance, Random& random,
                                        Pacer& pacer) {
@@ -136,9 +142,9 @@ std::vector<std::uint32_t> seeds_among(const std::vector<std::uint32_t>& order, 
   return seeds;
 }
 
-/// Whether two bricks share more than an edge, or two stones are so near that they may.
+/// Whether two bricks share more than an edge. For stones: whether they are near enough to touch.
 bool touch(const Bricks::Brick& a, const Bricks::Brick& b) {
-  constexpr double kShared = 0.01;  // of a side
+  constexpr double kShared = 0.01;  // share of a side
   int apart = 0;
   for (int k = 0; k < 3; ++k) {
     const double overlap = a.half[k] + b.half[k] - std::fabs(a.middle[k] - b.middle[k]);
@@ -147,8 +153,8 @@ bool touch(const Bricks::Brick& a, const Bricks::Brick& b) {
   return apart <= 1;
 }
 
-/// The lump of each of the bricks order[first, …): they grow from the seeds in the order of distance from them, from
-/// brick to touching brick, so that each is one piece. n log n.
+/// Returns the lump of each brick in order[first, …). Lumps grow from the seeds, from brick to touching
+/// brick, in order of distance from the seed. So each lump is connected. O(n log n).
 std::vector<std::uint32_t> lumps_from(const std::vector<std::uint32_t>& seeds, const Bricks& bricks,
                                       const std::vector<std::uint32_t>& order, std::size_t first,
                                       const Execution& execution) {
@@ -163,7 +169,7 @@ std::vector<std::uint32_t> lumps_from(const std::vector<std::uint32_t>& seeds, c
   std::vector<bool> free(bricks.bricks.size(), false);
   for (std::size_t k = first; k < order.size(); ++k) free[order[k]] = true;
   struct Step {
-    double square;  ///< of the distance to the seed
+    double square;  ///< squared distance to the seed
     std::uint32_t lump, brick;
     auto operator<=>(const Step&) const = default;
   };
@@ -190,7 +196,8 @@ std::vector<std::uint32_t> lumps_from(const std::vector<std::uint32_t>& seeds, c
   };
   for (std::uint32_t s = 0; s < seeds.size(); ++s) next.push({0, s, seeds[s]});
   grow();
-  // Those that touch no lump (other parts of the solid, or beyond what is crushed) go to the nearest.
+  // Bricks that touch no lump (in other parts of the solid, or beyond the crushed zone) join the nearest
+  // lump.
   for (std::size_t k = first; k < order.size(); ++k) {
     pacer.step();
     if (!free[order[k]]) continue;
@@ -205,7 +212,7 @@ std::vector<std::uint32_t> lumps_from(const std::vector<std::uint32_t>& seeds, c
   return lump_of;
 }
 
-/// Makes pieces of the bricks: sites, and the group of each.
+/// Divides the bricks into pieces: returns their sites, and each site's group.
 SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, Random& random) {
   Pacer pacer(task.execution);
   SitePlan plan;
@@ -216,7 +223,7 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
   std::size_t crushed = 0, halved = 0, single = 0;
   if (!pattern.impacts.empty()) {
     distance = distances_to(pattern.impacts, task, bricks);
-    std::vector<double> ragged;  // so that what is crushed has no even edge
+    std::vector<double> ragged;  // makes the edge of the crushed zone uneven
     for (const double d : distance) ragged.push_back(d * (0.75 + 0.5 * random.uniform()));
     sort_with_polls(task.execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return ragged[a] != ragged[b] ? ragged[a] < ragged[b] : a < b;
@@ -241,7 +248,7 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
       for (std::uint32_t crumb = 0; crumb < kCrumbs; ++crumb) {
         Vec3d at = brick.middle;
         for (int a = 0; a < 3; ++a) at[a] += (2 * random.uniform() - 1) * brick.half[a];
-        add(at, next++, kNoIndex);  // its cuts are anywhere but in the joints
+        add(at, next++, kNoIndex);  // its cuts can be anywhere, not only in the joints
       }
       continue;
     }
@@ -251,7 +258,7 @@ SitePlan break_up(const Task& task, const BrickPattern& pattern, Bricks bricks, 
     }
     ++next;
   }
-  // What is left is lumps, as many as pieces are left, or bricks.
+  // The remaining bricks become lumps, as many as there are pieces left, or single bricks.
   const std::size_t pieces = task.count > next ? task.count - next : 1;
   const bool lumps = !pattern.cell && count - single > pieces;
   std::vector<std::uint32_t> seeds;
@@ -305,7 +312,7 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
   double scale = scale_for(task.solid.report.volume, task.count);
   Bricks bricks;
   Random random(task.seed ^ kBrickStream);
-  bool is_spread_out = false;  // over a box of very many bricks: then they are as small as they may be
+  bool is_spread_out = false;  // bricks of the intended size would be too many, so they were enlarged
   for (int tried = 1;; ++tried) {
     bricks = {};
     random = Random(task.seed ^ kBrickStream);
@@ -327,7 +334,8 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
       continue;
     }
     add_rubble(task, sampler, places, brick.x * brick.y * brick.z, brick, bricks);
-    // What is hollow or crooked meets more bricks than its volume says, and whole numbers of them may be too few.
+    // A hollow or crooked solid meets more bricks than its volume suggests, and rounding to whole bricks can
+    // give too few.
     const auto count = static_cast<double>(bricks.bricks.size()), least = static_cast<double>(task.count),
                most = 1.25 * least * most_in_piece(least);
     if (pattern.cell || is_spread_out || tried == kMostScales || (count >= least && count <= most)) break;

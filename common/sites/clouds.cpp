@@ -18,7 +18,7 @@ std::uint32_t part_of(double share, std::uint32_t count) {
   return static_cast<std::uint32_t>(std::nearbyint(share * count));
 }
 
-/// Geometric mean of the box's sides.
+/// Geometric mean of the sides of the box.
 double mean_side(const Box& box) {
   const Vec3d size = box.size();
   const double longest = box.longest_side();
@@ -26,7 +26,7 @@ double mean_side(const Box& box) {
                      : 1;
 }
 
-/// The points of the clouds, then uniform ones up to the asked number.
+/// Returns the points of the clouds, followed by uniform points up to the requested number.
 SitePlan with_rest(const Task& task, ColumnSampler& sampler, std::vector<Vec3d> points) {
   SitePlan plan;
   plan.points = std::move(points);
@@ -36,8 +36,9 @@ SitePlan with_rest(const Task& task, ColumnSampler& sampler, std::vector<Vec3d> 
   return plan;
 }
 
-/// Where a place is in each frame of the image whose parts have surface within the radius (m, in the frame of the
-/// answer), or else in that of the part whose box is nearest.
+/// Returns the images of `place`, one for each frame of the map whose parts have surface within the radius
+/// (m, in the frame of the answer). If there is no such frame, uses the frame of the part with the nearest
+/// box.
 std::vector<Vec3d> images_near(const Task& task, const Vec3d& place, double radius) {
   const CellMap& map = task.seen.map();
   const Solid& solid = task.seen.original();
@@ -76,14 +77,16 @@ std::vector<Vec3d> images_near(const Task& task, const Vec3d& place, double radi
 
 std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, std::span<const Cloud> clouds,
                                     std::span<const std::uint32_t> cloud_of, double exponent) {
-  // Density r^-e in space is r^(2-e) in distance: its inverse distribution is u^(1 / (3 - e)).
+  // A density of r^-e in space is a density of r^(2-e) in distance, and its inverse distribution is u^(1 / (3
+  // - e)).
   const double inverse = 1 / (3 - exponent);
   std::vector<Vec3d> found(cloud_of.size());
   std::vector<bool> done(cloud_of.size(), false);
   std::vector<std::uint32_t> open(cloud_of.size());
   for (std::uint32_t k = 0; k < open.size(); ++k) open[k] = k;
-  // Each site has its draws in rounds, each with a generator of its own; the first draw inside counts. How
-  // many rounds are looked at together changes nothing but the time: the fewer sites are open, the more.
+  // The draws of each site are made in rounds, each with its own generator, and the first draw inside the
+  // solid is used. The number of rounds tested together affects only the time. It grows as fewer sites remain
+  // open.
   constexpr int kDrawsPerRound = 4, kRounds = kDraws / kDrawsPerRound, kDrawsAtOnce = 512;
   Pacer pacer(task.execution);
   std::vector<Vec3d> draws;
@@ -125,8 +128,8 @@ std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, st
   return points;
 }
 
-/// About sites that found no place. If nobody says where it is hit, as with a material of its own accord, the middle may
-/// well be empty.
+/// Reports sites that did not fit near an impact. If the request names no impact (a material chose the
+/// pattern, for example), this is only a note, because the middle of the box may well be empty.
 void add_remark(std::size_t missing, std::size_t near, const ImpactPattern& pattern, double radius,
                 Remarks& remarks) {
   const std::string within = " within " + short_number(radius) + " m of ",
@@ -163,7 +166,7 @@ Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, cons
   }
   std::vector<Cloud> clouds;
   for (const Vec3d& impact : impacts) clouds.push_back({impact, radius});
-  // Site by site in turn, so that every impact gets its share.
+  // Assign sites to impacts in turn, so that every impact gets its share.
   std::vector<std::uint32_t> cloud_of(part_of(pattern.share, task.count));
   for (std::uint32_t k = 0; k < cloud_of.size(); ++k)
     cloud_of[k] = k % static_cast<std::uint32_t>(clouds.size());
@@ -175,7 +178,8 @@ Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, cons
 }
 
 Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, const ImageMap&) {
-  // Few clusters of many sites: the outer cells of a cluster share what lies half-way to the sites around it.
+  // Make few clusters of many sites, because a cluster's outer cells extend half-way to the sites around the
+  // cluster.
   const std::uint32_t count =
       pattern.clusters.value_or(std::max(1u, task.count / task.cells_per_fragment / 40));
   ColumnSampler sampler(task.solid, task.seed, task.execution);
@@ -184,7 +188,7 @@ Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, c
   ColumnSampler of_centers(task.solid, center_seed, task.execution);
   const std::vector<Vec3d> centers = even_points(task, of_centers, count);
   const double radius = pattern.radius.value_or(0.12 * mean_side(box_in_image(task)));
-  // Uneven clusters: their shares of the sites spread over a factor of about ten.
+  // Make uneven clusters: their shares of the sites vary by a factor of about ten.
   std::vector<Cloud> clouds;
   std::vector<double> weight;  // running sums
   double sum = 0;

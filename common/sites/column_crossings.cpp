@@ -1,4 +1,4 @@
-// Where columns cross the triangles of the surface.
+// Finds where columns cross the triangles of the surface.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,22 +11,24 @@
 namespace fracture::sites_detail {
 namespace {
 
-/// A point of the plane across the axis.
+/// A point in the plane perpendicular to the axis.
 struct PlanePoint {
   double u, v;
 };
 
-/// Twice the signed area of (a, b, p) in that plane. Evaluated from the vertex with the lower id, so that both triangles
-/// of an edge get the same number with opposite signs and a column passes exactly one of them.
+/// Twice the signed area of (a, b, p) in that plane. The evaluation starts from the vertex with the lower id.
+/// So both triangles at an edge get the same number with opposite signs, and a column crosses exactly one of
+/// them.
 double side(const PlanePoint& a, const PlanePoint& b, bool a_first, double u, double v) {
   const PlanePoint &p = a_first ? a : b, &q = a_first ? b : a;
   const double area = (q.u - p.u) * (v - p.v) - (q.v - p.v) * (u - p.u);
   return a_first ? area : -area;
 }
-/// A column on an edge counts as left of it, seen from the lower vertex.
+/// Whether the column is left of the edge. A column exactly on the edge counts as left, seen from the lower
+/// vertex.
 bool left(double side, bool a_first) { return a_first ? side >= 0 : side > 0; }
 
-/// Of the first coordinate; empty where low > high.
+/// An interval of the first coordinate; empty if low > high.
 struct Range {
   double low = HUGE_VAL, high = -HUGE_VAL;
   void add(double u) {
@@ -34,7 +36,7 @@ struct Range {
     high = std::fmax(high, u);
   }
 };
-/// Where the triangle lies within the strip from v0 to v1.
+/// The part of the triangle inside the strip from v0 to v1.
 Range within(const std::array<Vec3d, 3>& p, const ColumnFrame& f, double v0, double v1) {
   Range range;
   for (int k = 0; k < 3; ++k) {
@@ -47,10 +49,11 @@ Range within(const std::array<Vec3d, 3>& p, const ColumnFrame& f, double v0, dou
   return range;
 }
 
-/// Held at a time. A batch of columns has about kCrossingsPerBatch where its depth was estimated well.
+/// Maximum number of crossings held at a time. A batch of columns has about kCrossingsPerBatch crossings if
+/// its depth was estimated well.
 constexpr std::size_t kMostCrossings = 2 * ColumnSampler::kCrossingsPerBatch;
 
-/// Crossings that a thread counts at a time.
+/// Number of crossings that a thread counts before it updates the shared counter.
 constexpr std::size_t kCountedTogether = 4096;
 
 }  // namespace
@@ -60,8 +63,8 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   if (columns.empty()) return true;
   Pacer pacer(execution_);
   const ColumnFrame f(axis);
-  // A grid over where columns stand, about sixteen cells for each of them, and a rim of cells for all that
-  // lies outside: most triangles meet empty cells only.
+  // A grid over the columns, with about sixteen cells per column, and a rim of cells for everything outside.
+  // Most triangles meet only empty cells.
   const auto side_count = 2 + static_cast<std::uint32_t>(std::fmin(
                                   4096, 4 * std::ceil(std::sqrt(static_cast<double>(columns.size())))));
   double low_u = columns[0].u, high_u = low_u, low_v = columns[0].v, high_v = low_v;
@@ -74,7 +77,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   }
   const auto scale = [&](double size) { return size > 1e-300 ? (side_count - 2) / size : 0; };
   const double scale_u = scale(high_u - low_u), scale_v = scale(high_v - low_v);
-  // Monotone: a column between the extreme coordinates of a triangle stands in a cell between theirs.
+  // Monotone: a column between the extreme coordinates of a triangle is in a cell between their cells.
   const auto cell = [rim = side_count - 1](double t, double low, double high, double scaling) {
     if (t < low) return 0u;
     if (t > high) return rim;
@@ -103,15 +106,15 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     std::uint16_t u, v;
     bool operator==(const CellOfVertex&) const = default;
   };
-  // Where the columns stand close together nearly all triangles lie beyond one side of all of them; what takes time
-  // is only done for the others.
+  // If the columns are close together, nearly all triangles are beyond one side of all columns. Only the
+  // other triangles go through the expensive steps.
   std::vector<std::uint8_t> beyond(solid_.positions.size());
-  std::vector<CellOfVertex> cells(beyond.size());  // of those that are not beyond
+  std::vector<CellOfVertex> cells(beyond.size());  // only of vertices that are not beyond
   const auto find_cell = [&](const Vec3d& p) {
     return CellOfVertex{static_cast<std::uint16_t>(cell_u(p[f.u])),
                         static_cast<std::uint16_t>(cell_v(p[f.v]))};
   };
-  const auto inner_cell = [last = side_count - 2](double t, double low, double scaling) {  // as cell() has it
+  const auto inner_cell = [last = side_count - 2](double t, double low, double scaling) {  // like cell()
     return static_cast<std::uint16_t>(std::min(1 + static_cast<std::uint32_t>((t - low) * scaling), last));
   };
   parallel_for(execution_, beyond.size(), kAtOnce, [&](std::size_t first, std::size_t last) {
@@ -126,7 +129,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   const auto cell_of_vertex = [&](VertexId v) {
     return beyond[v] == 0 ? cells[v] : find_cell(to_double(solid_.positions[v]));
   };
-  /// A triangle as the columns see it.
+  /// A triangle projected along the columns.
   struct Crossed {
     std::uint32_t number;
     std::array<Vec3d, 3> corners;
@@ -154,12 +157,13 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     if (lc != left(sa, t.first[1]) || lc != left(sb, t.first[2])) return;
     const double sum = sa + sb + sc;
     if (sum == 0) return;
-    // Left of all three edges: counter-clockwise across the axis, so the normal points along it: a way out.
+    // Left of all three edges: counter-clockwise across the axis, so the normal points along the axis and the
+    // column leaves the solid.
     const double at = (sa * t.corners[0][axis] + sb * t.corners[1][axis] + sc * t.corners[2][axis]) / sum;
     out.push_back({item, at, lc ? -1 : 1, t.number});
   };
-  // Rows and cells of the grid are far wider than the rounding of coordinates: what lies a whole row or cell
-  // off is off for sure.
+  // Rows and cells of the grid are far wider than the rounding error of coordinates. So anything a whole row
+  // or cell away is certainly outside.
   const auto reach = [](double low, double high) { return std::fmax(std::fabs(low), std::fabs(high)); };
   const bool wide = scale_u > 0 && scale_v > 0 && 1 / scale_u > 1e-12 * reach(low_u, high_u) &&
                     1 / scale_v > 1e-12 * reach(low_v, high_v);
@@ -185,7 +189,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
     const bool by_rows = wide && (u1 - u0) * (v1 - v0) > kManyCells;
     for (std::uint32_t v = v0; v <= v1; ++v) {
       std::uint32_t first = u0, last = u1;
-      if (by_rows) {  // a triangle that is long and thin meets few of the cells of its box
+      if (by_rows) {  // a long, thin triangle meets few of the cells in its box
         own_pacer.step();
         const double row = low_v + (static_cast<double>(v) - 1) / scale_v;
         const Range range = within(triangle.corners, f, row - 1 / scale_v, row + 2 / scale_v);
@@ -197,7 +201,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
       compare(triangle, start[v * side_count + first], start[v * side_count + last + 1]);
     }
   };
-  // Whether all together find too many does not depend on who finds them when.
+  // Whether the total is too large does not depend on thread timing.
   std::atomic<std::size_t> held{0};
   std::atomic<std::uint64_t> comparisons{0};
   const auto are_too_many = [&] { return held > kMostCrossings && columns.size() > 16; };
@@ -223,7 +227,7 @@ bool ColumnSampler::cross_all(int axis, std::span<const Column> columns, std::ve
   comparisons_ += comparisons;
   if (are_too_many()) return false;
 
-  // By column (counting sort), then the few of each.
+  // Sort by column (counting sort), then sort the few crossings within each column.
   std::vector<std::size_t> begin(columns.size() + 1, 0);
   const auto each = [&](const auto& visit) {
     for (const std::vector<Crossing>& some : found) {

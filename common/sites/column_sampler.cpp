@@ -19,8 +19,9 @@ ColumnSampler::ColumnSampler(const Solid& solid, std::uint64_t seed, const Execu
 
 void ColumnSampler::choose_axis() {
   const Solid& solid = solid_;
-  // The axis along which most candidates are kept: least (projected area × width). Twice the areas through which columns
-  // enter are found on all threads, some at a time, and added up in the order of the triangles, for each axis.
+  // Choose the axis along which most candidates are kept: the one with the least (projected area × width).
+  // All threads compute twice the entry areas, one block of triangles at a time. The areas are then added up
+  // for each axis in the order of the triangles.
   const std::size_t triangles = solid.triangles.size(), some = std::min(triangles, 16 * kAtOnce);
   std::vector<Vec3d> areas(some);
   std::array<std::vector<double>, 3> entry_area;
@@ -49,7 +50,7 @@ void ColumnSampler::choose_axis() {
     if (area[k] * size[k] < area[axis_] * size[axis_]) axis_ = k;
   entry_area_ = std::move(entry_area[static_cast<std::size_t>(axis_)]);
 
-  // A candidate is kept with this probability: all chords together have the volume.
+  // The probability that a candidate is kept. All chords together make up the volume.
   const auto probability = [&] { return std::fmin(solid.report.volume / (area[axis_] * cap_), 1); };
   cap_ = size[axis_];
   rate_ = probability();
@@ -112,7 +113,7 @@ std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> 
           open = false;
         }
       }
-      // Rounding next to a vertex can lose a crossing; such a column is not used.
+      // Rounding next to a vertex can lose a crossing; a column with a lost crossing is not used.
       if (winding == 0) chords[done + column] = chord;
       chords[done + column].crossings = static_cast<std::uint32_t>(i - first);
     }
@@ -122,7 +123,7 @@ std::vector<ColumnSampler::Chord> ColumnSampler::chords(std::span<const Column> 
 }
 
 std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
-  // Along the shortest side of the box columns meet the fewest triangles.
+  // Columns along the shortest side of the box meet the fewest triangles.
   const Vec3d size = solid_.box.size();
   int axis = 0;
   for (int a = 1; a < 3; ++a)
@@ -161,7 +162,7 @@ std::vector<bool> ColumnSampler::inside(std::span<const Vec3d> points) {
         total += crossings[i].enters;
         if (crossings[i].at < points[point][axis]) below += crossings[i].enters;
       }
-      result[point] = total == 0 && below >= 1;  // a lost crossing (see chords()): not used
+      result[point] = total == 0 && below >= 1;  // false if a crossing was lost (see chords())
     }
     first += count;
   }
@@ -198,7 +199,7 @@ std::vector<Vec3d> ColumnSampler::spread(std::uint32_t count) {
   std::vector<Vec3d> points;
   if (!(all > 0)) return points;
   const double apart = all / count;
-  double before = 0;  // along all chords, one after the other
+  double before = 0;  // length of all chords before this one
   std::uint32_t next = 0;
   const auto at = [&] { return (next + columns[next].share) * apart; };
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -220,12 +221,13 @@ std::vector<Vec3d> ColumnSampler::sample(std::uint32_t count) {
   std::uint64_t candidate = 0;
   std::uint32_t refused = 0;
   std::uint64_t looked_at = 0;
-  double rate = rate_;  // kept candidates per candidate: only the size of the next batch depends on it
+  double rate = rate_;  // share of the candidates that are kept; affects only the size of the next batch
   std::vector<Column> columns;
   Pacer pacer(execution_);
   while (points.size() < count) {
     const double wanted = static_cast<double>(count - points.size()) / std::fmax(rate, 1e-3);
-    // Columns that meet very many triangles (tangled surfaces) come in small batches, to bound the memory.
+    // Columns that meet very many triangles (tangled surfaces) are tested in small batches, to bound the
+    // memory.
     const auto tried = static_cast<std::uint64_t>(std::fmin(1.1 * wanted + 32, static_cast<double>(batch())));
     columns.resize(tried);
     parallel_for(execution_, tried, kAtOnce / 4, [&](std::size_t first, std::size_t last) {

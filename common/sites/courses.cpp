@@ -8,7 +8,7 @@
 namespace fracture::sites_detail {
 namespace {
 
-constexpr double kTouch = 0.02;  // of a cell's side: see lay()
+constexpr double kTouch = 0.02;  // share of a cell's side; see lay()
 
 }  // namespace
 
@@ -53,7 +53,7 @@ std::vector<bool> Courses::cells_met(const Task& task, ColumnSampler& sampler,
       first[k] = static_cast<std::uint32_t>(std::clamp(std::ceil(low - 1 + kTouch), 0.0, most));
       end[k] = static_cast<std::uint32_t>(std::clamp(std::floor(high - kTouch) + 1, 0.0, most));
     }
-    // Of the cells that its box overlaps, those that its plane cuts.
+    // Among the cells that overlap the triangle's box, mark those that the triangle's plane cuts.
     const Vec3d n = cross(q - p, r - p);
     const double reach = kHalf * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z)), at = dot(n, p);
     for (std::uint32_t z = first[2]; z < end[2]; ++z)
@@ -93,7 +93,7 @@ void Courses::lay(const Task& task, ColumnSampler& sampler, const std::vector<bo
   for (std::uint32_t w = 0; w < d_[deep].count; ++w)
     for (std::uint32_t row = 0; row < d_[1].count; ++row) {
       const std::uint32_t shift = (row + w) % split_;
-      std::uint32_t last = 0xffffffffu;  // brick of the course
+      std::uint32_t last = 0xffffffffu;  // last brick of the course
       for (std::uint32_t k = 0; k < d_[along].count; ++k) {
         pacer.step();
         std::array<std::uint32_t, 3> cell{};

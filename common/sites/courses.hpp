@@ -1,4 +1,4 @@
-// Bricks laid in courses, and which of them a solid meets.
+// Bricks laid in courses, and a test for the bricks that meet a solid.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace fracture::sites_detail {
 
-/// Bricks as sites: those of a brick's cells, one after the other.
+/// Bricks as sites: the cells of each brick are consecutive.
 struct Bricks {
   struct Brick {
-    Vec3d middle, half;   ///< in the image; half of its sides
-    std::uint32_t first;  ///< of its cells
+    Vec3d middle, half;   ///< in the image; half its sides
+    std::uint32_t first;  ///< index of the first cell
   };
   std::vector<Vec3d> cells;
   std::vector<Brick> bricks;
@@ -23,22 +23,23 @@ struct Bricks {
   }
 };
 
-/// A brick is as many cells as the shift of a course divides it into.
+/// Number of cells in a brick: the shift between courses divides a brick into this many equal parts.
 inline std::uint32_t cells_of_brick(BrickPattern::Bond bond) {
   return bond == BrickPattern::Bond::kStack ? 1 : bond == BrickPattern::Bond::kHalf ? 2 : 3;
 }
 
-/// The lattice of the bricks of a box: length, height and depth of one, along the longer of x and z, along y, and
-/// along the other. What it is to fill whole bricks of about that size do, or bricks of exactly that size cover it.
+/// The lattice of bricks in a box. Their length runs along the longer of x and z, their height along y, and
+/// their depth along the remaining axis. By default, the bricks are resized so that a whole number fills the
+/// box. With `exactly`, bricks of exactly the given size cover the box.
 class Courses {
  public:
   Courses(const Box& box, const Vec3d& brick, BrickPattern::Bond bond, bool exactly);
 
   double cells() const { return product(d_); }
-  /// Adds the bricks that meet the triangles of these parts (of task.solid), or whose middles lie in the solid. What a
-  /// cell holds by less than a fiftieth of its sides belongs to its neighbours: where a wall's face and its bricks
-  /// agree but for rounding no further bricks are laid. Linear in triangles + cells, and in the cells that the box of
-  /// each triangle overlaps. Throws Interrupted.
+  /// Adds the bricks that meet the triangles of these parts (of task.solid) or whose middles are in the
+  /// solid. A cell that the solid enters by less than a fiftieth of the cell's side is left to its
+  /// neighbours. So if a wall's face coincides with a brick's face up to rounding, no extra bricks are laid.
+  /// Linear in triangles + cells, and in the cells that overlap the box of each triangle. Throws Interrupted.
   void lay(const Task& task, ColumnSampler& sampler, const std::vector<bool>& of_parts, double jitter,
            Random& random, Bricks& bricks) const;
 

@@ -12,8 +12,9 @@ namespace fracture::sites_detail {
 namespace {
 
 constexpr std::uint64_t kDensityStream = 0xde45'0000'0000'0001ull;
-constexpr double kRoundingOfDistances = 1e-12;  // of the largest coordinate
-/// Sites looked at for each that is wanted, at most: a place of the least density is then wanted once in two.
+constexpr double kRoundingOfDistances = 1e-12;  // relative to the largest coordinate
+/// Maximum number of candidates per wanted site. Even in regions of the least density, this accepts two
+/// candidates per wanted site on average.
 constexpr double kMostLooks = 64;
 
 tl::unexpected<Error> unknown(const std::string& from, const std::string& why) {
@@ -25,7 +26,7 @@ tl::unexpected<Error> unknown(const std::string& from, const std::string& why) {
 double luminance(const Vec4f& c) {
   const double y = 0.2126 * static_cast<double>(c.x) + 0.7152 * static_cast<double>(c.y) +
                    0.0722 * static_cast<double>(c.z);
-  return y >= 0 ? std::fmin(y, 1) : 0;  // NaN: none
+  return y >= 0 ? std::fmin(y, 1) : 0;  // NaN counts as 0
 }
 
 std::array<Vec3d, 3> corners_of(const Solid& solid, std::uint32_t t) {
@@ -115,7 +116,8 @@ double Density::at(const Vec3d& p, Pacer& pacer) const {
     }
     return distance;
   });
-  // Between the corners by the areas that p has with the sides, of those that are not beyond one.
+  // Interpolate between the corners by the areas of the triangles that p forms with the sides, ignoring sides
+  // that p is beyond.
   const auto [a, b, c] = corners_of(*solid_, triangles_[nearest].triangle);
   const Vec3d n = cross(b - a, c - a);
   const std::array<double, 3> share{std::fmax(0, dot(n, cross(c - b, p - b))),
@@ -135,7 +137,7 @@ std::vector<Vec3d> even_points(const Task& task, ColumnSampler& sampler, std::ui
   Pacer pacer(task.execution);
   std::vector<Vec3d> kept, refused;
   const double most = kMostLooks * count;
-  // Candidates are a sequence of which any beginning is known: more of it is the same and more.
+  // The candidates form a fixed sequence, and asking for more only extends it.
   std::size_t looked_at = 0;
   for (double wanted = 2.0 * count; kept.size() < count; wanted *= 2) {
     const std::vector<Vec3d> points = sampler.sample(static_cast<std::uint32_t>(std::fmin(wanted, most)));

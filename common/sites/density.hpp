@@ -1,5 +1,5 @@
-// Where a mesh is painted to break: how many sites a place gets, by the colours or the material of the surface nearest
-// to it.
+// Density of sites painted on a mesh: how many sites a region gets depends on the colours or the material of
+// the nearest surface.
 #pragma once
 
 #include <array>
@@ -16,17 +16,18 @@ namespace fracture::sites_detail {
 
 class Density {
  public:
-  /// `from`: "COLOR_0" … "COLOR_7", a set of vertex colours (their luminance: white has all sites, black few), or a
-  /// material of the source by its name or number (its surface has all). Of triangles that the source has not nothing is
-  /// known. `solid` is borrowed, and has a source. Errors: kBadParameter (`density_from`): there is no such thing, or
-  /// nothing of it on the solid. Throws Interrupted.
+  /// `from`: "COLOR_0" … "COLOR_7" is a set of vertex colours and uses their luminance: white regions get the
+  /// most sites, black regions few. Otherwise, it is the name or number of a material of the source, and
+  /// regions at its surface get the most sites. Triangles that are not in the source have no density. `solid`
+  /// is borrowed, and has a source. Errors: kBadParameter (`density_from`) if there is no such colour set or
+  /// material, or if it is nowhere on the solid. Throws Interrupted.
   static Expected<Density> make(const Solid& solid, const std::string& from, const Execution& execution);
 
-  /// Of the place of the solid's frame, relative to the most that there is: kLeast … 1. Deterministic: of surfaces that
-  /// are as near, the triangle of the lowest number counts.
+  /// Density at a point in the solid's frame, relative to the maximum: kLeast … 1. Deterministic: if several
+  /// triangles are equally near, the one with the lowest number is used.
   double at(const Vec3d& place, Pacer& pacer) const;
 
-  /// What is not painted breaks, too: sites are a third as close there.
+  /// Unpainted regions still break: their sites are about three times as far apart.
   static constexpr double kLeast = 1.0 / 32;
 
  private:
@@ -39,7 +40,7 @@ class Density {
   const Solid* solid_;
   std::vector<Weighted> triangles_;
   BoxTree tree_;
-  double slack_ = 0;  // m, more than rounding does to a distance
+  double slack_ = 0;  // m; more than the rounding error of a distance
 };
 
 }  // namespace fracture::sites_detail

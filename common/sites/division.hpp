@@ -1,4 +1,4 @@
-// Cells of one size along an axis: what product grids (grid, bricks) are made of.
+// Equal cells along an axis, from which product grids (grid, bricks) are built.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace fracture::sites_detail {
 
-/// Along one axis: `count` cells of the same size, in the middle of [min, max].
+/// `count` cells of equal size along one axis, from `start` in steps of `step`.
 struct Division {
   double start, step;
   std::uint32_t count;
@@ -19,21 +19,21 @@ struct Division {
 
 inline double whole(double x) { return std::fmax(1, std::nearbyint(x)); }
 
-/// As many cells of about `size` as fill the side.
+/// Divides the side into a whole number of cells of about `size`.
 inline Division fitted(double min, double max, double size) {
   const double n = size > 0 ? whole((max - min) / size) : 1;
   return {min, (max - min) / n, static_cast<std::uint32_t>(std::fmin(n, 2.0 * kMaxPatternSites))};
 }
 
-/// Cells of exactly this size that cover the side. A rest of less than a thousandth of a cell (rounding, say)
-/// belongs to its neighbour.
+/// Cells of exactly this size that cover the side. A remainder of less than a thousandth of a cell (rounding,
+/// for example) belongs to its neighbour.
 inline Division covering(double min, double max, double size) {
   const double n = std::fmax(1, std::ceil((max - min) / size - 1e-3));
   return {0.5 * (min + max) - 0.5 * n * size, size,
           static_cast<std::uint32_t>(std::fmin(n, 2.0 * kMaxPatternSites))};
 }
 
-/// The coordinates of the sites along one axis: in the middles of the cells, moved by up to half the jitter.
+/// Coordinates of the sites along one axis: the middles of the cells, each moved by up to half the jitter.
 inline std::vector<double> coordinates(const Division& d, double jitter, Random& random) {
   std::vector<double> at;
   for (std::uint32_t k = 0; k < d.count; ++k)

@@ -1,4 +1,5 @@
-// The patterns, two functions each, and what they share. A pattern without one of them does not compile.
+// Declares two functions for each pattern, and shared code. A pattern without one of these functions does not
+// compile.
 #pragma once
 
 #include <optional>
@@ -12,24 +13,24 @@
 
 namespace fracture::sites_detail {
 
-/// What every generator is told.
+/// The input of every generator.
 struct Task {
   const Solid& solid;     ///< the image
-  const SeenSolid& seen;  ///< the same, with what it is an image of
+  const SeenSolid& seen;  ///< the image together with its original
   std::uint32_t count;    ///< > 0
   std::uint64_t seed;
   const Execution& execution;
   std::uint32_t most_sites;
   const Anisotropy& anisotropy;
-  std::uint32_t cells_per_fragment = 1;  ///< of `count`
-  const Density* density = nullptr;      ///< none: the same everywhere
+  std::uint32_t cells_per_fragment = 1;  ///< how many of the `count` cells form a fragment
+  const Density* density = nullptr;      ///< null: the same density everywhere
 };
 
-/// From the frame of the answer to the image.
+/// Maps from the frame of the answer to the image.
 using ImageMap = CellMap;
 
-/// The pattern's sites in the image of the solid under `map` (Task::solid is that image), unsnapped. Places
-/// and directions of the pattern are in the frame of the answer.
+/// Returns the pattern's sites, not snapped, in the image of the solid under `map` (Task::solid is that
+/// image). Points and directions of the pattern are in the frame of the answer.
 Expected<SitePlan> generate(const Task& task, const UniformPattern& pattern, const ImageMap& map);
 Expected<SitePlan> generate(const Task& task, const PointsPattern& pattern, const ImageMap& map);
 Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, const ImageMap& map);
@@ -39,8 +40,8 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
 Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const ImageMap& map);
 Expected<SitePlan> generate(const Task& task, const ClusteredPattern& pattern, const ImageMap& map);
 
-/// About how many sites that makes, within a factor of two, of a solid with a box of these sides (metres),
-/// where SiteParameters::sites is `count`. Costs nothing: no solid is looked at.
+/// Estimates the number of sites, within a factor of two, for a solid with a box of these sides (m) if
+/// SiteParameters::sites is `count`. Takes constant time, because it does not look at the solid.
 double expected_sites(const UniformPattern& pattern, double count, const Vec3d& sides);
 double expected_sites(const PointsPattern& pattern, double count, const Vec3d& sides);
 double expected_sites(const ImpactPattern& pattern, double count, const Vec3d& sides);
@@ -50,17 +51,19 @@ double expected_sites(const BrickPattern& pattern, double count, const Vec3d& si
 double expected_sites(const SlicePattern& pattern, double count, const Vec3d& sides);
 double expected_sites(const ClusteredPattern& pattern, double count, const Vec3d& sides);
 
-/// Whether each part breaks as its shape has it (sites/shapes.hpp): where nothing of the wheel is given but its centre.
+/// Whether each part breaks according to its own shape (sites/shapes.hpp): true for Around::kShape if neither
+/// axis, spokes nor rings are given.
 bool breaks_by_parts(const RadialPattern& pattern);
 
-/// Places of the frame of the answer in the image, of a map that has one frame at most.
+/// Maps points from the frame of the answer to the image. The map has at most one frame.
 std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map);
-/// The box of the solid in the image; where that has several frames, one like that of each of them together.
+/// The solid's box in the image. If the map has several frames, a box typical of one frame.
 Box box_in_image(const Task& task);
-/// How many boxes with the sides `cell` cover a box with the sides `sides`.
+/// Number of boxes with the sides `cell` that cover a box with the sides `sides`.
 double boxes_in(const Vec3d& sides, const Vec3d& cell);
 
-/// Points in the solid, as close to each other as Task::density says; the first n of more are those of n.
+/// Returns points in the solid, spaced according to Task::density. A call with a smaller count returns a
+/// prefix.
 std::vector<Vec3d> even_points(const Task& task, ColumnSampler& sampler, std::uint32_t count);
 
 /// A point around which sites lie with a density that falls as distance^-exponent out to the radius.
@@ -68,13 +71,13 @@ struct Cloud {
   Vec3d center;
   double radius;
 };
-/// For each entry of `cloud_of` (an index into clouds) a point of that cloud inside the solid. A cloud of
-/// which so little lies in the solid that kDraws draws all miss it gives nothing: such entries are left out.
+/// Returns, for each entry of `cloud_of` (an index into clouds), a point of that cloud inside the solid. If
+/// kDraws draws all miss, because very little of the cloud is inside the solid, the entry is left out.
 std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, std::span<const Cloud> clouds,
                                     std::span<const std::uint32_t> cloud_of, double exponent);
 inline constexpr int kDraws = 64;
 
-/// Error of a pattern that would make `sites` of them.
+/// Error of a pattern that would generate `sites` sites.
 tl::unexpected<Error> too_many_sites(const Task& task, double sites);
 
 }  // namespace fracture::sites_detail

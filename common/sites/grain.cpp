@@ -21,10 +21,11 @@ namespace {
 using sites_detail::Moments;
 
 constexpr double kSameDirection = 0.985;  // cosine of ten degrees
-/// Ratio of second moments along the longest axis and the next: that of a bar half as long again as it is wide.
+/// Minimum ratio of the second moments along the longest and the next axis: the ratio of a bar 1.5 times as
+/// long as wide.
 constexpr double kLeastElongation = 2.25;
 
-/// The axis along which it is longest, if it is much longer there.
+/// The longest axis of inertia, if it is much longer than the next.
 std::optional<Vec3d> axis_of(const Moments& moments) {
   if (!(moments.volume > 0)) return std::nullopt;
   const std::optional<LongAxis> longest = long_axis(moments.central());
@@ -32,8 +33,8 @@ std::optional<Vec3d> axis_of(const Moments& moments) {
   return sites_detail::without_noise(longest->axis);
 }
 
-/// For each part, a number that it shares with the parts whose source has the same material on most of their surface; of
-/// two with equal areas the earlier one of the source counts.
+/// Returns a number for each part. Parts get the same number if the same material covers most of their
+/// surface in the source. If two materials cover equal areas, the earlier one in the source is used.
 std::vector<std::uint32_t> main_materials(const Solid& solid, Pacer& pacer) {
   std::vector<std::map<std::uint32_t, double>> area_of(solid.parts.size());
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
@@ -70,7 +71,8 @@ Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t
     if (of == GrainOf::kPart) group[p] = static_cast<std::uint32_t>(p);
     groups = std::max(groups, group[p] + 1);
   });
-  // About the middle of a part's box, or of the solid's: near enough that little is lost to rounding.
+  // Moments are taken about the middle of the box of the part, or of the solid, which is near enough to keep
+  // rounding errors small.
   const bool by_node = of == GrainOf::kNode;
   std::vector<Moments> of_part;
   resize_with_polls(execution, of_part, by_node ? groups : parts);
@@ -85,7 +87,8 @@ Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t
   }
   std::vector<Moments> moments;
   if (of == GrainOf::kMaterial) {
-    // Each about its own middle: four legs are long the way that each of them is, however far they stand apart.
+    // Take each part's moments about its own middle, so that four table legs have their own long direction
+    // however far apart they are.
     resize_with_polls(execution, moments, groups);
     pacer.each(0, parts, [&](std::size_t p) {
       if (!(of_part[p].volume > 0)) return;
@@ -107,7 +110,7 @@ Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t
   Grains grains;
   std::vector<std::uint8_t> of_group(groups, 0);
   for (const std::uint32_t g : order) {
-    if (!(moments[g].volume > 0) && !grains.directions.empty()) break;  // nothing of that number, or as good
+    if (!(moments[g].volume > 0) && !grains.directions.empty()) break;  // no such part, or no volume
     pacer.step(16);
     const Vec3d direction = axis_of(moments[g]).value_or(whole);
     const auto cosine = [&](const Vec3d& other) { return std::fabs(dot(direction, other)); };

@@ -1,4 +1,4 @@
-// Which way the grain of each part of a solid runs: along its longest axis of inertia.
+// Direction of the grain in each part of a solid: its longest axis of inertia.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,15 @@ namespace fracture {
 
 struct Grains {
   std::vector<Vec3d>
-      directions;  ///< of unit length, up to `most`, no two within about ten degrees of each other
+      directions;  ///< unit vectors, at most `most`, each at least about ten degrees from the others
   std::vector<std::uint8_t> of_part;  ///< index into directions
 };
 
-/// `of`: parts of one node have one direction, that of all of them together; those of one material (that of most of a
-/// part's surface) the one that they are long in, each about its own middle. `whole`: for what is not half as long again as it is wide. Where there are more directions than
-/// `most`, those of the smallest parts become the nearest others. Throws Interrupted.
+/// Computes the grain. `of` = kNode: the parts of one node share one direction, computed from all of them
+/// together. kMaterial: parts share a direction if the same material covers most of their surface; each
+/// part's moments are taken about its own middle. `whole` is the direction of anything less than 1.5 times as
+/// long as wide. If there are more than `most` directions, the smallest parts use the nearest of the others.
+/// Throws Interrupted.
 Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t most,
                  const Execution& execution = {});
 

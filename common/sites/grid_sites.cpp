@@ -1,5 +1,5 @@
-// Product grids: three lists of coordinates, every combination a site. The cells are boxes, exactly: the
-// nearest site is found axis by axis. Whole planes of sites jitter, so joints stay plane.
+// Product grids: every combination of three lists of coordinates is a site. The cells are exact boxes,
+// because the nearest site is found axis by axis. Jitter moves whole planes of sites, so joints stay plane.
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::uint64_t kGridStream = 0x6a1d'0000'0000'0001ull;
 
-/// The scale at which boxes of this shape fill the box of the solid with about `wanted` of them: the largest
-/// one that makes at least as many.
+/// Returns the scale at which about `wanted` boxes of this shape fill the box of the solid: the largest scale
+/// that gives at least that many.
 double scale_for(const Vec3d& side, const Vec3d& shape, double wanted) {
   const auto count = [&](double scale) {
     double n = 1;
@@ -31,7 +31,7 @@ double scale_for(const Vec3d& side, const Vec3d& shape, double wanted) {
   return low;
 }
 
-/// How many boxes the whole box of the solid needs so that the solid gets as many as asked.
+/// Number of boxes that the solid's bounding box needs so that the solid itself gets the requested number.
 double wanted_in_box(const Task& task) {
   const Vec3d side = task.solid.box.size();
   const double box = side.x * side.y * side.z, volume = task.solid.report.volume;

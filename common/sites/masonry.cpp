@@ -13,30 +13,32 @@
 namespace fracture {
 namespace {
 
-// By the meshes at hand: walls, crates and houses have two thirds of their surface or more across three axes, a square
-// column with a base as much; a fox, a bottle and a barrel a third, a hammer half.
+// Measured on sample meshes: walls, crates and houses have at least two thirds of their surface perpendicular
+// to three axes, and so does a square column with a base. For a fox, a bottle and a barrel it is one third,
+// for a hammer half.
 constexpr double kLeastShare = 0.6;
-constexpr double kAcross = 0.966;  // cosine of 15 degrees: how nearly a wall's surface is across its axis
-constexpr double kNear = 0.985;    // of ten: what is counted together to find the axis
-constexpr double kPerpendicular = 0.174;  // sine of ten
-constexpr double kSameAxes = 0.9986;      // cosine of three
-// Components of an axis that are noise of a model: 4 m of a wall are then at most 12 mm off.
+constexpr double kAcross = 0.966;  // cosine of 15 degrees: largest angle between an axis and normals
+constexpr double kNear = 0.985;    // of 10 degrees: normals this close are counted together to find an axis
+constexpr double kPerpendicular = 0.174;  // sine of 10 degrees
+constexpr double kSameAxes = 0.9986;      // cosine of 3 degrees
+// Smaller components of an axis are treated as noise in the model; this moves the end of a 4 m wall by at
+// most 12 mm.
 constexpr double kNoiseOfAxes = 0.003;
-/// Stones of rubble lie flat: kFlat cubed, some twice, as wide as they are high.
+/// Stones of rubble are flat: they are kFlat^3, about twice, as wide as they are high.
 constexpr double kFlat = 1.25;
 const Matrix3 kRubble{{Vec3d{1 / kFlat, 0, 0}, Vec3d{0, kFlat* kFlat, 0}, Vec3d{0, 0, 1 / kFlat}}};
 
-/// Triangles whose normals are about the same.
+/// Triangles with nearly the same normal.
 struct Bin {
   double area = 0;  ///< m²
-  Vec3d sum{};      ///< of area * normal, with signs that make them one direction
+  Vec3d sum{};      ///< sum of area * normal, with signs chosen so that all point the same way
   void add(const Vec3d& area_normal, double own) {
     area += own;
     sum = sum + area_normal;
   }
 };
 
-/// visit(area * normal, area) for triangles [first, end) that have an area.
+/// Calls visit(area * normal, area) for each triangle in [first, end) whose area is not zero.
 template <class Visit>
 void each_normal(const Solid& solid, std::size_t first, std::size_t end, Pacer& pacer, const Visit& visit) {
   for (std::size_t t = first; t < end; ++t) {
@@ -48,7 +50,7 @@ void each_normal(const Solid& solid, std::size_t first, std::size_t end, Pacer& 
   }
 }
 
-/// By directions without a sign, in steps of a quarter.
+/// Bins for directions without sign, in steps of a quarter.
 using Directions = std::array<Bin, 9 * 9 * 9>;
 void add(Directions& bins, const Vec3d& area_normal, double area) {
   int largest = 0;
@@ -61,7 +63,8 @@ void add(Directions& bins, const Vec3d& area_normal, double area) {
   bins[index].add(n, area);
 }
 
-/// Of the means of the bins the one with the largest area within ten degrees; of those across `axis` where there is one.
+/// Returns the bin mean that has the largest area within ten degrees. With `axis`, prefers means
+/// perpendicular to it.
 std::optional<Vec3d> most_of(const Directions& bins, const Vec3d* axis, Pacer& pacer) {
   std::vector<std::pair<Vec3d, double>> means;
   for (const Bin& bin : bins)
@@ -81,8 +84,8 @@ std::optional<Vec3d> most_of(const Directions& bins, const Vec3d* axis, Pacer& p
   return best;
 }
 
-/// The direction of most of what is within ten degrees of an axis, in steps of a 64th across it: faces, where their edges
-/// are rounded.
+/// Returns the most common direction within ten degrees of an axis, in steps of a 64th across it. This is the
+/// direction of the faces, even if their edges are rounded.
 Vec3d refined(const Solid& solid, std::size_t first, std::size_t end, const Vec3d& axis, Pacer& pacer) {
   constexpr int kSteps = 64, kReach = 12, kWide = 2 * kReach + 1;
   static_assert(kSteps * kPerpendicular < kReach);
@@ -108,7 +111,7 @@ Vec3d without_noise(Vec3d axis) {
   return sites_detail::normalized(axis);
 }
 
-/// The three axes as rows: the one nearest to y, of the others the one nearest to x, and what is at right angles.
+/// The three axes as rows: the one nearest to y, the one of the others nearest to x, and the remaining one.
 Matrix3 rows_of(const std::array<Vec3d, 3>& axes) {
   const auto nearest = [&](int k, int but) {
     int best = -1;
@@ -128,7 +131,7 @@ Matrix3 rows_of(const std::array<Vec3d, 3>& axes) {
   return {{x, y, cross(x, y)}};
 }
 
-/// The axes of what triangles [first, end) enclose, if that is a wall.
+/// The axes of the shape that triangles [first, end) enclose, if it is a wall.
 std::optional<Matrix3> wall_axes(const Solid& solid, std::size_t first, std::size_t end, Pacer& pacer) {
   Directions bins;
   double all = 0;
@@ -192,7 +195,7 @@ Masonry masonry_of(const Solid& solid, bool rubble, std::size_t most, const Exec
     });
     return static_cast<std::size_t>(found - frames.begin());
   };
-  std::size_t none_at = most;  // a place is kept for what is no wall
+  std::size_t none_at = most;  // one frame is reserved for parts that are not walls
   for (const std::uint32_t p : order) {
     const std::optional<Matrix3> axes = wall_axes(solid, first[p], first[p + 1], pacer);
     std::size_t k = axes ? frame_of({*axes, true}) : none_at;

@@ -1,5 +1,6 @@
-// Which parts of a solid are masonry, and which way their courses lie: what has most of its surface across three
-// directions at right angles is a wall (a block, a house), whose bricks lie along them; anything else is none.
+// Finds which parts of a solid are masonry, and the direction of their courses. A part is a wall (a block, a
+// house) if most of its surface is perpendicular to three orthogonal directions; its bricks are laid along
+// these.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +15,16 @@ namespace fracture {
 
 struct Masonry {
   struct Frame {
-    Matrix3 axes{};       ///< rows: those of the wall, each the nearest to x, y and z; of determinant 1
-    bool is_wall = true;  ///< else rubble: stones that are flat across y
+    Matrix3 axes{};       ///< rows: the axes of the wall nearest to x, y and z; determinant 1
+    bool is_wall = true;  ///< otherwise rubble: stones that are flat across y
   };
-  std::vector<Frame> frames;          ///< 1 … `most`, walls of different directions
+  std::vector<Frame> frames;          ///< 1 … `most`; walls in different directions
   std::vector<std::uint8_t> of_part;  ///< index into frames
 };
 
-/// Where the whole is a wall, all of it is one; else each part for itself. What is none becomes rubble; without
-/// `rubble` a wall along the axes of the world. Walls that find no frame become rubble, or such walls. Linear in the
-/// triangles. Throws Interrupted.
+/// If the solid as a whole is a wall, all of it is one wall; otherwise each part is tested separately. Parts
+/// that are not walls become rubble or, without `rubble`, a wall along the world axes. So do walls that
+/// exceed the number of frames. Linear in the triangles. Throws Interrupted.
 Masonry masonry_of(const Solid& solid, bool rubble, std::size_t most, const Execution& execution = {});
 
 }  // namespace fracture

@@ -1,4 +1,5 @@
-// Volume and moments of what triangles enclose: which way a part is long, or thin.
+// Volume and moments of the region that triangles enclose. They show the direction in which a part is long or
+// thin.
 #pragma once
 
 #include <cmath>
@@ -9,13 +10,14 @@
 
 namespace fracture::sites_detail {
 
-/// Volume (m³), first and second moments, about the origin.
+/// Volume (m³), and first and second moments about the origin.
 struct Moments {
   double volume = 0;
   Vec3d first;
   Matrix3 second{{Vec3d{}, Vec3d{}, Vec3d{}}};
 
-  /// Of the tetrahedron from the origin: the integral of x xᵀ is det / 120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c.
+  /// Adds the tetrahedron from the origin: the integral of x xᵀ is det / 120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s =
+  /// a + b + c.
   void add(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
     const double det = dot(a, cross(b, c));
     const Vec3d s = a + b + c;
@@ -35,7 +37,7 @@ struct Moments {
   }
 };
 
-/// A unit vector without the components that are rounding or noise of a model.
+/// Returns the unit vector without small components that come from rounding or noise in the model.
 inline Vec3d without_noise(Vec3d axis) {
   constexpr double kNoise = 1e-4;
   for (int k = 0; k < 3; ++k)

@@ -17,7 +17,7 @@ namespace {
 
 using sites_detail::Task;
 
-/// Makes the map's determinant positive: with -A all distances are those with A.
+/// Makes the map's determinant positive. Distances under -A and A are the same.
 Matrix3 positive(const Matrix3& map) { return map.determinant() < 0 ? -map : map; }
 
 /// Compression along the grain: A = 1 + (1 / stretch - 1) g gᵀ.
@@ -30,7 +30,7 @@ Matrix3 along_grain(const Vec3d& direction, double stretch) {
 
 Vec3d longest_side(const Box& box) {
   const Vec3d size = box.size();
-  int axis = 1;  // of equal ones y, then x: timber mostly stands or lies along x
+  int axis = 1;  // of equal sides y, then x, because timber usually stands upright or extends along x
   for (const int a : {0, 2})
     if (size[a] > size[axis]) axis = a;
   Vec3d direction;
@@ -38,7 +38,7 @@ Vec3d longest_side(const Box& box) {
   return direction;
 }
 
-/// Of parts with a matrix each.
+/// The map of parts that have one matrix each.
 CellMap map_of(const Solid& solid, const std::vector<Matrix3>& matrices,
                const std::vector<std::uint8_t>& of_part, const Execution& execution) {
   if (matrices.size() == 1) return matrices[0];
@@ -52,7 +52,8 @@ CellMap map_of(const Solid& solid, const std::vector<Matrix3>& matrices,
   return CellMap(matrices, of_part, boxes);
 }
 
-/// Of parts that break each for itself. A place is twice as wide as what is in it: that far beyond a part rings may lie.
+/// The map of parts that break separately. Each frame's box is twice the size of its parts, because rings may
+/// extend that far beyond a part.
 CellMap map_of_parts(const Solid& solid, const Execution& execution) {
   const Shapes shapes = shapes_of(solid, CellMap::kMostFrames, execution);
   if (shapes.frames < 2) return {};
@@ -90,8 +91,8 @@ CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& exe
   return map_of(solid, matrices, grains.of_part, execution);
 }
 
-/// Sites in the order of a curve through the box: cells that touch each other then lie near each other in
-/// memory, also after 100,000 of them, and are worked on one soon after the other.
+/// Orders the sites along a curve through the box. Cells that touch are then near each other in memory, even
+/// among 100,000 sites, and are processed soon after one another.
 void order_along_curve(const Box& box, SitePlan& plan, const Execution& execution) {
   constexpr int kBits = 20;
   struct Keyed {
@@ -124,8 +125,8 @@ void order_along_curve(const Box& box, SitePlan& plan, const Execution& executio
   plan.bricks = std::move(bricks);
 }
 
-/// Several families: their coordinates q -> (n1·q, n2·q, n3·q), in which the slices are a grid. Two families
-/// leave the third direction whole.
+/// For several families: maps to the coordinates q -> (n1·q, n2·q, n3·q), in which the slices are a grid.
+/// With two families, the third direction is not divided.
 Matrix3 map_of(const SlicePattern& slices) {
   Matrix3 map;
   for (std::size_t k = 0; k < slices.normals.size(); ++k)

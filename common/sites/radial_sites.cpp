@@ -1,23 +1,22 @@
-// Rings and spokes. Sites stand on an aligned polar grid: the same radii r_k on every spoke direction d_b.
-// The distance of a point x across the axis to site (k, b) is |x|² + r_k² - 2 r_k x·d_b, so whatever the ring
-// the nearest spoke is the one with the largest x·d_b: cells are bounded by the radial planes half-way
-// between neighbouring spokes, at whatever angles those stand, and, within a spoke, by the chords
-// x·d_b = (r_k + r_k+1) / 2. A chord is tangential on its spoke and off by the angle from it elsewhere, at
-// most half the widest gap between spokes. The innermost "ring" is one site on the axis.
+// Rings and spokes. Sites are on an aligned polar grid, with the same radii r_k on every spoke direction d_b.
+// The squared distance of a point x across the axis to site (k, b) is |x|² + r_k² - 2 r_k x·d_b, so for every
+// ring the nearest spoke is the one with the largest x·d_b. Cells are therefore bounded by the radial planes
+// half-way between neighbouring spokes, whatever their angles. Within a spoke, they are bounded by the chords
+// x·d_b = (r_k + r_k+1) / 2. A chord is tangential on its spoke. Elsewhere it deviates by the angle from the
+// spoke, which is at most half the widest gap between spokes. The innermost "ring" is one site on the axis.
 //
-// Around a point spokes go in all directions, evenly spread (a spherical Fibonacci lattice: Swinbank & Purser 2006,
-// "Fibonacci grids"), and the same holds: cells are pyramids from the centre, cut across by planes. Of a vessel's wall
-// they make shards that are long where they point to the hit.
+// Around a point, spokes point in all directions, evenly spread (a spherical Fibonacci lattice: Swinbank &
+// Purser 2006, "Fibonacci grids"). The same argument applies: cells are pyramids from the centre, cut across
+// by planes. They divide the wall of a vessel into shards that are long in the direction of the hit.
 //
-// A ring crack that goes all around looks drawn, not broken. So neighbouring cells of a spoke stay together
-// at random (`merge`), which leaves long shards and staggered ring cracks, and near the centre some pairs of
-// neighbouring spokes do, so that radial cracks begin at different distances.
+// A ring crack that goes all the way around looks drawn, not broken. So neighbouring cells on a spoke are
+// merged at random (`merge`), which gives long shards and staggered ring cracks. Near the centre, some pairs
+// of neighbouring spokes are merged, so radial cracks begin at different distances.
 //
-// Of a solid of several parts each breaks as its shape has it, with cells of its own (a frame of the map): a plate around
-// an axis, a body around a point, and a rod across, into lengths, where these are no slices.
+// If a solid has several parts, each part breaks by its shape, with its own cells (a frame of the map). A
+// plate breaks around an axis, a body around a point, and a rod across, unless that gives thin slices.
 //
-// Where it was hit, brittle and weak things are crushed (`crushed`): there sites lie as those of an impact do, in the place of
-// the innermost rings.
+// Brittle and weak materials are crushed at the hit: crumbs replace the innermost rings (`crushed`).
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -35,7 +34,7 @@ namespace {
 constexpr std::uint64_t kRadialStream = 0x4ad1'0000'0000'0001ull;
 constexpr double kLeastSpokes = 14, kMostSpokes = 64;
 
-/// The shortest side of the box; of equal ones z, then x, then y: a pane mostly faces z.
+/// The shortest side of the box; of equal sides z, then x, then y, because panes usually face z.
 Vec3d shortest_side(const Box& box) {
   const Vec3d size = box.size();
   int axis = 2;
@@ -46,10 +45,10 @@ Vec3d shortest_side(const Box& box) {
   return direction;
 }
 
-/// A hit nearer to the middle than this, of the longest side, has no direction.
+/// If a hit is nearer to the middle than this share of the longest side, it has no direction.
 constexpr double kInwards = 0.1;
 
-/// The largest distance(p) of the box's corners.
+/// The largest distance(p) among the corners of the box.
 template <class Distance>
 double reach(const Box& box, const Distance& distance) {
   double reach = 0;
@@ -59,7 +58,7 @@ double reach(const Box& box, const Distance& distance) {
   return reach;
 }
 
-/// The spokes' directions, how many rings there are, and how far they reach.
+/// The directions of the spokes, the number of rings, and the radius of the wheel.
 struct Wheel {
   Vec3d center;
   std::vector<Vec3d> spokes;
@@ -67,7 +66,7 @@ struct Wheel {
   double reach;  ///< m
 };
 
-/// Of the radii of rings that grow outwards, each in the middle of its ring, or nearly.
+/// Radii of rings that grow outwards. Each radius is at or near the middle of its ring.
 std::vector<double> radii(const RadialPattern& pattern, const Wheel& wheel, Random& random) {
   std::vector<double> width(wheel.rings);
   double sum = 0, w = 1;
@@ -86,8 +85,8 @@ std::vector<double> radii(const RadialPattern& pattern, const Wheel& wheel, Rand
   return radius;
 }
 
-/// The sites, the innermost first, and the cells that stay together. `paired`: every other spoke does with the next, from
-/// the centre to somewhere.
+/// Returns the sites, innermost first, and the groups of cells that stay together. `paired`: every second
+/// spoke is merged with the next, from the centre out to a random distance.
 SitePlan plan_of(const RadialPattern& pattern, const Wheel& wheel, const std::vector<double>& radius,
                  bool paired, Random& random, const Execution& execution) {
   const auto spokes = static_cast<std::uint32_t>(wheel.spokes.size());
@@ -114,13 +113,13 @@ SitePlan plan_of(const RadialPattern& pattern, const Wheel& wheel, const std::ve
   return plan;
 }
 
-/// How far the crushed zone reaches, of the reach of the spokes, how its sites gather at the centre, and within how much
-/// of it there are none of rings.
+/// Radius of the crushed zone / radius of the wheel; exponent of the crumbs' density; share without ring
+/// sites.
 constexpr double kCrushedZone = 0.3, kCrushedExponent = 1.5, kWithoutRings = 0.6;
 
-/// The plan with crumbs around the centre in the place of the innermost cells. Of those around an axis (along `inwards`)
-/// the middle one stays, behind the crumbs: else theirs would go on through the body. Where that is not the `whole`
-/// solid and nothing of it is near the centre there are no crumbs: those that find no place would be in other parts.
+/// Returns the plan with crumbs in place of the innermost cells. With `inwards`, a cell behind the crumbs is
+/// kept; otherwise, their cells would extend through the body. If the wheel does not break the `whole` solid
+/// and none of it is near the centre, there are no crumbs, because they would be in other parts.
 SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs, const SitePlan& rings,
                      const Vec3d* inwards, bool whole) {
   if (crumbs == 0) return rings;
@@ -129,7 +128,7 @@ SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs,
   const std::vector<std::uint32_t> cloud_of(crumbs, 0);
   std::vector<Vec3d> points =
       points_in_clouds(task, sampler, std::span(&zone, 1), cloud_of, kCrushedExponent);
-  if (whole) {  // the others lie anywhere in it
+  if (whole) {  // the others are anywhere in the solid
     const std::vector<Vec3d> rest = sampler.sample(crumbs - static_cast<std::uint32_t>(points.size()));
     points.insert(points.end(), rest.begin(), rest.end());
   }
@@ -155,14 +154,14 @@ SitePlan with_crumbs(const Task& task, const Wheel& wheel, std::uint32_t crumbs,
   return plan;
 }
 
-/// Where a wheel goes.
+/// The position of a wheel.
 struct WheelPlace {
-  Box box;                      ///< of what is to break
-  std::optional<Vec3d> thin{};  ///< the way in which it is thin, of a plate
+  Box box;                      ///< the box of the solid or part that breaks
+  std::optional<Vec3d> thin{};  ///< for a plate: the direction in which it is thin
   std::optional<Vec3d> center{}, axis{};
-  std::uint32_t count = 1;  ///< of pieces
+  std::uint32_t count = 1;  ///< number of pieces
   double least_spokes = kLeastSpokes;
-  bool whole = true;  ///< that is all of the solid
+  bool whole = true;  ///< the wheel breaks the whole solid
 };
 
 Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const WheelPlace& place,
@@ -171,8 +170,8 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
   const Box& box = place.box;
   const bool around_point =
       pattern.around == Around::kPoint || (pattern.around == Around::kShape && !place.axis && !place.thin);
-  // About 0.7 of the cells of a disc around a square meet the square, half of those around a point on a body meet the
-  // body, and `merge` of them go.
+  // About 0.7 of the cells of a disc around a square meet the square, and half of the cells around a point on
+  // a body meet the body. The share `merge` of them is lost to merging.
   const auto crumbs = static_cast<std::uint32_t>(std::nearbyint(pattern.crushed * place.count));
   const double cells = (place.count - crumbs) / ((around_point ? 0.5 : 0.7) * (1 - pattern.merge));
   const auto count = [](const std::optional<std::uint32_t>& given, double wanted, double least, double most) {
@@ -186,20 +185,20 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
   if (static_cast<double>(spokes) * rings > task.most_sites)
     return too_many_sites(task, static_cast<double>(spokes) * rings);
 
-  // Without an impact: of a body the middle of the side that faces the viewer.
+  // Without an impact, the centre for a body is the middle of the side that faces the viewer (+z).
   const bool body = around_point || (pattern.crushed > 0 && !place.thin);
   const Vec3d center = place.center.value_or(box.center() + Vec3d{0, 0, body ? 0.5 * box.size().z : 0});
   if (around_point) {
     Wheel wheel{center, {}, rings, reach(box, [&](const Vec3d& p) { return length(p - center); })};
     const std::vector<double> radius = radii(pattern, wheel, random);
-    // A golden section of a turn further at each step.
+    // Each step turns further by the golden section of a turn.
     constexpr double kGolden = 0.6180339887498949;
-    const double apart = std::sqrt(12.6 / spokes);  // between neighbours on the unit sphere, about
+    const double apart = std::sqrt(12.6 / spokes);  // distance of neighbours on the sphere, about
     for (std::uint32_t b = 0; b < spokes; ++b) {
       const double z = 1 - (2 * b + 1.0) / spokes, across = std::sqrt(std::fmax(0, 1 - z * z));
       const double turns = b * kGolden;
       const Vec2d d = unit_at(turns - std::floor(turns));
-      // One draw after the other: compilers differ in which operand of a product they evaluate first.
+      // Draw in separate statements: compilers differ in which operand of a product they evaluate first.
       const double far = 0.5 * pattern.jitter * apart * random.uniform();
       const Vec3d off = far * random_direction(random);
       wheel.spokes.push_back(normalized(Vec3d{across * d.x, z, across * d.y} + off));
@@ -209,7 +208,7 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
   }
 
   Vec3d axis = place.axis ? *place.axis : place.thin ? *place.thin : shortest_side(box);
-  // What is crushed splits along the way of what hit it.
+  // A crushed solid splits along the direction of the hit.
   if (const Vec3d inwards = box.center() - center;
       !place.axis && body && length(inwards) > kInwards * box.longest_side())
     axis = inwards;
@@ -227,15 +226,15 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
                      &axis, place.whole);
 }
 
-/// How much denser pieces of a rod are at the hit: places along it go with the power of their share of the pieces.
+/// Exponent that maps a share of a rod's pieces to a position: how much denser pieces are near the hit.
 constexpr double kTowardsHit = 1.7;
-/// How far sites lie beside the axis, of its width or of a piece's length, whichever is less: so cuts are oblique.
+/// Maximum offset of sites from the axis / the lesser of rod width and piece length. Makes cuts oblique.
 constexpr double kBeside = 0.15;
 
-/// A piece of a rod is no shorter than this, of its width: more pieces than that would be slices.
+/// Minimum length of a piece of a rod / the rod's width. Shorter pieces would be slices.
 constexpr double kShortest = 0.5;
 
-/// A rod breaks across.
+/// Divides a rod across its axis.
 SitePlan across_rod(const Task& task, const RadialPattern& pattern, const PartShape& shape,
                     const CellMap::Frame& frame, const Vec3d* hit, std::uint32_t count, Random& random) {
   const PartShape::Rod& rod = *shape.rod;
@@ -263,7 +262,8 @@ SitePlan across_rod(const Task& task, const RadialPattern& pattern, const PartSh
   return plan;
 }
 
-/// Pieces, of the part that is hit or else the largest: of many parts that have less than one each it breaks, too.
+/// Number of pieces of the part that was hit (without a hit, the largest). Ensures that this part breaks even
+/// if there are so many parts that each would get less than one piece.
 constexpr std::uint32_t kLeastOfOne = 8;
 
 Vec3d nearest_in(const Box& box, Vec3d p) {
@@ -271,7 +271,7 @@ Vec3d nearest_in(const Box& box, Vec3d p) {
   return p;
 }
 
-/// Leaves out sites that are nearer to another part of the frame. Where all are, the one nearest to its own part stays.
+/// Leaves out sites that are nearer to another part of the frame, but always keeps the one nearest to `part`.
 void keep_at(const Box& part, const BoxTree& tree, const std::vector<Box>& parts, Pacer& pacer,
              SitePlan& plan) {
   SitePlan kept;
@@ -294,8 +294,8 @@ void keep_at(const Box& part, const BoxTree& tree, const std::vector<Box>& parts
   plan = std::move(kept);
 }
 
-/// Each part for itself, with as many pieces as are its share by volume: a plate around an axis, a body around a point,
-/// a rod across. What is hit is hit there, all others where they are nearest to the hit.
+/// Breaks each part separately, with a number of pieces proportional to its volume: a plate around an axis, a
+/// body around a point, a rod across. Every part is hit at its point nearest to the hit.
 Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
   const Solid& solid = task.seen.original();
   const CellMap& map = task.seen.map();
@@ -304,7 +304,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
   Pacer pacer(task.execution);
   double volume = 0;
   std::vector<std::uint32_t> in_frame(shapes.frames, 0);
-  std::size_t crushed = 0;  // the part that is hit: the nearest, or the largest
+  std::size_t crushed = 0;  // the part that is hit: the nearest to the hit or, without a hit, the largest
   const auto later = [&](std::size_t p) {
     return hit ? square_distance(solid.parts[p].box, *hit) : -solid.parts[p].volume;
   };
@@ -314,7 +314,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     ++in_frame[shapes.frame_of_part[p]];
     if (later(p) < later(crushed)) crushed = p;
   }
-  // Of those that share a frame.
+  // Boxes of the parts that share a frame.
   std::vector<Box> beside;
   for (std::size_t p = 0; p < solid.parts.size(); ++p) {
     const Box& box = solid.parts[p].box;
@@ -333,7 +333,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     auto count = static_cast<std::uint32_t>(std::nearbyint(task.count * solid.parts[p].volume / volume));
     if (p == crushed && count < 2) count = std::min(task.count, kLeastOfOne);
     const bool alone = in_frame[shapes.frame_of_part[p]] == 1;
-    // Those that share a frame and are too small for a piece belong to their neighbours' cells there.
+    // Parts that share a frame and are too small for a piece belong to the cells of their neighbours in it.
     if (count == 0 && !alone) continue;
     Random random(mix64(task.seed ^ kRadialStream, p));
     Expected<SitePlan> own = SitePlan{{frame.image(shape.middle)}, {0}, {}, {}};
@@ -376,7 +376,7 @@ bool breaks_by_parts(const RadialPattern& pattern) {
 }
 
 double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) {
-  // A ring crack that stays away leaves one piece of several cells.
+  // Omitting a ring crack merges several cells into one piece.
   if (pattern.spokes && pattern.rings)
     return static_cast<double>(*pattern.spokes) * *pattern.rings + pattern.crushed * count;
   return 2 * count;
@@ -385,7 +385,7 @@ double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) 
 Expected<SitePlan> generate(const Task& task, const RadialPattern& pattern, const ImageMap& map) {
   if (breaks_by_parts(pattern) && map.frames().size() > 1) return by_parts(task, pattern);
   const std::vector<Vec3d> impacts = mapped(pattern.impacts, map);
-  // With an axis of its own the shape matters only for where what is crushed begins.
+  // If an axis is given, the shape only affects where the crushed zone begins.
   const bool shape_matters =
       pattern.around != RadialPattern::Around::kPoint && (!pattern.axis || pattern.crushed > 0);
   WheelPlace place;

@@ -14,10 +14,10 @@ namespace {
 
 using sites_detail::Moments;
 
-constexpr double kPlate = 0.2;  // thickness over width, at most
-constexpr double kRod = 4;      // length over width, at least
+constexpr double kPlate = 0.2;  // maximum thickness / width
+constexpr double kRod = 4;      // minimum length / width
 
-/// Of either sign: the one whose largest component is positive.
+/// Chooses the sign that makes the largest component positive.
 Vec3d with_sign(const Vec3d& axis) {
   int largest = 0;
   for (const int k : {1, 2})
@@ -32,13 +32,13 @@ std::optional<Vec3d> thin_axis(const Moments& moments) {
   return with_sign(sites_detail::without_noise(shortest->axis));
 }
 
-/// Of moments about the middle of the part's box; but for where a rod begins and ends.
+/// Shape of a part from its moments about the middle of its box. Does not set where a rod begins and ends.
 PartShape shape_of(const Moments& moments, const Box& box) {
   PartShape shape;
   const Vec3d origin = box.center();
   shape.middle = origin;
   if (!(moments.volume > 0)) return shape;
-  // Of a surface that crosses itself it may be anywhere.
+  // If the surface crosses itself, the computed centre may be anywhere.
   const Vec3d middle = origin + (1 / moments.volume) * moments.first;
   for (int k = 0; k < 3; ++k) shape.middle[k] = std::fmin(std::fmax(middle[k], box.min[k]), box.max[k]);
   if (length(shape.middle - middle) > 0) return shape;
@@ -53,7 +53,8 @@ PartShape shape_of(const Moments& moments, const Box& box) {
   return shape;
 }
 
-/// Whether most of it by volume is plates that lie as the whole does: panes of a window, not bottles on a table.
+/// Whether most of the volume is plates parallel to the whole, such as the panes of a window. Bottles on a
+/// table are not.
 bool are_one_plate(const Solid& solid, const std::vector<PartShape>& of_part, const Execution& execution) {
   constexpr double kWithinTenDegrees = 0.985;
   const std::optional<Vec3d> thin = thin_axis(solid, execution);
@@ -90,7 +91,7 @@ Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& executio
   resize_with_polls(execution, moments, parts);
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step(8);
-    // About the middle of its box: near enough that little is lost to rounding.
+    // Take moments about the middle of the part's box, which is near enough to keep rounding errors small.
     const Vec3d origin = solid.parts[solid.part[t]].box.center();
     const auto& [a, b, c] = solid.triangles[t];
     moments[solid.part[t]].add(to_double(solid.positions[a]) - origin, to_double(solid.positions[b]) - origin,

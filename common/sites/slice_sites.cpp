@@ -1,5 +1,5 @@
-// Parallel planes of one family: sites along a line in the direction of their normal. A site beside the line
-// tilts the planes to its two neighbours.
+// Parallel planes of one family: sites along a line in the direction of their normal. Moving a site off the
+// line tilts the planes to its two neighbours.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::uint64_t kSliceStream = 0x511c'0000'0000'0001ull;
 
-/// The grid that slices are in their image: cells of the spacing, the third direction of two families whole.
+/// The grid that represents the slices in their image: cells of the given spacing. With two families, the
+/// third direction is not divided.
 GridPattern grid_of(const SlicePattern& slices, const Task& task) {
   const Vec3d size = task.solid.box.size();
   GridPattern grid;
@@ -21,9 +22,9 @@ GridPattern grid_of(const SlicePattern& slices, const Task& task) {
   if (slices.spacing) {
     grid.cell = Vec3d{*slices.spacing, *slices.spacing, *slices.spacing};
   } else if (families == 3) {
-    return grid;  // as many cubes as asked for
+    return grid;  // as many cubes as requested
   } else {
-    // As many squares as asked for fill the rectangle of the first two coordinates.
+    // As many squares as requested fill the rectangle of the first two coordinates.
     const double side = std::sqrt(size.x * size.y / task.count);
     grid.cell = Vec3d{side, side, side};
   }
@@ -46,7 +47,8 @@ double expected_sites(const SlicePattern& pattern, double count, const Vec3d& si
   return n;
 }
 
-/// Several families are the product grid of their coordinates, in which the map has put the solid.
+/// Several families are the product grid of their coordinates; the map has transformed the solid to these
+/// coordinates.
 Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const ImageMap& map) {
   if (pattern.normals.size() > 1) return generate(task, grid_of(pattern, task), map);
   // The plane n·q = c is A^-T n · A q = c.
@@ -71,7 +73,7 @@ Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const
   if (count > task.most_sites) return too_many_sites(task, count);
 
   // Neighbouring sites are at least (1 - jitter) spacings apart along the normal, and at most twice `off`
-  // across it: their plane tilts by at most the asked angle.
+  // across it. So the plane between them tilts by at most the requested angle.
   const Vec2d turned = unit_at(pattern.tilt / 360);
   const double off = 0.5 * (1 - pattern.jitter) * spacing * turned.y / turned.x;
   const Across frame = across(normal);

@@ -1,4 +1,5 @@
-// The parts of a solid that overlap, touch or come within a gap. The room `contacts` computes this; a solid stores it.
+// The parts of a solid that overlap, touch or come within a gap. The module `contacts` computes this, and the
+// solid stores it.
 #pragma once
 
 #include <array>

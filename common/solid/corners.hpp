@@ -1,4 +1,4 @@
-// Where the corners of a solid's triangles are, for searches and measures.
+// Corner positions of a solid's triangles, for searches and measurements.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 
 namespace fracture {
 
-/// Of triangles [begin, end), metres. Throws Interrupted.
+/// Corners of triangles [begin, end), metres. Throws Interrupted.
 std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid, std::size_t begin, std::size_t end,
                                              const Execution& execution = {});
-/// Of all triangles.
+/// Corners of all triangles.
 std::vector<std::array<Vec3d, 3>> corners_of(const Solid& solid, const Execution& execution = {});
 
 }  // namespace fracture

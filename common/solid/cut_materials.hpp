@@ -1,4 +1,4 @@
-// Materials of triangles that are cuts, beside those of the source.
+// Materials of triangles that are cuts, in addition to the materials of the source.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,8 @@
 
 namespace fracture {
 
-/// Of cuts between the bricks of a masonry (BrickPattern::mortar). A fragment that is fractured again keeps them.
+/// Material of cuts between the bricks of masonry (BrickPattern::mortar). It is kept when a fragment is
+/// fractured again.
 inline constexpr std::uint32_t kMortarMaterial = 0xfffffffcu;
 
 inline constexpr bool is_of_cuts(std::uint32_t material) {

@@ -10,7 +10,7 @@ namespace fracture::solid_detail {
 EdgeTable::EdgeTable(const Surface& surface, const Execution& execution)
     : start_(filled<std::uint32_t>(execution, surface.positions.size() + 2, 0)),
       uses_(filled(execution, 3 * surface.triangles.size(), EdgeUse{0})) {
-  // start_ is shifted by one while scattering, so that it ends as the table of beginnings.
+  // start_ is shifted by one while scattering, so it ends up as the table of first positions.
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t i) {
     const Triangle& t = surface.triangles[i];
     for (int k = 0; k < 3; ++k) ++start_[std::min(t[k], t[k == 2 ? 0 : k + 1]) + 2];
@@ -47,20 +47,21 @@ EdgeTable::EdgeTable(const Surface& surface, const Execution& execution)
 
 namespace {
 
-/// Pairs the half-edges of the edges whose lower vertex is one of a range. Each such vertex has a chain of the
-/// first uses of its edges, through `twin` itself: that of a first use holds kFirst, the next one's half-edge,
-/// and kPaired once the second use is there, whose twin is the first use already.
+/// Pairs the half-edges of the edges whose lower vertex is in a given range. Each such vertex has a chain of
+/// the first uses of its edges, stored in `twin` itself. The twin of a first use holds kFirst, the next
+/// half-edge in the chain and, once the second use is found, kPaired. The twin of a second use is the first
+/// use.
 class ChainedEdges {
  public:
   static constexpr std::uint32_t kFirst = 1u << 31, kPaired = 1u << 30, kEnd = kPaired - 1;
 
-  /// `chains`: per vertex the last of its chain, kEnd where there is none yet.
+  /// `chains`: per vertex the last element of its chain, or kEnd if the chain is empty.
   ChainedEdges(Surface& surface, std::vector<HalfEdge>& chains) : surface_(surface), chains_(chains) {}
 
-  /// Returns false where an edge of the range is not used exactly twice in opposite directions, or a vertex
+  /// Returns false if an edge of the range is not used exactly twice in opposite directions, or if a vertex
   /// has too many edges.
   bool pair(VertexId begin, VertexId end, const Execution& execution) {
-    // A vertex with very many edges is left to the sorted table.
+    // Stop if a vertex has very many edges; the sorted table is then faster.
     std::size_t steps_left = 16 * surface_.twin.size() + 1024, open = 0;
     Pacer pacer(execution);
     HalfEdge h = 0;
@@ -107,7 +108,7 @@ class ChainedEdges {
   std::vector<HalfEdge>& chains_;
 };
 
-/// Each range of vertices is a reading of all triangles.
+/// Each range of vertices requires one pass over all triangles.
 constexpr std::size_t kMostRanges = 8, kRangeVertices = 16384;
 
 }  // namespace
@@ -118,7 +119,7 @@ bool pair_closed_manifold(Surface& surface, const Execution& execution) {
   std::vector<HalfEdge> chains = filled(execution, vertices, HalfEdge{ChainedEdges::kEnd});
   if (surface.twin.size() != half_edges)
     surface.twin.of_triangle = filled(execution, surface.triangles.size(), kThreeOpen);
-  // An edge is of one range, so the ranges share nothing but what they read.
+  // Each edge belongs to one range, so ranges share only data that they read.
   const std::size_t ranges = std::min(
       {static_cast<std::size_t>(std::max(1, execution.threads)), kMostRanges, 1 + vertices / kRangeVertices});
   std::atomic<bool> paired{true};
@@ -127,8 +128,8 @@ bool pair_closed_manifold(Surface& surface, const Execution& execution) {
     if (!ChainedEdges(surface, chains).pair(begin, end, execution)) paired = false;
   });
   if (!paired) return false;
-  // A first use may be told of its second one while another thread asks what it is: either answer will do,
-  // since the second use has its twin.
+  // Another thread may set the twin of a first use while this thread reads it. Both values are safe, because
+  // the twin of the second use is already set.
   parallel_for(execution, half_edges, 65536, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h) {
       const HalfEdge first = std::atomic_ref(surface.twin[h]).load(std::memory_order_relaxed);

@@ -1,5 +1,5 @@
-// Who uses which edge: every half-edge sorted by its two vertices. The basis of pairing, of duplicate search
-// and of every count of open and non-manifold edges.
+// The uses of each edge: every half-edge, sorted by its two vertices. Used for pairing, for finding
+// duplicates, and for counting open and non-manifold edges.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace fracture::solid_detail {
 
-/// One use of an edge {a, b}, a < b: the half-edge, and whether it runs from b to a.
+/// One use of an edge {a, b}, a < b: the half-edge, and whether it goes from b to a.
 struct EdgeUse {
   std::uint64_t bits;  ///< b << 32 | half-edge << 1 | backward: sorting by it groups the uses of an edge
   HalfEdge half_edge() const { return static_cast<std::uint32_t>(bits) >> 1; }
@@ -22,11 +22,11 @@ struct EdgeUse {
 class EdgeTable {
  public:
   /// Sorts all half-edges: a counting sort by the lower vertex, then each bucket by (higher vertex,
-  /// half-edge), so the cost is linear for surfaces and n log n for a vertex that all triangles share. At
-  /// most 2^31 half-edges.
+  /// half-edge). So the cost is linear for ordinary surfaces, and n log n for a vertex that all triangles
+  /// share. At most 2^31 half-edges.
   EdgeTable(const Surface& surface, const Execution& execution);
 
-  /// Calls visit(a, b, uses) for every edge {a, b}, a < b, in ascending order; uses ascend by half-edge.
+  /// Calls visit(a, b, uses) for every edge {a, b}, a < b, in ascending order; uses are sorted by half-edge.
   template <class Visit>
   void for_each(const Execution& execution, Visit&& visit) const {
     Pacer pacer(execution);
@@ -47,14 +47,15 @@ class EdgeTable {
   std::vector<EdgeUse> uses_;
 };
 
-/// The fast path: glues a surface whose every edge is used exactly twice in opposite directions, by chained
-/// lists of edges per vertex; each thread has the edges of its own vertices. Returns false, with the twins
-/// undefined, when the surface is not such a one (or a vertex has so many edges that the lists would cost more
-/// than sorting).
+/// The fast path: glues a surface in which every edge is used exactly twice, in opposite directions. Uses a
+/// chained list of edges per vertex, and each thread handles the edges of its own vertices. Returns false,
+/// with undefined twins, if the surface is not like that, or if a vertex has so many edges that the lists
+/// would cost more than sorting.
 bool pair_closed_manifold(Surface& surface, const Execution& execution);
 
-/// Glues every edge that is used exactly twice in opposite directions and leaves the others open. Returns
-/// true when that was all of them: the surface is a closed, oriented 2-manifold but for touching vertices.
+/// Glues every edge that is used exactly twice in opposite directions, and leaves the others open. Returns
+/// true if there are no others: the surface is then a closed, oriented 2-manifold, except for vertices that
+/// touch.
 bool pair_clean_edges(Surface& surface, const EdgeTable& edges, const Execution& execution);
 
 }  // namespace fracture::solid_detail

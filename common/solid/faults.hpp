@@ -1,4 +1,4 @@
-// What was found and done, in words: notes for people, and the refusals of make_solid().
+// Describes what make_solid() found and did: remarks for people, and its refusals.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace fracture::solid_detail {
 
-/// "2.5", "(1, 2.5, 0)": to six digits.
+/// Formats to six digits: "2.5", "(1, 2.5, 0)".
 std::string number(double value);
 std::string place(const Vec3f& p);
 
-/// What is wrong with the edges, and where first.
+/// Number of faulty edges of each kind, and the first ones.
 struct EdgeFaults {
   std::uint64_t open = 0;         ///< edges with one use
   std::uint64_t nonmanifold = 0;  ///< edges with more than two
@@ -25,14 +25,14 @@ struct EdgeFaults {
 };
 EdgeFaults find_faults(const Surface& surface, const EdgeTable& edges, const Execution& execution);
 
-/// kMeshNotClosed, with the counts and the first offending edge.
+/// Returns kMeshNotClosed, with the counts and the first faulty edge.
 tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const SolidReport& report);
 
-/// The pieces without a volume, which are not in the solid.
+/// The pieces without volume, which are not part of the solid.
 struct FlatPieces {
   std::uint64_t triangles = 0;  ///< of the source
   Vec3f first{};                ///< a corner of the first one
-  std::string node;             ///< that it is in; empty: without a name
+  std::string node;             ///< its node; empty if it has no name
 };
 
 /// `thickness`: SolidOptions::thickness.

@@ -1,11 +1,11 @@
-// Exact signs of determinants of float32 coordinates: a double evaluation with a proven bound, then an exact
-// sum.
+// Exact signs of determinants of float32 coordinates. Evaluates in double with a proven error bound, and
+// computes an exact sum only if that is inconclusive.
 //
-// The products of two floats are exact doubles, those of three are the exact sum of two doubles; so each
-// determinant is a sum of few exact terms, and the sign of an exact sum is the sign of the largest component
+// The products of two floats are exact doubles, and the products of three are exact sums of two doubles. So
+// each determinant is a sum of few exact terms. The sign of an exact sum is the sign of the largest component
 // of its expansion (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust geometric
-// predicates", §2.4 grow-expansion). Range: every finite float32. A zero is a real zero: coplanar, collinear
-// or coincident.
+// predicates", §2.4 grow-expansion). Range: every finite float32. A zero is exact: the points are coplanar,
+// collinear or coincident.
 #pragma once
 
 #include <span>
@@ -28,15 +28,14 @@ class ExactSum {
   std::vector<double> parts_;
 };
 
-/// Sign of (b - a) × (c - a): +1 when a, b, c turn counter-clockwise.
+/// Sign of (b - a) × (c - a): +1 if a, b, c turn counter-clockwise.
 int sign_orient2d(const Vec2f& a, const Vec2f& b, const Vec2f& c);
 
-/// Sign of (b - a) · ((c - a) × (d - a)): +1 when d lies on the side the normal of the triangle abc points
-/// to.
+/// Sign of (b - a) · ((c - a) × (d - a)): +1 if d is on the side to which the normal of triangle abc points.
 int sign_orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d);
 
-/// The plane that remains when an axis is dropped, right-handed: dropping x gives (y, z), y gives (z, x), z
-/// gives (x, y).
+/// Drops an axis and keeps the result right-handed: dropping x gives (y, z), y gives (z, x), and z gives (x,
+/// y).
 inline Vec2f drop_axis(const Vec3f& p, int axis) {
   return axis == 0 ? Vec2f{p.y, p.z} : axis == 1 ? Vec2f{p.z, p.x} : Vec2f{p.x, p.y};
 }

@@ -12,7 +12,7 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// The open half-edge that comes after h when walking along the hole, i.e. against the direction of h.
+/// Returns the open half-edge that follows h on a walk along the hole, that is, against the direction of h.
 HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer) {
   HalfEdge p = previous(h);
   while (surface.twin[p] != kNoIndex) {
@@ -22,10 +22,10 @@ HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer) {
   return p;
 }
 
-/// Appends the triangles (indices into the loop) and glues them to the loop's half-edges and to one another.
+/// Appends the triangles (indices into the loop), and glues them to the loop's half-edges and to each other.
 void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<LoopTriangle>& fill,
              const Execution& execution) {
-  // Corner i of the loop is the vertex the hole's walk leaves along loop[i]: the end of that half-edge.
+  // Corner i of the loop is the vertex from which the walk follows loop[i]: the end of that half-edge.
   const auto count = static_cast<std::uint32_t>(loop.size());
   struct Side {
     std::uint64_t key;  // lower corner << 32 | higher corner
@@ -63,7 +63,7 @@ void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vec
   }
 }
 
-/// A hole gets fewer triangles than it has sides.
+/// Reserves memory for the fills. A hole needs fewer triangles than it has sides.
 void grow_for_fills(Surface& surface, const Execution& execution) {
   std::size_t open = 0;
   for_each_polled(execution, surface.twin.size(),
@@ -82,13 +82,13 @@ std::vector<TriangleId> fill_holes(Surface& surface, double tolerance, const Exe
   std::vector<HalfEdge> whole, walk, loop;
   std::vector<Vec3f> corners;
   grow_for_fills(surface, execution);
-  // Of each vertex in the walk.
+  // Index of each vertex in the walk.
   std::vector<std::uint32_t> place = filled(execution, surface.positions.size(), kNoIndex);
   Pacer pacer(execution);
 
   const auto fill = [&](std::span<const HalfEdge> simple) {
     loop.assign(simple.begin(), simple.end());
-    if (loop.size() == 2) {  // a slit: its two sides are one edge
+    if (loop.size() == 2) {  // a slit: its two sides become one edge
       surface.twin[loop[0]] = loop[1];
       surface.twin[loop[1]] = loop[0];
       return;
@@ -109,7 +109,7 @@ std::vector<TriangleId> fill_holes(Surface& surface, double tolerance, const Exe
   for (HalfEdge start = 0; start < half_edges; ++start) {
     pacer.step();
     if (surface.twin[start] != kNoIndex || walked[start]) continue;
-    // The whole loop first: gluing changes what next_along_hole() sees.
+    // Collect the whole loop first, because gluing changes the result of next_along_hole().
     whole.clear();
     for (HalfEdge h = start; !walked[h]; h = next_along_hole(surface, h, pacer)) {
       pacer.step();
@@ -120,7 +120,7 @@ std::vector<TriangleId> fill_holes(Surface& surface, double tolerance, const Exe
     for (const HalfEdge h : whole) {
       pacer.step(2);
       const VertexId v = surface.to(h);
-      if (place[v] != kNoIndex) {  // back at a vertex: what lies between is a loop of its own
+      if (place[v] != kNoIndex) {  // back at a vertex: the walk since then is a loop by itself
         const std::size_t begin = place[v];
         for (std::size_t i = begin; i < walk.size(); ++i) place[surface.to(walk[i])] = kNoIndex;
         fill(std::span(walk).subspan(begin));

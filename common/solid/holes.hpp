@@ -1,4 +1,4 @@
-// Closing holes: every loop of open edges is covered by triangles over its own vertices.
+// Closes holes: covers every loop of open edges with triangles that use its own vertices.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -6,11 +6,12 @@
 
 namespace fracture::solid_detail {
 
-/// Closes seams first: what lies along them within the tolerance (metres) is filled with triangles that hardly have an
-/// area (seams.hpp). Then traces the loops of open half-edges, turning around open fans, and fills each: a loop that
-/// comes back to a vertex is taken apart there into simple loops; two opposite open edges are glued to one another;
-/// longer loops are triangulated and glued in. Filled triangles are appended with source kNoIndex. Afterwards no
-/// half-edge is open; vertices may still have several fans. Returns the first triangle of each fill.
+/// Closes seams first: open edges along one line, within the tolerance (metres), are filled with triangles of
+/// almost no area (seams.hpp). Then traces the loops of open half-edges, turning around open fans, and fills
+/// each loop. A loop that returns to a vertex is divided there into simple loops. Two opposite open edges are
+/// glued together. Longer loops are triangulated and glued in. The new triangles are appended with source
+/// kNoIndex. Afterwards, no half-edge is open, but vertices may still have several fans. Returns the first
+/// triangle of each fill.
 std::vector<TriangleId> fill_holes(Surface& surface, double tolerance, const Execution& execution);
 
 }  // namespace fracture::solid_detail

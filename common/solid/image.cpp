@@ -7,7 +7,7 @@ namespace fracture {
 
 Solid image_of(const Solid& solid, const CellMap& map, const Execution& execution) {
   using solid_detail::copied, solid_detail::for_each_polled;
-  // Each vertex is of one part.
+  // Each vertex belongs to one part.
   std::vector<std::uint32_t> part_of_vertex;
   if (map.frames().size() > 1) {
     part_of_vertex = solid_detail::filled<std::uint32_t>(execution, solid.positions.size(), 0);
@@ -29,7 +29,7 @@ Solid image_of(const Solid& solid, const CellMap& map, const Execution& executio
     image.positions.push_back({static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)});
     image.box.add(to_double(image.positions.back()));
   });
-  const double factor = map.of_part(0).matrix.determinant();  // that of all
+  const double factor = map.of_part(0).matrix.determinant();  // the determinant is the same in all frames
   for (Part& part : image.parts) {
     part.volume *= factor;
     part.box = {};
@@ -43,7 +43,7 @@ Solid image_of(const Solid& solid, const CellMap& map, const Execution& executio
     image.report.area += 0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
   });
   image.report.volume = solid.report.volume * factor;
-  // Disjoint boxes may have images whose boxes meet.
+  // Boxes that were disjoint may overlap in the image.
   image.layers = solid_detail::assign_layers(image.parts, execution);
   return image;
 }

@@ -1,4 +1,4 @@
-// A solid seen through the map of its cells: what decides an anisotropic fracture.
+// A solid seen through the map of its cells. This image determines an anisotropic fracture.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,14 @@
 
 namespace fracture {
 
-/// The same surface (vertex, triangle, edge and part ids) with its vertices where the map has them, rounded once
-/// to float; boxes, volumes, areas and layers are those of the image. Has no source, wedges, materials or
-/// repair figures. Rounding may make triangles flat or fold over one another: the surface stays closed.
-/// The map is not the identity, and its determinant is positive.
+/// Returns the same surface (with the same vertex, triangle, edge and part ids) with its vertices mapped and
+/// rounded once to float. Boxes, volumes, areas and layers are those of the image. It has no source, wedges,
+/// materials or repair counts. Rounding may flatten triangles or fold them over one another, but the surface
+/// stays closed. The map must not be the identity, and must have a positive determinant.
 Solid image_of(const Solid& solid, const CellMap& map, const Execution& execution = {});
 
-/// A solid and what decides how it is cut: its image under the map of the cells, or, without one, itself. The
-/// image decides, the original has the positions.
+/// A solid and the surface that decides its cuts: its image under the map of the cells or, without a map, the
+/// solid itself. Positions come from the original.
 class SeenSolid {
  public:
   /// `original` is borrowed.

@@ -8,8 +8,8 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// The boxes that have a layer, in a tree whose shape is fixed by the centres of all boxes (k-d tree, Bentley
-/// 1975), so that it stays balanced in whatever order they are added.
+/// The boxes that have a layer, in a tree whose shape is determined by the centres of all boxes (k-d tree,
+/// Bentley 1975). So it stays balanced regardless of the order in which they are added.
 class BoxTree {
  public:
   BoxTree(const std::vector<Part>& parts, const Execution& execution)
@@ -33,7 +33,7 @@ class BoxTree {
     }
   }
 
-  /// Calls visit(j) for every part that was added, has a layer >= `lowest` and touches the box.
+  /// Calls visit(j) for every added part that has a layer >= `lowest` and touches the box.
   template <class Visit>
   void for_each_touching(const Box& box, std::uint32_t lowest, Visit&& visit) {
     std::size_t stack[64] = {0}, size = 1;
@@ -56,14 +56,14 @@ class BoxTree {
  private:
   static constexpr std::size_t kLeafSize = 8;
   struct Node {
-    Box box;                   ///< of the parts that were added
-    std::uint32_t layers = 0;  ///< 1 + the highest layer of these
-    std::uint32_t count = 0;   ///< leaves: how many they are, in slots_ from `begin`
+    Box box;                   ///< of the parts added so far
+    std::uint32_t layers = 0;  ///< 1 + the highest layer of these parts
+    std::uint32_t count = 0;   ///< leaves: number of added parts, in slots_ from `begin`
     std::size_t begin = 0;
   };
 
-  /// Gives the subtree the parts slots_[begin, end), halved along the axis in which their centres spread
-  /// most.
+  /// Assigns the parts slots_[begin, end) to the subtree, and halves them along the axis in which their
+  /// centres are spread most.
   void split(std::size_t at, std::size_t begin, std::size_t end) {
     if (at >= first_leaf_) {
       nodes_[at].begin = begin;
@@ -92,23 +92,23 @@ class BoxTree {
   const std::vector<Part>& parts_;
   Pacer pacer_;
   std::size_t first_leaf_ = 0;
-  std::vector<Node> nodes_;           ///< a complete binary tree: the children of k are 2 k + 1 and 2 k + 2
-  std::vector<std::uint32_t> slots_;  ///< the parts of each leaf, those that were added first
+  std::vector<Node> nodes_;           ///< complete binary tree: the children of k are 2 k + 1 and 2 k + 2
+  std::vector<std::uint32_t> slots_;  ///< the parts of each leaf; added ones come first
   std::vector<std::size_t> leaf_of_;  ///< per part
 };
 
-/// One box of each layer, under a tree over the layers that finds the lowest layer whose box is not touched.
-/// Where boxes pile up (bars side by side, shells within shells) that one box shows that a layer is taken.
+/// One box per layer, with a tree over the layers that finds the lowest layer whose box is not touched. If
+/// boxes pile up (bars next to each other, shells within shells), this one box is enough to show that a layer
+/// is taken.
 class LayerTree {
  public:
   std::uint32_t layers() const { return layers_; }
 
-  /// The lowest layer >= `from` whose box does not touch this one, or layers().
+  /// Returns the lowest layer >= `from` whose box does not touch this box, or layers().
   std::uint32_t first_untouched(const Box& box, std::uint32_t from) const {
     std::size_t at = from + width_;
     if (from >= layers_) return layers_;
-    while (
-        touches_all(nodes_[at], box)) {  // everything below `at` is touched: go on to what lies right of it
+    while (touches_all(nodes_[at], box)) {  // all boxes below `at` are touched: continue to the right
       while (at % 2 == 1) at /= 2;
       if (at == 0) return layers_;
       ++at;
@@ -120,8 +120,8 @@ class LayerTree {
     return std::min(layers_, static_cast<std::uint32_t>(at - width_));
   }
 
-  /// A layer got a box: of those that boxes with this one's lower x or a higher one can still touch, the
-  /// layer keeps the widest across x.
+  /// Adds a box to a layer. Boxes are added in the order of their lower x. Among the boxes that later ones can
+  /// still touch, the layer keeps the widest across x.
   void offer(std::uint32_t layer, const Box& box) {
     if (layer == layers_) {
       ++layers_;
@@ -136,8 +136,8 @@ class LayerTree {
   }
 
  private:
-  /// core.min: the largest lower bounds of the boxes below, core.max: their smallest upper bounds. A box
-  /// touches all of them when it reaches up to the one and down to the other on every axis.
+  /// core.min: largest lower bounds of the boxes below; core.max: their smallest upper bounds. A box touches
+  /// all of them if on every axis its upper bound reaches core.min and its lower bound reaches core.max.
   struct Node {
     Box core;
     bool complete = false;  ///< every layer below has a box
@@ -167,8 +167,8 @@ class LayerTree {
   }
 
   std::uint32_t layers_ = 0;
-  std::size_t width_ = 1;                    ///< a power of two >= layers_
-  std::vector<Node> nodes_{std::size_t{2}};  ///< root 1; the leaf of layer k is k + width_
+  std::size_t width_ = 1;                    ///< power of two, >= layers_
+  std::vector<Node> nodes_{std::size_t{2}};  ///< the root is 1, and the leaf of layer k is k + width_
 };
 
 }  // namespace
@@ -183,7 +183,7 @@ std::uint32_t assign_layers(std::vector<Part>& parts, const Execution& execution
   });
   BoxTree placed(parts, execution);
   LayerTree layers;
-  std::vector<std::uint32_t> taken_by;  // per layer: the last part (plus one) that found it taken
+  std::vector<std::uint32_t> taken_by;  // per layer: 1 + the last part that found it taken
   Pacer pacer(execution);
   for (const std::uint32_t i : order) {
     const Box& box = parts[i].box;

@@ -1,4 +1,4 @@
-// Layers: parts with disjoint boxes share one, so that one pass over the surface can treat them together.
+// Layers: parts with disjoint boxes share a layer, so one pass over the surface can process them together.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -6,10 +6,10 @@
 
 namespace fracture::solid_detail {
 
-/// Greedy colouring in the order of the boxes' lower x (ties by part id): each part gets the lowest layer
-/// without a box that touches its own. Returns the number of layers.
+/// Assigns layers by greedy colouring, in the order of the boxes' lower x (ties by part id). Each part gets
+/// the lowest layer in which no box touches its own. Returns the number of layers.
 ///
-/// Cost: n log n for boxes that are disjoint, and for boxes that all touch one another; otherwise at most the
+/// Cost: n log n if all boxes are disjoint, or if all touch one another; otherwise at most the number of
 /// pairs of boxes that touch.
 std::uint32_t assign_layers(std::vector<Part>& parts, const Execution& execution);
 

@@ -27,8 +27,8 @@ std::vector<LoopTriangle> least_area(const std::vector<Vec3f>& corners) {
   std::vector<double> cost(n * n, 0);
   std::vector<std::uint32_t> choice(n * n, 0);
   const auto point = [&](std::size_t i) { return to_double(corners[i]); };
-  // The area decides. A small share of the triangle's perimeter squared keeps slivers out where areas tie
-  // (planar loops).
+  // The area decides. A small share of the squared edge lengths prevents slivers if areas are equal (planar
+  // loops).
   const auto weight = [&](std::size_t i, std::size_t j, std::size_t k) {
     const Vec3d u = point(j) - point(i), v = point(k) - point(i), w = point(k) - point(j);
     return length(cross(u, v)) + 1e-5 * (dot(u, u) + dot(v, v) + dot(w, w));
@@ -60,7 +60,7 @@ std::vector<LoopTriangle> least_area(const std::vector<Vec3f>& corners) {
   return triangles;
 }
 
-/// Ear cutting of a projected loop.
+/// Triangulates a projected loop by cutting ears.
 class EarCutter {
  public:
   EarCutter(const std::vector<Vec3f>& corners, const Execution& execution)
@@ -105,7 +105,7 @@ class EarCutter {
     while (left > 3) {
       std::uint32_t ear = kNoIndex;
       while (ear == kNoIndex && !queue_.empty()) {
-        pacer_.step(8);  // each level of the queue is a step
+        pacer_.step(8);  // each level of the queue counts as a step
         const Candidate candidate = queue_.top();
         queue_.pop();
         if (candidate.version != version_[candidate.corner]) continue;
@@ -113,12 +113,12 @@ class EarCutter {
         if (looks_left_ < 0 && !forced_) break;
         if (blocker == kNoIndex) {
           ear = candidate.corner;
-        } else {  // looked at again when the blocker is cut or turns convex
+        } else {  // tested again when the blocker is cut or becomes convex
           waiting_.push_back({candidate.corner, candidate.version, waiting_first_[blocker]});
           waiting_first_[blocker] = static_cast<std::uint32_t>(waiting_.size() - 1);
         }
       }
-      if (ear == kNoIndex) {  // no proper ear is left, or looking for them costs too much
+      if (ear == kNoIndex) {  // no proper ear is left, or searching for one costs too much
         force();
         continue;
       }
@@ -134,13 +134,14 @@ class EarCutter {
 
  private:
   static constexpr std::uint32_t kCut = 0xffffffffu;
-  /// Bounds the work on loops whose projection is a tangle; outlines of real holes need a few dozen.
+  /// Limits the work on loops whose projection is tangled. Outlines of real holes need a few dozen looks per
+  /// corner.
   static constexpr std::int64_t kLooksPerCorner = 500;
   struct Candidate {
-    bool poor;  // only when forced: not convex
+    bool poor;  // only when forced: the corner is not convex
     double diagonal;
     std::uint32_t corner, version;
-    bool operator<(const Candidate& o) const {  // std::priority_queue has the largest on top
+    bool operator<(const Candidate& o) const {  // std::priority_queue puts the largest on top
       if (poor != o.poor) return poor;
       if (diagonal != o.diagonal) return diagonal > o.diagonal;
       return corner > o.corner;
@@ -158,7 +159,7 @@ class EarCutter {
     queue_.push({reflex_[i] != 0, dot(d, d), i, version_[i]});
   }
 
-  /// From now on every corner is a candidate, convex ones first.
+  /// Makes every corner a candidate from now on, convex ones first.
   void force() {
     if (forced_) throw InternalError("ear cutting: no candidate left");
     forced_ = true;
@@ -192,10 +193,10 @@ class EarCutter {
     }
   }
 
-  /// A reflex corner inside or on the triangle at the corner, or kNoIndex. Corners at the position of one of
-  /// its three corners do not block (loops may touch themselves).
+  /// Returns a reflex corner inside or on the triangle at this corner, or kNoIndex. Corners at the same
+  /// position as one of its corners do not block, because loops may touch themselves.
   std::uint32_t blocking(std::uint32_t ear) {
-    looks_left_ -= 16;  // what a look that finds nothing costs; also bounds the memory of waiting_
+    looks_left_ -= 16;  // cost of a search that finds nothing; also bounds the memory of waiting_
     const std::uint32_t ip = previous_[ear], in = next_[ear];
     const Vec2d a = points_[ip], b = points_[ear], c = points_[in];
     const auto [x0, y0] = cell(std::fmin(a.x, std::fmin(b.x, c.x)), std::fmin(a.y, std::fmin(b.y, c.y)));
@@ -261,7 +262,7 @@ class EarCutter {
     std::uint32_t corner, version, next;
   };
   std::vector<Waiting> waiting_;
-  std::int64_t looks_left_ = 0;  ///< cells and corners that blocking() may still look at
+  std::int64_t looks_left_ = 0;  ///< number of cells and corners that blocking() may still test
   std::vector<std::uint8_t> reflex_;
   std::priority_queue<Candidate> queue_;
   bool forced_ = false;

@@ -1,4 +1,4 @@
-// make_solid(): the stages in their order. Clean closed meshes (the common case on the timed path) skip the
+// make_solid(): runs the stages in order. Clean closed meshes (the common case, whose speed matters) skip the
 // repairs.
 #include <algorithm>
 #include <cmath>
@@ -25,8 +25,8 @@ namespace {
 
 using namespace solid_detail;
 
-/// Half-edges are counted in 32 bits, and with a direction beside them in 31. Repairs make of a triangle up
-/// to three that fill its open edges, and its back and three walls.
+/// Half-edges are numbered in 32 bits, or in 31 with a direction. Repairs can turn one triangle into at most
+/// itself, three triangles that fill its open edges, a back, and three walls.
 constexpr std::size_t kMostTriangles = (std::size_t{1} << 31) / (3 * 12);
 
 Box box_of(const Surface& surface, const Execution& execution) {
@@ -40,19 +40,20 @@ double reach_of(const Box& box, int axis) {
   return std::fmax(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
 }
 
-/// m: how far apart vertices may be that belong together.
+/// Maximum distance between vertices to weld, m.
 double weld_distance(const Box& box, const SolidOptions& options) {
   return options.weld_tolerance * length(box.size());
 }
 
-/// m: how far from a line the vertices on it may be. Not less than what rounding to floats does to them, if anything.
+/// Maximum distance of a seam's vertices from its line, m. If positive, at least the error from rounding to
+/// floats.
 double seam_distance(const Box& box, const SolidOptions& options) {
   if (options.weld_tolerance <= 0) return 0;
   const double reach = length({reach_of(box, 0), reach_of(box, 1), reach_of(box, 2)});
   return std::fmax(weld_distance(box, options), 0x1p-23 * reach);
 }
 
-/// Glues what can be glued. What is left open after it only waits to be filled.
+/// Glues all edges that can be paired. The remaining open edges are filled later.
 EdgeFaults pair_edges(Surface& surface, const SolidOptions& options, SolidReport& report,
                       const Execution& execution) {
   if (pair_closed_manifold(surface, execution)) return {};
@@ -90,7 +91,7 @@ std::string edges_in_words(const SolidReport& report) {
          counted(report.nonmanifold_edges, "non-manifold edge", "non-manifold edges");
 }
 
-/// What repair=strict does not repair.
+/// Refuses meshes that repair=strict would have to change.
 Expected<void> accept_strictly(bool open, const EdgeFaults& faults, const SolidReport& report) {
   if (open)
     return refuse("The mesh is not closed, and repair=strict fills no holes: " + edges_in_words(report) + ".",
@@ -102,7 +103,7 @@ Expected<void> accept_strictly(bool open, const EdgeFaults& faults, const SolidR
   return {};
 }
 
-/// Fills the holes, splits the umbrellas and thickens the sheets. Returns the shells that there are then.
+/// Fills the holes, splits the umbrellas and thickens the sheets. Returns the resulting shells.
 Shells close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
                      SolidReport& report, const Execution& execution) {
   if (open) fills = fill_holes(surface, seam_distance(box_of(surface, execution), options), execution);
@@ -118,7 +119,7 @@ Shells close_surface(Surface& surface, bool open, const SolidOptions& options, s
   return shells;
 }
 
-/// Is the solid large enough on each axis? On an axis where all is flat there is no solid.
+/// Checks that the solid is large enough on each axis. A solid cannot be flat on any axis.
 Expected<void> accept_reach(const Box& box) {
   for (int axis = 0; axis < 3; ++axis) {
     const double reach = reach_of(box, axis);
@@ -133,8 +134,8 @@ Expected<void> accept_reach(const Box& box) {
   return {};
 }
 
-/// Gathers the shells in parts and turns those that face the wrong way. Returns the part of each shell.
-/// Errors: kMeshNotClosed where no shell bounds a volume, or where repair=strict would have to turn one.
+/// Groups the shells into parts, and turns those that face the wrong way. Returns the part of each shell.
+/// Errors: kMeshNotClosed if no shell bounds a volume, or if repair=strict would have to turn one.
 Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const EdgeFaults& faults,
                                                        Repair repair, Surface& surface, const Shells& shells,
                                                        Solid& solid, const Execution& execution) {
@@ -167,7 +168,7 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
   return part_of_shell;
 }
 
-/// What the holes' fill and the backs and rims of sheets are, of the shells that stay.
+/// Reports the fills of holes, and the backs and rims of sheets, in the remaining shells.
 void report_fills(const Surface& surface, const Shells& shells, const std::vector<TriangleId>& fills,
                   SolidReport& report, const Execution& execution) {
   for_each_polled(execution, fills.size(), [&](std::size_t i) {
@@ -185,7 +186,7 @@ void report_fills(const Surface& surface, const Shells& shells, const std::vecto
   });
 }
 
-/// Counts the flat shells, before the surface is grouped by parts.
+/// Counts triangles in flat shells, before the surface is grouped by parts.
 FlatPieces flat_pieces(const Mesh& mesh, const Surface& surface, const Shells& shells,
                        const SolidReport& report, const Execution& execution) {
   FlatPieces flat;
@@ -201,7 +202,7 @@ FlatPieces flat_pieces(const Mesh& mesh, const Surface& surface, const Shells& s
   return flat;
 }
 
-/// Shells keep their order; flat ones lose their numbers. Counts both.
+/// Numbers the shells in their order; flat ones get no number. Counts both kinds.
 std::vector<std::uint32_t> number_shells(const Surface& surface, const Shells& shells, SolidReport& report,
                                          const Execution& execution) {
   bool any_flat = false;
@@ -220,7 +221,7 @@ std::vector<std::uint32_t> number_shells(const Surface& surface, const Shells& s
   return numbers;
 }
 
-/// From shells to the solid, whose arrays take those of the surface.
+/// Builds the solid from the shells. The solid takes over the arrays of the surface.
 void finish(const Mesh& mesh, Surface& surface, Shells& shells,
             const std::vector<std::uint32_t>& part_of_shell, const std::vector<TriangleId>& fills,
             bool filled_any, const EdgeFaults& faults, double thickness, Solid& solid,

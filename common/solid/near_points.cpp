@@ -10,7 +10,8 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// A cell's lower corner in units of its side: whole numbers, in double because they may be large.
+/// A cell's lower corner in units of its side. The values are integers, stored as double because they may be
+/// large.
 using CellPlace = std::array<double, 3>;
 
 struct Entry {
@@ -41,8 +42,8 @@ class NearPoints {
   }
 
  private:
-  /// Two points of a cell differ by at most 0.57 √3 = 0.987 tolerances. (Rounding does not matter: where it
-  /// would, floats are more than a cell apart.)
+  /// Two points in a cell are at most 0.57 √3 = 0.987 tolerances apart. (Rounding does not matter: where
+  /// coordinates are so large that it would, neighbouring floats are more than a cell apart.)
   static constexpr double kSide = 0.57;
   static constexpr std::size_t kLeafSize = 8;
   struct Node {
@@ -75,8 +76,8 @@ class NearPoints {
     begin_.push_back(static_cast<std::uint32_t>(entries_.size()));
   }
 
-  /// Calls visit for the cells that come later in the order and may have points within the tolerance: two
-  /// cells away at most on each axis.
+  /// Calls visit for the cells that come later in the order and may have points within the tolerance: at most
+  /// two cells away on each axis.
   template <class Visit>
   void for_each_later_neighbour(std::uint32_t at, Visit&& visit) {
     const CellPlace here = place(at);
@@ -139,7 +140,7 @@ class NearPoints {
     return false;
   }
 
-  /// Of any two points of the boxes, at least and at most.
+  /// Lower and upper bounds of the distance between points of the two boxes.
   static std::pair<double, double> distances(const Node& x, const Node& y) {
     Vec3d least, most;
     const auto axis = [](double x0, double x1, double y0, double y1, double& near, double& far) {
@@ -156,7 +157,7 @@ class NearPoints {
     return std::fmax(size.x, std::fmax(size.y, size.z));
   }
 
-  /// Leaf k (from `leaves` on) of the tree begins here: the points are halved and halved again.
+  /// First point of leaf k (k >= `leaves`) of the tree: the points are halved recursively.
   static std::size_t leaf_begin(const Tree& tree, std::size_t k) {
     std::size_t begin = tree.begin, end = tree.end;
     if (k == 2 * tree.leaves) return end;
@@ -206,15 +207,15 @@ class NearPoints {
   Pacer pacer_;
   std::vector<Entry> entries_;           ///< ascending by cell
   std::vector<std::uint32_t> begin_;     ///< per cell: its first entry; one more at the end
-  std::map<std::uint32_t, Tree> trees_;  ///< of cells that were asked for one
-  std::vector<Node> nodes_;              ///< of each tree: root 1, the children of k are 2 k and 2 k + 1
+  std::map<std::uint32_t, Tree> trees_;  ///< only for cells that needed one
+  std::vector<Node> nodes_;  ///< in each tree, the root is 1, the children of k are 2 k and 2 k + 1
 };
 
 }  // namespace
 
 void unite_near(const std::vector<Vec3f>& positions, const std::vector<VertexId>& members, double tolerance,
                 DisjointSets& sets, const Execution& execution) {
-  // Different floats are further apart than this.
+  // Different floats are farther apart than this.
   if (!(tolerance > 1e-45)) return;
   NearPoints(positions, tolerance, execution).unite(members, sets);
 }

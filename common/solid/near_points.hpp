@@ -1,4 +1,4 @@
-// Points nearer to one another than a tolerance.
+// Points that are nearer to each other than a tolerance.
 #pragma once
 
 #include <vector>
@@ -13,11 +13,10 @@ namespace fracture::solid_detail {
 /// Unites all pairs of `members` (distinct positions) whose distance, computed in double, is at most
 /// `tolerance` > 0.
 ///
-/// Points are sorted into cells so small that the points of one cell are all near one another; of two cells
-/// that are not yet in one set it is enough to know whether they have a near pair, which two k-d trees tell
-/// (dual-tree search: Gray & Moore 2001). So the cost is n log n also where very many points lie within one
-/// tolerance; only sets of points that lie almost exactly one tolerance from one another, thousands from
-/// thousands, cost more.
+/// Points are sorted into cells so small that all points of a cell are near one another. For two cells that
+/// are not yet in one set, it is enough to know whether they have a near pair, which two k-d trees find
+/// (dual-tree search: Gray & Moore 2001). So the cost is n log n even if very many points are within one
+/// tolerance. Only sets of thousands of points that are almost exactly one tolerance apart cost more.
 void unite_near(const std::vector<Vec3f>& positions, const std::vector<VertexId>& members, double tolerance,
                 DisjointSets& sets, const Execution& execution);
 

@@ -21,8 +21,8 @@ class Nester {
  public:
   Nester(const Surface& surface, const Shells& shells, const Execution& execution)
       : shells_(shells), windings_(surface, shells, execution), surface_(surface), execution_(execution) {
-    // Largest first: the largest are the likeliest to be outermost, and the orientation of whatever encloses
-    // a shell is settled before the shell's own.
+    // Largest first: the largest shells are the most likely to be outermost. Also, the orientation of every
+    // enclosing shell is then known before the orientation of the shell inside.
     for (std::uint32_t i = 0; i < shells.list.size(); ++i)
       if (!shells.list[i].flat) order_.push_back(i);
     sort_with_polls(execution, order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -34,7 +34,7 @@ class Nester {
   Nesting nest() {
     const std::uint64_t enough = kWorkPerTriangle * (surface_.triangles.size() + 1024);
     if (nest_by_windings(enough)) return std::move(nesting_);
-    // Deep nests: each shell has very many around it.
+    // Deep nests: very many shells enclose each shell.
     if (const auto forest = find_nesting_forest(surface_, shells_, windings_, execution_))
       if (nest_by_forest(*forest)) return std::move(nesting_);
     nest_by_windings(~std::uint64_t{0});
@@ -60,7 +60,8 @@ class Nester {
       nesting_.reversed[i] ^= 1;
   }
 
-  /// From the lists of what winds around each. Returns false when that takes more work than `enough`.
+  /// Uses the list of shells that wind around each shell. Returns false if that takes more work than
+  /// `enough`.
   bool nest_by_windings(std::uint64_t enough) {
     const auto any_outermost = [&](bool inwards) {
       for (const std::uint32_t i : order_)
@@ -86,10 +87,11 @@ class Nester {
     return true;
   }
 
-  /// The same from the forest, whose ancestors have the winding numbers. Returns false where a shell is not
-  /// smaller than the one around it (they cross themselves), so that these are not settled before it.
+  /// Does the same with the forest, which has the winding numbers of its ancestors. Returns false if a shell
+  /// is not smaller than the shell around it (if they cross themselves), because the outer shell would not be
+  /// processed first.
   bool nest_by_forest(const NestingForest& forest) {
-    bool outermost[2] = {false, false};  // outward, inward
+    bool outermost[2] = {false, false};  // [0]: some outermost shell is outward, [1]: some is inward
     for (const std::uint32_t i : order_) {
       if (forest.up[i] == kNoIndex)
         outermost[inward_in_file(i)] = true;
@@ -97,7 +99,8 @@ class Nester {
         return false;
     }
     start(outermost[1] && !outermost[0]);
-    // Per shell: the sum of the winding numbers around it, and the smallest outward shell around it.
+    // Per shell: the sum of the winding numbers of the shells around it, and the smallest outward shell
+    // around it.
     std::vector<int> winding = filled(execution_, shells_.list.size(), 0);
     std::vector<std::uint32_t> parent = filled(execution_, shells_.list.size(), kNoIndex);
     Pacer pacer(execution_);

@@ -12,7 +12,8 @@ namespace {
 
 using Corners = std::array<Vec3f, 3>;
 
-/// Whether an edge pq may meet the triangle abc, boundaries included. False only where it does not.
+/// Whether the edge pq may meet the triangle abc, including its boundary. False only if they certainly do not
+/// meet.
 bool may_meet(const Vec3f& p, const Vec3f& q, const Corners& t) {
   if (sign_orient3d(t[0], t[1], t[2], p) * sign_orient3d(t[0], t[1], t[2], q) > 0) return false;
   const int ab = sign_orient3d(p, q, t[0], t[1]), bc = sign_orient3d(p, q, t[1], t[2]),
@@ -27,7 +28,7 @@ bool one_side(const Corners& a, const Corners& b) {
          sign_orient3d(a[0], a[1], a[2], b[2]) == first;
 }
 
-/// Whether two triangles certainly have no point in common: if they had one, an edge of one would meet the
+/// Whether two triangles certainly have no point in common. If they had one, an edge of one would meet the
 /// other.
 bool are_apart(const Corners& a, const Corners& b) {
   if (one_side(a, b) || one_side(b, a)) return true;
@@ -36,7 +37,7 @@ bool are_apart(const Corners& a, const Corners& b) {
   return true;
 }
 
-/// A bounding volume hierarchy over the triangles of shells that are not flat, halved at medians.
+/// A bounding volume hierarchy over the triangles of shells that are not flat, divided at medians.
 class TriangleBoxes {
  public:
   TriangleBoxes(const Surface& surface, const Shells& shells, const Execution& execution)
@@ -53,8 +54,8 @@ class TriangleBoxes {
     split(0, 0, items_.size());
   }
 
-  /// Whether the triangles of different shells are all apart. False also where too many of their boxes
-  /// overlap to look at.
+  /// Whether all triangles of different shells are apart. Also false if too many of their boxes overlap to
+  /// test them.
   bool shells_are_apart() {
     struct Pair {
       std::size_t a, b;
@@ -81,12 +82,12 @@ class TriangleBoxes {
     return true;
   }
 
-  /// The shell, other than `self`, that the ray along +x from p meets first; kNoIndex where it meets none.
-  /// Nothing where rounding hides which of two is nearer.
+  /// Returns the shell, other than `self`, that the ray along +x from p meets first; kNoIndex if there is
+  /// none. Returns nullopt if rounding hides which of two is nearer.
   std::optional<std::uint32_t> first_hit(const Vec3f& p, std::uint32_t self) {
     const Vec3d q = to_double(p);
     hits_.clear();
-    double nearest = HUGE_VAL;  // the ray has met something by here
+    double nearest = HUGE_VAL;  // the ray has met something at or before this x
     std::vector<std::size_t>& stack = stack_;
     stack.assign(1, 0);
     while (!stack.empty()) {
@@ -97,7 +98,7 @@ class TriangleBoxes {
       if (q.y < box.min.y || q.y > box.max.y || q.z < box.min.z || q.z > box.max.z || q.x > box.max.x ||
           box.min.x > nearest)
         continue;
-      if (at < first_leaf_) {  // the nearer child is looked at first
+      if (at < first_leaf_) {  // visit the nearer child first
         const std::size_t left = 2 * at + 1, right = 2 * at + 2;
         const bool left_first = nodes_[left].box.min.x <= nodes_[right].box.min.x;
         stack.push_back(left_first ? right : left);
@@ -128,9 +129,9 @@ class TriangleBoxes {
   static constexpr std::uint64_t kPairsPerTriangle = 256;
   struct Node {
     Box box;
-    std::size_t begin = 0, end = 0;  ///< of a leaf: its items
+    std::size_t begin = 0, end = 0;  ///< items of a leaf
   };
-  /// The ray meets the shell between these x.
+  /// The ray meets the shell somewhere between these x.
   struct Hit {
     double low, high;
     std::uint32_t shell;
@@ -184,12 +185,14 @@ class TriangleBoxes {
     return true;
   }
 
-  /// Where the line along x through q meets the plane of the triangle, within the triangle and rounding.
+  /// The range of x in which the line along x through q meets the plane of the triangle, including rounding
+  /// errors.
   Hit place_of_hit(const Vec3d& q, TriangleId t, std::uint32_t shell) const {
     const Box box = box_of(t);
     const Corners c = corners(t);
     const Vec3d a = to_double(c[0]), n = cross(to_double(c[1]) - a, to_double(c[2]) - a);
-    // n is off by less than 8 · 2^-53 · size²; where that may be a thousandth of n.x, the box has to do.
+    // The error of n is less than 8 · 2^-53 · size². If that may exceed a thousandth of n.x, use the box
+    // instead.
     const double size = box.longest_side(), error = 1e-15 * size * size;
     Hit hit{std::max(box.min.x, q.x), box.max.x, shell};
     if (std::fabs(n.x) <= 1e3 * error) return hit;
@@ -206,12 +209,12 @@ class TriangleBoxes {
   Pacer pacer_;
   std::vector<TriangleId> items_;
   std::size_t first_leaf_ = 0;
-  std::vector<Node> nodes_;  ///< a complete binary tree: the children of k are 2 k + 1 and 2 k + 2
+  std::vector<Node> nodes_;  ///< complete binary tree: the children of k are 2 k + 1 and 2 k + 2
   std::vector<Hit> hits_;
   std::vector<std::size_t> stack_;
 };
 
-/// Per shell: a vertex of largest x.
+/// Per shell: a vertex with the largest x.
 std::vector<VertexId> furthest_vertices(const Surface& surface, const Shells& shells,
                                         const Execution& execution) {
   std::vector<VertexId> furthest = filled(execution, shells.list.size(), kNoVertex);

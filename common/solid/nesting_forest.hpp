@@ -1,4 +1,4 @@
-// Which shell lies in which, where no two of them touch.
+// Finds which shell is inside which, if no two of them touch.
 #pragma once
 
 #include <optional>
@@ -11,19 +11,19 @@
 
 namespace fracture::solid_detail {
 
-/// Shells that do not touch one another wind around all points of another shell alike, so those around a
-/// shell are its innermost one, `up`, those around that, and so on.
+/// If shells do not touch, each shell winds equally around all points of another shell. So the shells around
+/// a shell are its innermost one, `up`, the innermost one around that, and so on.
 struct NestingForest {
-  std::vector<std::uint32_t> up;  ///< per shell; kNoIndex where nothing winds around it, and for flat ones
-  std::vector<int> number;        ///< how often `up` winds around it, as the file orients both
+  std::vector<std::uint32_t> up;  ///< per shell; kNoIndex if nothing winds around it, or if it is flat
+  std::vector<int> number;        ///< winding number of `up` around it, with the orientations in the file
 };
 
-/// The forest of the shells that are not flat. Nothing where two of them touch or cross, or where that cannot
-/// be told at a cost near-linear in the triangles.
+/// The forest of the shells that are not flat. None if two of them touch or cross, or if that cannot be
+/// decided at a cost near-linear in the triangles.
 ///
-/// A ray along +x from the vertex of largest x of a shell first meets a shell that reaches further: what
-/// winds around that one winds around this one. So one search for the nearest triangle per shell is enough,
-/// however deep they are nested.
+/// A ray along +x from a shell's vertex of largest x first meets a shell that extends farther. Every shell
+/// that winds around that one also winds around this one. So one search per shell for the nearest triangle is
+/// enough, however deep the nesting is.
 std::optional<NestingForest> find_nesting_forest(const Surface& surface, const Shells& shells,
                                                  WindingNumbers& windings, const Execution& execution);
 

@@ -15,7 +15,7 @@ class AngleOrder {
  public:
   AngleOrder(const Surface& surface, VertexId a, VertexId b, std::span<const EdgeUse> uses, Pacer& pacer)
       : surface_(surface), a_(surface.positions[a]), b_(surface.positions[b]) {
-    // The reference direction is the first apex that does not lie on the edge's line.
+    // The reference direction is that of the first apex that is not on the edge's line.
     for (const EdgeUse& use : uses) {
       pacer.step(16);
       reference_ = surface.positions[surface.apex(use.half_edge())];
@@ -28,7 +28,7 @@ class AngleOrder {
   struct Item {
     EdgeUse use;
     Vec3f apex;
-    int sector;  ///< 0: on the line or at the reference's angle, 1: (0, π), 2: π, 3: (π, 2π)
+    int sector;  ///< 0: on the line or at the reference angle, 1: (0, π), 2: π, 3: (π, 2π)
   };
   Item item(const EdgeUse& use) const {
     const Vec3f apex = surface_.positions[surface_.apex(use.half_edge())];
@@ -54,7 +54,7 @@ class AngleOrder {
   int axis_ = 0, side_ = 0;
 };
 
-/// Per triangle: whether its patch (triangles connected across clean edges) has an open edge.
+/// Per triangle: whether its patch (triangles connected by clean edges) has an open edge.
 std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& edges,
                                       const Execution& execution) {
   const std::size_t count = surface.triangles.size();
@@ -74,11 +74,11 @@ std::vector<std::uint8_t> find_sheets(const Surface& surface, const EdgeTable& e
 
 bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& report,
                      const Execution& execution) {
-  // Only a triangle with an edge that is not clean can have a copy that matters: a pair of opposite copies
-  // with three clean edges is a closed shell without volume and goes with those.
+  // Copies matter only for triangles with an edge that is not clean. A pair of opposite copies with three
+  // clean edges is a closed shell without volume, and is dropped with such shells.
   struct Entry {
     Triangle key;
-    std::uint32_t odd;  // parity of the permutation that sorts the corners: the orientation
+    std::uint32_t odd;  // parity of the permutation that sorts the corners, which is the orientation
     TriangleId triangle;
     auto operator<=>(const Entry&) const = default;
   };
@@ -105,7 +105,7 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
   std::vector<std::uint8_t> doomed = filled<std::uint8_t>(execution, count, 0);
   std::size_t dropped = 0;
   std::vector<std::uint32_t> group_of = filled(execution, count, kNoIndex);
-  std::vector<std::array<TriangleId, 2>> groups;  // doubled triangles, the lower id first
+  std::vector<std::array<TriangleId, 2>> groups;  // doubled triangles, lower id first
   std::vector<TriangleId> copies;
   for (std::size_t i = 0; i < entries.size();) {
     std::size_t j = i + 1;
@@ -169,7 +169,7 @@ bool drop_duplicates(Surface& surface, const EdgeTable& edges, SolidReport& repo
 
 std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges, const Execution& execution) {
   std::size_t nonmanifold = 0;
-  std::vector<std::uint8_t> on_sheet;  // per triangle; found when the first unbalanced edge asks for it
+  std::vector<std::uint8_t> on_sheet;  // per triangle; computed for the first unbalanced edge
   std::vector<AngleOrder::Item> ring;
   std::vector<EdgeUse> entered;
   Pacer pacer(execution);
@@ -212,11 +212,11 @@ std::size_t pair_nonmanifold_edges(Surface& surface, const EdgeTable& edges, con
 
 namespace {
 
-/// Whether every vertex has one fan of triangles, and that closed: then the fans around one corner of each
-/// vertex have all corners.
+/// Whether every vertex has a single, closed fan of triangles. If so, the fans around one corner of each
+/// vertex contain all corners.
 bool have_one_fan_each(const Surface& surface, const Execution& execution) {
   constexpr std::size_t kAtOnce = 16384;
-  // Per vertex: a half-edge that leaves it. Of several, which thread was the last does not matter.
+  // Per vertex: any half-edge that leaves it. It does not matter which thread writes last.
   std::vector<HalfEdge> leaving = filled(execution, surface.positions.size(), kNoIndex);
   parallel_for(execution, surface.triangles.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t)
@@ -237,7 +237,7 @@ bool have_one_fan_each(const Surface& surface, const Execution& execution) {
         ++mine;
         h = surface.twin[previous(h)];
       } while (h != kNoIndex && h != start);
-      if (h == kNoIndex) return;  // its corners are missing in the sum
+      if (h == kNoIndex) return;  // its corners are not counted, so the sum will be too small
     }
     corners += mine;
   });
@@ -273,7 +273,7 @@ std::size_t split_umbrellas(Surface& surface, const Execution& execution) {
     HalfEdge h = surface.twin[previous(start)];
     for (; h != kNoIndex && h != start; h = surface.twin[previous(h)]) visit(h);
     if (h == start) continue;
-    // An open fan: the other way round as well.
+    // An open fan: continue in the other direction.
     for (HalfEdge back = surface.twin[start]; back != kNoIndex; back = surface.twin[next(back)])
       visit(next(back));
   }

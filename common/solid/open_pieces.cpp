@@ -10,13 +10,13 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// Of a piece's own area: what fills seams and slits has less.
+/// Minimum area of a fill, as a share of the piece's own area. The fills of seams and slits have less.
 constexpr double kLeastFill = 1e-5;
 
-/// What there is of each shell.
+/// The areas of each shell.
 struct Areas {
   double source = 0, fill = 0;  ///< m²
-  bool filled = false;          ///< with triangles that may have no area
+  bool filled = false;          ///< has fill triangles, possibly without area
 };
 
 std::vector<Areas> areas_of(const Surface& surface, const Shells& shells, const Execution& execution) {
@@ -41,7 +41,7 @@ std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells&
   const std::vector<Areas> areas = areas_of(surface, shells, execution);
   std::vector<std::uint8_t> is_sheet = filled<std::uint8_t>(execution, shells.list.size(), 0);
   std::uint64_t bodies = 0, triangles = 0;
-  double most = 0;  // of the volume of a slab
+  double most = 0;  // maximum of volume / volume of a slab
   TriangleId first = kNoTriangle;
   for_each_polled(execution, shells.list.size(), [&](std::size_t s) {
     const Shell& shell = shells.list[s];

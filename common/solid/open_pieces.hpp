@@ -1,4 +1,4 @@
-// Which open pieces are sheets, and which are bodies with holes.
+// Distinguishes open pieces that are sheets from bodies with holes.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 
 namespace fracture::solid_detail {
 
-/// Per shell: 1 if it is flat, or if its holes' fill encloses less than `thickness` (metres) times the area of its source
-/// triangles. Open pieces that enclose more stay bodies: the report gets a note about them.
+/// Per shell: 1 if it is flat, or if it encloses, with its filled holes, less than `thickness` (metres) times
+/// the area of its source triangles. Open pieces that enclose more remain bodies, and the report gets a note
+/// about them.
 std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells& shells, double thickness,
                                            SolidReport& report, const Execution& execution);
 

@@ -9,7 +9,7 @@ bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& repor
                     const Execution& execution) {
   const std::size_t count = surface.triangles.size();
   constexpr std::uint32_t kSameWay = 1;
-  // Per half-edge: the neighbour's half-edge << 1 | kSameWay when both run the same way.
+  // Per half-edge: the neighbour's half-edge << 1 | kSameWay if both have the same direction.
   std::vector<std::uint64_t> across = filled<std::uint64_t>(execution, 3 * count, ~0ull);
   bool inconsistent = false;
   edges.for_each(execution, [&](VertexId, VertexId, std::span<const EdgeUse> uses) {
@@ -21,7 +21,7 @@ bool orient_patches(Surface& surface, const EdgeTable& edges, SolidReport& repor
   });
   if (!inconsistent) return false;
 
-  // 0: as it is, 1: reversed against the patch's lowest triangle, 2: unseen
+  // 0: unchanged, 1: reversed relative to the patch's lowest triangle, 2: not visited
   std::vector<std::uint8_t> state = filled<std::uint8_t>(execution, count, 2);
   Pacer pacer(execution);
   std::vector<TriangleId> patch;

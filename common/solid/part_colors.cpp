@@ -10,7 +10,7 @@ namespace fracture::solid_detail {
 namespace {
 
 constexpr std::size_t kGroups = 8;
-/// Shades of one colour, as a texture has them, are one group.
+/// Maximum difference of colours in one group, so that the shades of a texture form one group.
 constexpr double kAlike = 0.3;
 
 std::vector<bool> translucent_materials(const MaterialLibrary& library) {

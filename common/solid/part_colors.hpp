@@ -1,4 +1,4 @@
-// What colour each part has on the whole.
+// Finds the main colour of each part.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace fracture::solid_detail {
 
-/// Sets Part::color: of the colours of the part's source triangles the group that covers most of it, so that a red
-/// roof on white walls does not make it pink; and Part::translucent. `source`: for each triangle of the solid that
-/// of the mesh, or kNoIndex. Throws Interrupted.
+/// Sets Part::translucent, and Part::color to the group of similar colours that covers most of the part. So a
+/// red roof on white walls does not make the part pink. `source`: the mesh triangle of each triangle of the
+/// solid, or kNoIndex. Throws Interrupted.
 void color_parts(const Mesh& mesh, const std::vector<std::uint32_t>& source, Solid& solid,
                  const Execution& execution);
 

@@ -34,7 +34,7 @@ std::vector<std::uint32_t> make_parts(const Shells& shells, Nesting& nesting, co
     outward += !shells.list[s].flat && nesting.cavity_of[s] == kNoIndex;
   parts.reserve(outward);
   for (std::uint32_t s = 0; s < count; ++s) {
-    pacer.step(4);  // allocations
+    pacer.step(4);  // counts more than one step because it allocates
     if (shells.list[s].flat || nesting.cavity_of[s] != kNoIndex) continue;
     part_of_shell[s] = static_cast<std::uint32_t>(parts.size());
     Part& part = parts.emplace_back();
@@ -61,7 +61,7 @@ void turn_shells(Surface& surface, const Shells& shells, const std::vector<std::
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     if (!is_reversed(t)) return;
     surface.flip(TriangleId{t});
-    // The half-edges ab, bc, ca became ac, cb, ba: the first and the last change places.
+    // The half-edges ab, bc, ca became ac, cb, ba, so the first and the last swap places.
     std::swap(surface.twin[3 * t], surface.twin[3 * t + 2]);
   });
   for_each_polled(execution, surface.twin.size(), [&](std::size_t h) {
@@ -72,7 +72,8 @@ void turn_shells(Surface& surface, const Shells& shells, const std::vector<std::
 
 namespace {
 
-/// Where each triangle goes: kNoTriangle for those of dropped shells. Nothing where all stay.
+/// The new position of each triangle; kNoTriangle for triangles of dropped shells. Empty if the order does
+/// not change.
 struct Order {
   std::vector<TriangleId> place_of;
   std::uint32_t kept = 0;
@@ -115,7 +116,7 @@ void group_by_part(Surface& surface, Shells& shells, const std::vector<std::uint
     moved.source[to] = surface.source[t];
     shell[to] = shells.of_triangle[t];
     if (!surface.flipped.empty()) moved.flipped[to] = surface.flipped[t];
-    for (HalfEdge k = 0; k < 3; ++k) {  // glued triangles are of one shell, so the twin was kept as well
+    for (HalfEdge k = 0; k < 3; ++k) {  // glued triangles belong to one shell, so the twin was kept too
       const HalfEdge twin = surface.twin[3 * t + k];
       moved.twin[3 * to + k] = 3 * order.place_of[twin / 3] + twin % 3;
     }
@@ -148,10 +149,11 @@ void drop_unused_vertices(Surface& surface, const Execution& execution) {
 
 namespace {
 
-/// Triangles whose entries are made at once: they are written while what clears them is still in the cache.
+/// Number of triangles whose entries are created at once. They are written while the zeroed memory is still
+/// in the cache.
 constexpr std::size_t kEntriesAtOnce = 16384;
 
-/// Makes the arrays as long as the triangles, and calls body(t) for each once its entries are there.
+/// Extends the arrays to one entry per triangle, and calls body(t) when the entries of t exist.
 template <class Body, class... Arrays>
 void fill_by_triangle(std::size_t count, const Execution& execution, const Body& body, Arrays&... arrays) {
   (arrays.reserve(count), ...);
@@ -163,7 +165,8 @@ void fill_by_triangle(std::size_t count, const Execution& execution, const Body&
   }
 }
 
-/// Twins become numbers of edges in their own place: a later one is not yet a number, an earlier one is.
+/// Replaces twins by edge numbers in place. A twin with a higher index still holds a half-edge; one with a
+/// lower index already holds its edge number.
 void number_edges(Surface& surface, Solid& solid, const Execution& execution) {
   solid.edge_vertices.reserve(surface.twin.size() / 2);
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
@@ -216,7 +219,7 @@ void write_parts(const std::vector<std::uint32_t>& part_of_shell, const std::vec
 void write_out(const Mesh& mesh, Surface& surface, Shells& shells,
                const std::vector<std::uint32_t>& part_of_shell, const std::vector<std::uint32_t>& new_shell,
                Solid& solid, const Execution& execution) {
-  // The longest first. Most of their time the system hands out memory.
+  // The longest task comes first. All of them mostly wait for memory from the system.
   side_by_side(
       execution, surface.triangles.size(), [&] { number_edges(surface, solid, execution); },
       [&] { copy_source(mesh, surface, solid, execution); },

@@ -10,7 +10,7 @@
 namespace fracture {
 namespace {
 
-/// Some numbers below n: bits for all of them where some are many, else a list.
+/// A subset of the numbers below n: a bit for each number if it is large, otherwise a list.
 class Chosen {
  public:
   Chosen(std::size_t n, std::size_t expected) {

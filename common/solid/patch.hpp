@@ -1,5 +1,6 @@
-// Some triangles of a solid as a surface of their own, for those who look at one place of it. Everything keeps its
-// order, so that what is exact comes out as it does from the whole, to the bit. It is not closed.
+// Some triangles of a solid as a separate surface, for code that needs only one region of it. The order of
+// everything is kept, so exact computations give the same result as on the whole, bit for bit. The surface is
+// not closed.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +13,18 @@
 namespace fracture {
 
 struct SolidPatch {
-  /// With the source and the box of the whole; no shells, no report.
+  /// Has the source and the box of the whole, but no shells and no report.
   Solid solid;
-  std::vector<VertexId> vertices;        ///< per vertex: its number in the whole, ascending
-  std::vector<std::uint32_t> triangles;  ///< per triangle
-  std::vector<std::uint32_t> parts;      ///< per part
+  std::vector<VertexId> vertices;        ///< per vertex: number in the whole, ascending
+  std::vector<std::uint32_t> triangles;  ///< per triangle: number in the whole
+  std::vector<std::uint32_t> parts;      ///< per part: number in the whole
 
-  /// The number in the patch; the part must be there.
+  /// The number of a part in the patch. The patch must contain the part.
   std::uint32_t local_part(std::uint32_t part) const;
 };
 
-/// `triangles`: ascending, none twice. `further_parts`: parts that it shall have, whether or not they have a triangle
-/// here; in any order. n log n in what comes out. Throws Interrupted.
+/// `triangles`: ascending, without duplicates. `further_parts`: parts to include even if they have no
+/// triangle here, in any order. n log n in the size of the result. Throws Interrupted.
 SolidPatch patch_of(const Solid& whole, std::vector<std::uint32_t> triangles,
                     std::span<const std::uint32_t> further_parts, const Execution& execution);
 

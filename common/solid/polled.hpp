@@ -1,4 +1,4 @@
-// Loops and arrays of millions of elements, in steps between which the execution is polled.
+// Loops and arrays of millions of elements, processed in blocks, with a poll between blocks.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace fracture::solid_detail {
 
-/// Calls body(i) for every i in [0, count). For bodies of up to a few random accesses to memory (some 100 ns
-/// each): a block takes a few milliseconds at most.
+/// Calls body(i) for every i in [0, count). For bodies with up to a few random memory accesses (some 100 ns
+/// each), so that a block takes a few milliseconds at most.
 template <class Body>
 void for_each_polled(const Execution& execution, std::size_t count, Body&& body) {
   constexpr std::size_t kBlock = 16384;
@@ -25,7 +25,7 @@ void for_each_polled(const Execution& execution, std::size_t count, Body&& body)
   }
 }
 
-/// A vector of `count` copies of `value`. Fresh memory costs about a millisecond for each 2 MB.
+/// Returns a vector of `count` copies of `value`. Fresh memory takes about a millisecond per 2 MB.
 template <class T>
 std::vector<T> filled(const Execution& execution, std::size_t count, const T& value) {
   constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(T);
@@ -39,7 +39,7 @@ std::vector<T> filled(const Execution& execution, std::size_t count, const T& va
   return items;
 }
 
-/// A copy of the vector, with room for so many more.
+/// Returns a copy of the vector, with room for `more` further elements.
 template <class T>
 std::vector<T> copied(const Execution& execution, const std::vector<T>& from, std::size_t more = 0) {
   constexpr std::size_t kStep = (std::size_t{4} << 20) / sizeof(T);
@@ -53,26 +53,26 @@ std::vector<T> copied(const Execution& execution, const std::vector<T>& from, st
   return items;
 }
 
-/// Before elements are added one by one to what may be many: where the vector would copy all of them to a
-/// larger place, they are copied with polls.
+/// Makes room before elements are added one by one. If the vector would have to copy all its elements to a
+/// larger block, they are copied with polls.
 template <class T>
 void make_room(const Execution& execution, std::vector<T>& items, std::size_t more = 1) {
   if (items.capacity() - items.size() >= more) return;
   items = copied(execution, items, std::max(more, items.size()));
 }
 
-/// Calls the functions, which share nothing, each on a thread of its own where one is free. `triangles`: of a
-/// few that they work on nobody is woken for.
+/// Calls the functions, which must be independent, each on its own thread if one is free. `triangles`: size
+/// of their work; if it is small, no other thread is woken.
 template <class... Functions>
 void side_by_side(const Execution& execution, std::size_t triangles, const Functions&... functions) {
-  constexpr std::size_t kCount = sizeof...(Functions), kFew = 32768;  // some 0.3 ms each
+  constexpr std::size_t kCount = sizeof...(Functions), kFew = 32768;  // about 0.3 ms each
   const std::function<void()> each[] = {std::cref(functions)...};
   parallel_for(execution, kCount, triangles < kFew ? kCount : 1, [&](std::size_t begin, std::size_t end) {
     for (; begin < end; ++begin) each[begin]();
   });
 }
 
-/// `count` sets of one member each.
+/// Returns `count` sets with one member each.
 inline DisjointSets singletons(const Execution& execution, std::size_t count) {
   DisjointSets sets;
   sets.reserve(count);

@@ -11,7 +11,7 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// The bits of a position, and its index.
+/// The bits of a position, with its index.
 struct BitsOfPosition {
   std::uint32_t x, y, z, index;
 
@@ -25,9 +25,9 @@ struct BitsOfPosition {
   bool same_place(const BitsOfPosition& o) const { return x == o.x && y == o.y && z == o.z; }
 };
 
-/// Where positions stand in hash tables: the folded product of two keyed halves. The keys are drawn once for
-/// each process, so that nobody can prepare positions that collide. They show in no answer, since of equal
-/// positions the lowest index is told.
+/// Hash of positions: the folded product of two keyed halves. The keys are drawn at random once per process,
+/// so that nobody can prepare positions that collide. They do not affect any answer, because among equal
+/// positions the lowest index is always used.
 class PositionHash {
  public:
   PositionHash() {
@@ -52,16 +52,16 @@ class PositionHash {
   std::array<std::uint64_t, 2> keys_;
 };
 
-/// Entries of one hash table, that its slots and they stay in a core's own cache; and how many tables there
-/// are at most, 2^9: to more places than that nobody writes at once without waiting for the tables of pages.
+/// Entries per hash table, chosen so that its slots and entries fit into a core's own cache. There are at most
+/// 2^9 tables, because writing to more places at once would wait for page-table lookups.
 constexpr std::size_t kTableEntries = 16384;
 constexpr int kMostTableBits = 9;
-/// Positions that are dealt out at once, in some 0.3 ms.
+/// Number of positions distributed at once, which takes about 0.3 ms.
 constexpr std::size_t kDealtAtOnce = 32768;
 
-/// All positions, those of one table together. A radix partition before the join (Manegold, Boncz & Kersten
-/// 2002, "Optimizing main-memory join on modern hardware"): tables that fit a cache instead of one that each
-/// look waits for.
+/// All positions, grouped by table. A radix partition before the join (Manegold, Boncz & Kersten 2002,
+/// "Optimizing main-memory join on modern hardware") gives tables that fit into a cache, instead of one table
+/// whose every lookup waits for memory.
 class Partition {
  public:
   Partition(const std::vector<Vec3f>& positions, const Execution& execution)
@@ -69,7 +69,7 @@ class Partition {
         start_((std::size_t{1} << bits_) + 1),
         entries_(std::make_unique_for_overwrite<BitsOfPosition[]>(positions.size())) {
     const std::size_t blocks = (positions.size() + kDealtAtOnce - 1) / kDealtAtOnce;
-    // Per block and table: how many, and then where the next one goes.
+    // Per block and table: the number of entries, and later the position of the next one.
     std::vector<std::uint32_t> place(blocks * tables(), 0);
     const auto row = [&](std::size_t begin) { return place.data() + begin / kDealtAtOnce * tables(); };
     parallel_for(execution, positions.size(), kDealtAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -94,7 +94,7 @@ class Partition {
 
   std::size_t tables() const { return start_.size() - 1; }
 
-  /// Tells of each entry of a table the lowest index with its position.
+  /// Finds, for each entry of a table, the lowest index with the same position.
   void look_up(std::size_t table, std::vector<std::uint32_t>& slots, std::uint32_t* first,
                const Execution& execution) const {
     const BitsOfPosition* const entries = entries_.get() + start_[table];
@@ -116,8 +116,8 @@ class Partition {
 
   const PositionHash hash_;
   const int bits_;
-  std::vector<std::uint32_t> start_;           ///< per table: its first entry
-  std::unique_ptr<BitsOfPosition[]> entries_;  ///< of one table in the order of their indices
+  std::vector<std::uint32_t> start_;           ///< per table: index of its first entry
+  std::unique_ptr<BitsOfPosition[]> entries_;  ///< within a table, in the order of their indices
 };
 
 }  // namespace

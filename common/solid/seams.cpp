@@ -9,10 +9,10 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// Open half-edges at a vertex that are looked at: mostly there are two.
+/// Maximum number of open half-edges tested at a vertex; usually there are two.
 constexpr std::size_t kMostAtVertex = 8;
-/// Steps of the search for each open half-edge, before it ends: each seam costs as many as it has half-edges, and only
-/// where many lines overlap a step leads nowhere.
+/// Steps of the search per open half-edge. Beyond this, the search ends. Each seam takes as many steps as it
+/// has half-edges; steps are wasted only if many lines overlap.
 constexpr std::uint64_t kMostSteps = 64;
 
 class SeamFinder {
@@ -47,17 +47,17 @@ class SeamFinder {
   }
 
  private:
-  /// A member of open_ that leaves the vertex, or arrives there.
+  /// A member of open_ that leaves the vertex or arrives at it.
   struct AtVertex {
     VertexId vertex;
     std::uint32_t open;
     auto operator<=>(const AtVertex&) const = default;
   };
-  /// One side of a seam, from its tip on: members of open_, and the vertex that they have come to.
+  /// One side of a seam, starting at its tip: members of open_, and the vertex reached so far.
   struct Side {
     std::vector<std::uint32_t> open;
     VertexId end;
-    Vec3d place;  ///< of the end, from the tip
+    Vec3d place;  ///< position of the end relative to the tip
   };
 
   static std::span<const AtVertex> at(const std::vector<AtVertex>& list, VertexId v) {
@@ -69,7 +69,8 @@ class SeamFinder {
   Vec3d from_tip(VertexId v) const {
     return to_double(surface_.positions[v]) - to_double(surface_.positions[tip_]);
   }
-  /// Whether the nearer of two places is within the tolerance of the segment from the tip to the farther one.
+  /// Whether the nearer of the two points is within the tolerance of the segment from the tip to the farther
+  /// one.
   bool on_one_line(const Vec3d& a, const Vec3d& b) const {
     const Vec3d n = cross(a, b);
     return dot(a, b) > 0 && dot(n, n) <= tolerance2_ * std::max(dot(a, a), dot(b, b));
@@ -85,7 +86,7 @@ class SeamFinder {
         add(back_, arrives.open, surface_.from(open_[arrives.open]));
         add(front_, leaves.open, surface_.to(open_[leaves.open]));
         if (!follow()) continue;
-        // Away from the tip against the half-edges that arrive there, and back to it against the others.
+        // Go away from the tip against the half-edges that arrive at it, and back against the others.
         std::vector<HalfEdge>& loop = loops.emplace_back();
         for (const std::uint32_t k : back_.open) loop.push_back(open_[k]);
         for (auto k = front_.open.rbegin(); k != front_.open.rend(); ++k) loop.push_back(open_[*k]);
@@ -100,7 +101,8 @@ class SeamFinder {
     side.place = from_tip(end);
   }
 
-  /// Lengthens the shorter side until both have come to the same vertex. False where one cannot go on along the line.
+  /// Extends the shorter side until both reach the same vertex. Returns false if a side cannot continue along
+  /// the line.
   bool follow() {
     while (on_one_line(back_.place, front_.place)) {
       if (back_.end == front_.end) return true;

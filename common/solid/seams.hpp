@@ -4,7 +4,7 @@
 //        u ------------- v     the long side is one half-edge, from u to v,
 //        u <-- m1 <-- m2 <-- v     the other has vertices between them
 //
-// Neither side has an open edge in common with the other, so that each would be closed by itself: the subdivided face
+// The two sides have no open edge in common, so each would be closed separately. Then the subdivided face
 // would be a sheet without volume, and interior material would take its place.
 #pragma once
 
@@ -15,11 +15,12 @@
 
 namespace fracture::solid_detail {
 
-/// Loops of open half-edges, as fill_holes() walks them (against the half-edges: each begins where the next one ends). All
-/// vertices of a loop are within `tolerance` (metres; 0: exactly, in doubles) of the segment between two of its vertices,
-/// along which its two sides run from end to end. It begins at a vertex at which several loops of open edges meet. Loops
-/// have no half-edge in common. n log n in the open half-edges: where so many lines overlap that it would be more, the
-/// search ends early and finds fewer.
+/// Returns loops of open half-edges, in the order in which fill_holes() walks them (against the half-edges:
+/// each begins where the next one ends). All vertices of a loop are within `tolerance` (metres; 0: exactly,
+/// in doubles) of the segment between two of its vertices. Its two sides both connect these two vertices. A
+/// loop begins at a vertex where several loops of open edges meet. Loops share no half-edge. n log n in the
+/// open half-edges; if so many lines overlap that it would take longer, the search ends early and finds fewer
+/// loops.
 std::vector<std::vector<HalfEdge>> find_seams(const Surface& surface, double tolerance,
                                               const Execution& execution);
 

@@ -14,12 +14,13 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// Of the thickness asked for: what is less than this thick beside a fold is said. A right angle leaves 0.71.
+/// Share of the requested thickness below which a slab is reported as too thin, next to a fold. A right angle
+/// leaves 0.71.
 constexpr double kThin = 0.9;
 
 bool before(const Vec3f& a, const Vec3f& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-/// For each of the triangles: the one with the same three positions the other way round, or kNoTriangle.
+/// For each of the triangles: the triangle with the same three positions in reverse order, or kNoTriangle.
 std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<TriangleId>& triangles,
                                      const Execution& execution) {
   struct Entry {
@@ -75,8 +76,8 @@ class Thickener {
         failed_(filled<std::uint8_t>(execution, surface.triangles.size(), 0)),
         lost_(shells.list.size(), 0) {}
 
-  /// The front that grows from the seed; nothing when the seed belongs to one already or is another's back,
-  /// or could not be moved.
+  /// Grows a front from the seed and makes it a slab. Returns false if the seed is already in a front, is on
+  /// the back of one, or is in a front that could not be moved.
   bool make_slab(TriangleId seed) {
     pacer_.step();
     if (front_of_[seed] != kNoTriangle || doomed_[seed] || surface_.source[seed] == kNoIndex) return false;
@@ -101,7 +102,8 @@ class Thickener {
     }
     sort_with_polls(execution_, front.begin(), front.end());
     if (!place_back_vertices(front)) {
-      // Without other sides every seed in it has this front; else the sides may be chosen otherwise.
+      // Without mirrored triangles, every seed in it gives this front. With them, another choice of sides may
+      // work.
       lost_[shell] += front.size();
       for (const TriangleId t : front) {
         pacer_.step();
@@ -119,7 +121,7 @@ class Thickener {
     }
     return true;
   }
-  /// About slabs that are thinner than asked; empty: none is.
+  /// A warning about slabs that are thinner than requested; empty if there are none.
   std::string warning() const {
     if (thin_ == 0) return {};
     return "'thickness' is not reached at folds: " +
@@ -132,15 +134,15 @@ class Thickener {
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }
 
  private:
-  /// Fronts of a shell that could not be moved may have so many times its triangles in all, before no further
-  /// ones are tried.
+  /// Limits the work on fronts that cannot be moved: no more fronts of a shell are tried if those had this
+  /// many times the shell's triangles in total.
   static constexpr std::uint64_t kWorkLost = 64;
 
   bool is_in_front(TriangleId t, TriangleId seed) const {
     return t < front_of_.size() && front_of_[t] == seed;
   }
 
-  /// How thick the slab is above each triangle of its front, once its back is placed.
+  /// Measures the thickness of the slab above each triangle of its front, after its back is placed.
   void measure(const std::vector<TriangleId>& front) {
     for (const TriangleId t : front) {
       pacer_.step(4);
@@ -258,9 +260,8 @@ class Thickener {
       const Triangle c = surface_.triangles[front[i]];
       const TriangleId m = mirror_[front[i]];
       Triangle b{back_vertex_[c[0]], back_vertex_[c[2]], back_vertex_[c[1]]};
-      if (m !=
-          kNoTriangle) {  // start where the other side's triangle starts, so that its wedges stay at their
-                          // corners
+      if (m != kNoTriangle) {  // begin at the same corner as the other side's triangle, so its wedges stay at
+                               // their corners
         const Vec3f& first = surface_.positions[surface_.triangles[m][0]];
         const int k = surface_.positions[c[0]] == first ? 0 : surface_.positions[c[1]] == first ? 1 : 2;
         b = {back_vertex_[c[k]], back_vertex_[c[(k + 2) % 3]], back_vertex_[c[(k + 1) % 3]]};
@@ -268,7 +269,7 @@ class Thickener {
       back[i] = append(b, m == kNoTriangle ? kNoIndex : surface_.source[m],
                        m != kNoTriangle && !surface_.flipped.empty() && surface_.flipped[m]);
     }
-    const auto back_of = [&](HalfEdge h) {  // runs from the back of the end of h to the back of its beginning
+    const auto back_of = [&](HalfEdge h) {  // goes from the back of h's end to the back of h's beginning
       const TriangleId t = back[position_in(triangle_of(h))];
       for (HalfEdge g = 3 * t; g < 3 * t + 3; ++g)
         if (surface_.from(g) == back_vertex_[surface_.to(h)] &&
@@ -277,10 +278,10 @@ class Thickener {
       throw InternalError("sheets: a back triangle does not face its front");
     };
 
-    // A wall of two triangles stands on each rim half-edge u -> v.
+    // Add a wall of two triangles to each rim half-edge u -> v.
     struct Wall {
       HalfEdge rim;
-      HalfEdge at_begin, at_end;  ///< u -> its back, back of v -> v: what the neighbours' walls are glued to
+      HalfEdge at_begin, at_end;  ///< u -> its back, and back of v -> v: glued to the walls of the neighbours
     };
     std::vector<Wall> walls;  // by rim, ascending
     for (const TriangleId t : front) {
@@ -299,7 +300,7 @@ class Thickener {
           glue(3 * first + 2, 3 * second);
           glue(3 * second + 1, back_of(h));
           walls.push_back({h, 3 * first + 1, 3 * second + 2});
-        } else {  // the ends of that diagonal are one place
+        } else {  // the ends of that diagonal have the same position
           const TriangleId first = append({v, u, bv}, kNoIndex, false);
           const TriangleId second = append({u, bu, bv}, kNoIndex, false);
           glue(3 * first, h);
@@ -310,7 +311,7 @@ class Thickener {
       }
     }
     for (const Wall& wall : walls) {
-      HalfEdge p = previous(wall.rim);  // becomes the rim half-edge that ends where this one begins
+      HalfEdge p = previous(wall.rim);  // becomes the rim half-edge that ends at the beginning of wall.rim
       for (HalfEdge twin = twin_of(p); twin != kNoIndex; twin = twin_of(p)) {
         pacer_.step(2);
         p = previous(twin);
@@ -331,10 +332,10 @@ class Thickener {
   std::vector<TriangleId> front_of_;  ///< per triangle: the seed of its front
   std::vector<VertexId> back_vertex_;
   std::vector<std::uint8_t> doomed_;
-  std::vector<std::uint8_t> failed_;  ///< per triangle: its front cannot be moved, whatever the seed
-  std::vector<std::uint64_t> lost_;   ///< per shell: how many triangles these fronts had, together
-  std::uint64_t thin_ = 0;            ///< triangles above which a slab is thinner than kThin of the thickness
-  double thinnest_ = 1;               ///< of the thickness
+  std::vector<std::uint8_t> failed_;  ///< per triangle: its front cannot be moved, for any seed
+  std::vector<std::uint64_t> lost_;   ///< per shell: total number of triangles in such fronts
+  std::uint64_t thin_ = 0;            ///< triangles above which a slab is thinner than kThin · thickness
+  double thinnest_ = 1;               ///< as a share of the requested thickness
   Vec3f thinnest_at_{};
 };
 
@@ -360,7 +361,7 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
     shell_done[shells.of_triangle[t]] = 1;
   }
   if (std::string warning = thickener.warning(); !warning.empty()) report.remarks.warn(std::move(warning));
-  // What remains of a replaced shell goes: its fill, the other sides, and parts too small to be moved.
+  // Remove the rest of each replaced shell: its fill, its other sides, and parts too small to be moved.
   std::vector<TriangleId> place_of = filled(execution, surface.triangles.size(), kNoTriangle);
   TriangleId kept{0};
   for_each_polled(execution, place_of.size(), [&](std::size_t t) {

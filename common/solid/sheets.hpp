@@ -1,4 +1,4 @@
-// Open sheets (a pane, a leaf, a wall quad) become solids by a thickness.
+// Turns open sheets (a pane, a leaf, a wall quad) into solids by giving them a thickness.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -8,22 +8,25 @@
 
 namespace fracture::solid_detail {
 
-/// Replaces each shell that is flat, or whose holes' fill encloses less than `thickness` times the area of
-/// its source triangles, by a slab: the source triangles stay where they are as the front, a copy moved by
-/// `thickness` (metres) against the vertex normals is the back, and walls join their rims.
+/// Replaces certain shells by slabs: shells that are flat, or that enclose, with their filled holes, less
+/// than `thickness` times the area of their source triangles. The source triangles stay where they are and
+/// become the front. A copy, moved by `thickness` (metres) against the vertex normals, becomes the back, and
+/// walls join their rims.
 ///
 ///        front  u ----- v        wall of the open half-edge u->v: triangles v u u' and v u' v',
 ///               |     / |        the back of u->v runs v'->u'
 ///        back   u'----- v'
 ///
-/// Where the file has the sheet from both sides, the other side's triangles become the back; otherwise back
-/// and walls have source kNoIndex. Vertex normals are area-weighted, so that a fold gets thinner by its
-/// angle, and slabs of sheets bent tighter than the thickness cross themselves. A sheet whose back would
-/// round onto its front stays as it is (where the file has it from both sides, other choices of the front are
-/// tried, up to a bound on the work). What is thinner than asked, and what holes' fill made a body of, is a note of the
-/// report. Needs a surface without open half-edges, with umbrellas split; leaves
-/// vertices to be split again. `fills` (first triangle of each filled hole) follows the renumbering. Returns
-/// the number of slabs.
+/// If the file has the sheet from both sides, the triangles of the other side become the back; otherwise,
+/// back and walls have source kNoIndex. Vertex normals are weighted by area, so a fold becomes thinner
+/// depending on its angle, and slabs of sheets bent tighter than the thickness cross themselves. A sheet
+/// stays unchanged if its back would be rounded onto its front. (If the file has it from both sides, other
+/// choices of the front are tried, up to a limit on the work.)
+///
+/// The report gets remarks about slabs that are thinner than requested and about open pieces that filling
+/// turned into bodies. Requires a surface without open half-edges, with umbrellas split. Afterwards, vertices
+/// must be split again. `fills` (first triangle of each filled hole) is renumbered. Returns the number of
+/// slabs.
 std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
                            std::vector<TriangleId>& fills, SolidReport& report, const Execution& execution);
 

@@ -15,7 +15,7 @@ Vec3d origin_of(const Surface& surface, const Shell& shell) {
   return to_double(surface.positions[surface.triangles[shell.first][0]]);
 }
 
-/// Encloses nothing that could be told from rounding.
+/// Whether the shell encloses no volume beyond rounding errors.
 bool is_flat(const Shell& shell) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -25,7 +25,7 @@ bool is_flat(const Shell& shell) {
          volume <= kThinnestRatio * largest * shell.area;
 }
 
-/// Adds up the volumes of these shells once more, with twice the digits.
+/// Sums the volumes of these shells again, with twice the digits.
 void refine_volumes(const Surface& surface, const std::vector<std::uint32_t>& cancelling, Shells& shells,
                     const Execution& execution) {
   std::vector<std::uint32_t> slot = filled(execution, shells.list.size(), kNoIndex);
@@ -57,16 +57,16 @@ std::uint32_t root_of(std::vector<std::uint32_t>& up, std::uint32_t t) {
   return t;
 }
 void unite(std::vector<std::uint32_t>& up, std::uint32_t s, std::uint32_t t) {
-  if (up[s] == up[t]) return;  // mostly
+  if (up[s] == up[t]) return;  // the usual case
   s = root_of(up, s);
   t = root_of(up, t);
   up[std::max(s, t)] = std::min(s, t);
 }
 
-/// Per triangle, the shell that it is of. `first`: of each shell, the lowest triangle.
+/// Returns the shell of each triangle. `first`: the lowest triangle of each shell.
 std::vector<std::uint32_t> number_by_lowest(const Surface& surface, std::vector<TriangleId>& first,
                                             const Execution& execution) {
-  // Blocks of triangles first, each by itself; then the edges from a block to one before it.
+  // First, each block of triangles is processed separately; then the edges from a block to an earlier one.
   constexpr std::size_t kAtOnce = 32768;
   const std::size_t count = surface.triangles.size();
   std::vector<std::uint32_t> up = filled(execution, count, kNoIndex);
@@ -93,7 +93,7 @@ std::vector<std::uint32_t> number_by_lowest(const Surface& surface, std::vector<
     }
     leaves = {};
   }
-  // What a triangle hangs on is lower, and has its shell already.
+  // A triangle's parent has a lower number, so its shell is already known.
   pacer.each(0, count, [&](std::size_t t) {
     if (up[t] != t) {
       up[t] = up[up[t]];
@@ -105,23 +105,23 @@ std::vector<std::uint32_t> number_by_lowest(const Surface& surface, std::vector<
   return up;
 }
 
-/// What a triangle adds to the figures of its shell.
+/// Contribution of a triangle to its shell's measurements.
 struct Terms {
   double volume;    ///< six times the tetrahedron (origin, a, b, c)
-  double area;      ///< twice
-  double products;  ///< of the lengths of two edges
+  double area;      ///< twice the area
+  double products;  ///< product of the lengths of two edges
 };
 
-/// Triangles of one shell that follow each other, as they mostly do.
+/// Consecutive triangles of one shell; most triangles follow others of their shell.
 struct Run {
   std::uint32_t shell, triangles;
   Box box;
 };
 
-/// Triangles whose terms are computed at once, and how many of them by one thread.
+/// Number of triangles whose terms are computed at once, and how many of them by one thread.
 constexpr std::size_t kTermsAtOnce = 65536, kTermsOfOneThread = 8192;
 
-/// Computes the terms of the triangles [begin, end), and which runs they are.
+/// Computes the terms of the triangles [begin, end), and divides them into runs.
 void compute_terms(const Surface& surface, const Shells& shells, std::size_t begin, std::size_t end,
                    Terms* terms, std::vector<Run>& runs) {
   runs.clear();
@@ -142,14 +142,14 @@ void compute_terms(const Surface& surface, const Shells& shells, std::size_t beg
   }
 }
 
-/// Sums what the triangles add to their shells: along each run that no other shell interrupts, and these, in
-/// the order of the triangles, whichever threads computed it.
+/// Sums the contributions of the triangles to their shells: first along each uninterrupted run, then over the
+/// runs, always in the order of the triangles, regardless of threads.
 void sum_figures(const Surface& surface, Shells& shells, std::vector<double>& edge_products,
                  const Execution& execution) {
   const std::size_t count = surface.triangles.size();
   std::vector<Terms> terms(std::min(count, kTermsAtOnce));
   std::array<std::vector<Run>, kTermsAtOnce / kTermsOfOneThread> runs;
-  std::uint32_t shell = kNoIndex;  // whose run it is
+  std::uint32_t shell = kNoIndex;  // shell of the current run
   Terms sum{};
   const auto finish_run = [&] {
     if (shell == kNoIndex) return;

@@ -1,4 +1,4 @@
-// Shells: the connected components of the glued surface, with their figures.
+// Shells: the connected components of the glued surface, with their measurements.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -7,19 +7,19 @@
 namespace fracture::solid_detail {
 
 struct Shell {
-  TriangleId first = kNoTriangle;  ///< its lowest triangle: shells are numbered in this order
+  TriangleId first = kNoTriangle;  ///< its lowest triangle; shells are numbered in this order
   std::uint32_t triangles = 0;
-  double volume = 0;  ///< signed: negative when its triangles face the volume they enclose; of one that is
-                      ///< not flat to 1e-10, however doubles cancel
+  double volume = 0;  ///< signed: negative if its triangles face the enclosed volume. Accurate to 1e-10 for
+                      ///< shells that are not flat, even if terms cancel
   double area = 0;
   Box box;
-  bool flat = false;  ///< bounds no volume (see kFlatRatio)
+  bool flat = false;  ///< encloses no volume (see kFlatRatio)
 };
 
-/// A shell is flat when |volume| <= kFlatRatio · area^1.5, or when its mean thickness |volume| / area is at
-/// most kThinnestRatio (half a unit in the last place) of its largest coordinate: such a body has no inside
-/// on the float32 lattice of its file. A shell whose exact volume is zero is flat by the latter: no term of
-/// the sum is larger than 2 √3 · largest · its share of the area, so that rounding stays far below.
+/// A shell is flat if |volume| <= kFlatRatio · area^1.5, or if its mean thickness |volume| / area is at most
+/// kThinnestRatio (half a unit in the last place) of its largest coordinate. Such a body has no interior on
+/// the float32 lattice of its file. The second condition includes every shell whose exact volume is zero: no
+/// term of the sum is larger than 2 √3 · largest · its share of the area, so rounding errors are far smaller.
 inline constexpr double kFlatRatio = 1e-10, kThinnestRatio = 0x1.0p-24;
 
 struct Shells {
@@ -27,7 +27,7 @@ struct Shells {
   std::vector<Shell> list;
 };
 
-/// Volumes are summed in triangle order about the shell's first vertex.
+/// Finds the shells. Volumes are summed in triangle order about the shell's first vertex.
 Shells find_shells(const Surface& surface, const Execution& execution);
 
 }  // namespace fracture::solid_detail

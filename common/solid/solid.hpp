@@ -1,5 +1,6 @@
-// From a mesh to solids: weld, orient, split, fill, nest (geometry of real assets). A Solid is what the exact
-// part of the pipeline works on: a closed, consistently oriented triangle surface, in shells and parts.
+// Turns a mesh into a solid: weld, orient, split, fill, nest (to handle the geometry of real assets). The
+// exact part of the pipeline works on a Solid: a closed, consistently oriented triangle surface, in shells
+// and parts.
 #pragma once
 
 #include <array>
@@ -21,41 +22,42 @@ namespace fracture {
 
 enum class Repair {
   kFill,    ///< bounded holes are filled and marked as interior material (the default)
-  kStrict,  ///< refuse whatever is not already closed and consistently oriented
+  kStrict,  ///< refuses meshes that are not already closed and consistently oriented
 };
 
 struct SolidOptions {
   Repair repair = Repair::kFill;
-  /// Vertices closer than this fraction of the box's diagonal may be welded when that closes open edges. 0 =
-  /// exact only.
+  /// Vertices closer than this fraction of the box's diagonal may be welded if that closes open edges. 0 =
+  /// weld only equal positions.
   double weld_tolerance = 1e-6;
-  /// Metres. When positive, open sheets (panes, leaves, wall quads: pieces that bound no volume, or whose
-  /// filled holes would enclose less than this times their area) become slabs of this thickness behind their
-  /// surface. 0 = such pieces are dropped.
+  /// Metres. If positive, open sheets (panes, leaves, wall quads) become slabs of this thickness behind their
+  /// surface. These are pieces that bound no volume, or whose filled holes would enclose less than this times
+  /// their area. 0 = such pieces are dropped.
   double thickness = 0;
   /// Gap of the contact graph, m. keep_contacts() uses it; make_solid() does not. Empty: kContactGap times the longest side.
   std::optional<double> contact_gap{};
 };
 
-/// Per-triangle material of triangles that were not in the source (filled holes): the interior material.
+/// Material of triangles that were not in the source (filled holes): the interior material.
 inline constexpr std::uint32_t kInteriorMaterial = 0xfffffffeu;
-/// And of the inner sides of walls (hollow/hollow.hpp), which are part of the outside: the cavity material.
+/// Material of the inner sides of walls (hollow/hollow.hpp), which belong to the outside: the cavity
+/// material.
 inline constexpr std::uint32_t kCavityMaterial = 0xfffffffdu;
 
-/// A part: one outward shell with its cavities. Parts are fractured independently of one another.
+/// A part: one outward shell with its cavities. Parts are fractured independently.
 struct Part {
   std::vector<std::uint32_t> shells;  ///< shells[0] is the outward one
   double volume = 0;                  ///< m³, > 0
   Box box;
-  /// Parts of one layer have pairwise disjoint boxes, so one pass of the clipper can treat them as one
+  /// Parts of one layer have pairwise disjoint boxes, so one pass of the clipper can process them as one
   /// surface.
   std::uint32_t layer = 0;
   std::uint32_t node = 0;  ///< index into Mesh::node_names: the source node that names its fragments
-  std::optional<LinearColor> color{};  ///< what most of its surface shows, where that is known
-  bool translucent = false;            ///< light comes through most of it
+  std::optional<LinearColor> color{};  ///< main colour of its surface, if known
+  bool translucent = false;            ///< most of its surface transmits light
 };
 
-/// What was done to the input. Counts, and where an intervention touches a place, the first place.
+/// Changes to the input: counts and, for each kind of change, the first place if it has one.
 struct SolidReport {
   std::uint64_t source_triangles = 0, source_vertices = 0;
   std::uint64_t welded = 0;           ///< vertices merged by exact position
@@ -65,29 +67,29 @@ struct SolidReport {
   std::uint64_t open_edges = 0;         ///< before filling
   std::uint64_t nonmanifold_edges = 0;  ///< before splitting
   std::uint64_t holes_filled = 0, fill_triangles = 0;
-  double filled_area = 0;  ///< m², of the filled holes and of the backs and rims of thickened sheets
+  double filled_area = 0;  ///< m²: filled holes, and backs and rims of thickened sheets
   std::uint64_t sheets_thickened = 0;
   std::uint64_t shells = 0, parts = 0, cavities = 0;
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
-  double volume = 0;                 ///< m³, of the solid: what the fragments add up to
-  double absolute_volume = 0;        ///< m³, of all shells, those of cavities added
+  double volume = 0;                 ///< m³, of the solid: the fragments add up to this
+  double absolute_volume = 0;        ///< m³: the sum over all shells, with cavities added
   double area = 0;  ///< m², of the kept source triangles, the fill and the inner sides of walls
-  std::uint64_t parts_hollowed = 0;    ///< that became walls (hollow/hollow.hpp)
-  std::uint64_t hollow_triangles = 0;  ///< of their inner sides
-  double hollow_volume = 0;            ///< m³, of what they enclose
-  double least_thickness = 0;          ///< metres: the least distance between the two sides of a wall
-  double mean_thickness = 0;  ///< metres, by area: measured in the middles of the inner side's triangles
-  Remarks remarks;            ///< each with a count and, if there is one, a sample place
+  std::uint64_t parts_hollowed = 0;    ///< parts that became walls (hollow/hollow.hpp)
+  std::uint64_t hollow_triangles = 0;  ///< triangles of the walls' inner sides
+  double hollow_volume = 0;            ///< m³, enclosed by the inner sides
+  double least_thickness = 0;          ///< m: minimum distance between the two sides of a wall
+  double mean_thickness = 0;  ///< m, weighted by area: measured at the middles of the inner side's triangles
+  Remarks remarks;            ///< each with a count and, if possible, a sample place
   struct Sample {
-    std::string figure;  ///< the name of the figure above, as each_figure() has it
+    std::string figure;  ///< name of the counter, as in each_figure()
     Vec3d place;
     bool operator==(const Sample&) const = default;
   };
-  std::vector<Sample> samples;  ///< one place for each kind of intervention: the first met
-  /// Keeps the place unless the figure has one already.
+  std::vector<Sample> samples;  ///< the first place for each kind of change
+  /// Stores the place, unless the counter already has one.
   void add_sample(const char* figure, const Vec3f& place);
 
-  /// visit(name, figure) for all that is published, in the order of the names.
+  /// Calls visit(name, value) for each published value, in the order of the names.
   template <class Visit>
   void each_figure(const Visit& visit) const {
     visit("area", area);
@@ -129,8 +131,8 @@ struct Solid {
   std::vector<std::array<std::uint32_t, 3>> wedges;
   std::vector<std::uint32_t> material;  ///< per triangle: source material, kNoIndex or kInteriorMaterial
   /// edges[t][k] = id of the edge from corner k to corner (k+1)%3. Each edge id is used by exactly two
-  /// triangles, in opposite directions (this is what "closed" means here, after non-manifold edges have been
-  /// split).
+  /// triangles, in opposite directions. This is the meaning of "closed" here, after non-manifold edges have
+  /// been split.
   std::vector<std::array<std::uint32_t, 3>> edges;
   /// edge_vertices[e] = its two vertices, lower id first.
   std::vector<std::array<VertexId, 2>> edge_vertices;
@@ -143,19 +145,20 @@ struct Solid {
   /// Null until keep_contacts() (contacts/contacts.hpp). Copies, images and extracts of the solid share it or have none.
   std::shared_ptr<const ContactGraph> contacts{};
 
-  /// Those of the importer, then those of make_solid().
+  /// The remarks of the importer, followed by those of make_solid().
   Remarks remarks() const;
-  /// Throws InternalError naming the first broken statement of the comments above (with ids).
+  /// Throws InternalError with the first violated statement of the comments above (with ids).
   void validate() const;
 };
 
-/// The range of coordinates. Metres: the largest that a coordinate may be (sites have the same limit, and the filters of
-/// the exact predicates rest on it), and the least that the largest one on each axis must be, so that the steps of the
-/// seam lattice (2^-23 of it) are floats.
+/// The range of coordinates, metres. No coordinate may exceed kMaxCoordinate (sites have the same limit, and
+/// the filters of the exact predicates depend on it). On each axis, the largest coordinate must be at least
+/// kLeastReach, so that the steps of the seam lattice (2^-23 of it) are floats.
 inline constexpr double kMaxCoordinate = 1e12, kLeastReach = 0x1p-126;
 
-/// Makes solids of a mesh. Errors: kEmptyMesh, kNotFinite (with the vertex that is not finite or beyond kMaxCoordinate, or
-/// with the axis on which nothing is as far out as kLeastReach), kMeshNotClosed (with counts and the first offending edge).
+/// Makes solids from a mesh. Errors: kEmptyMesh; kNotFinite (with the vertex that is not finite or exceeds
+/// kMaxCoordinate, or with the axis on which no coordinate reaches kLeastReach); kMeshNotClosed (with counts
+/// and the first faulty edge).
 Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                            const Execution& execution);
 

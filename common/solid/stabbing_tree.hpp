@@ -1,4 +1,4 @@
-// Which of many bounded things can contain a point: a tree of bounding slabs.
+// Finds which of many bounded items can contain a point: a tree of bounding slabs.
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,17 @@
 
 namespace fracture::solid_detail {
 
-/// How far a thing reaches along each of K directions: low, high.
+/// Extent of an item along each of K directions: low, high.
 template <int K>
 using Slabs = std::array<std::array<double, 2>, K>;
 
 /// A bounding volume hierarchy whose volumes are intersections of slabs in K fixed directions (discrete
-/// oriented polytopes: Klosowski et al. 1998), halved at the median along the direction in which the middles
-/// spread most.
+/// oriented polytopes: Klosowski et al. 1998). Each node is divided at the median along the direction in
+/// which the middles are spread most.
 template <int K>
 class StabbingTree {
  public:
-  /// `slabs_of(item)`: Slabs<K>.
+  /// `slabs_of(item)` returns Slabs<K>.
   template <class SlabsOf>
   StabbingTree(std::vector<std::uint32_t> items, const SlabsOf& slabs_of, Pacer& pacer)
       : pacer_(pacer), items_(std::move(items)) {
@@ -32,7 +32,7 @@ class StabbingTree {
     split(0, 0, items_.size(), slabs_of, keys);
   }
 
-  /// Calls visit(item) for every item whose slabs contain the point, and for some others.
+  /// Calls visit(item) for every item whose slabs contain the point, and possibly for others.
   template <class Visit>
   void for_each_near(const std::array<double, K>& point, Visit&& visit) const {
     std::size_t stack[64] = {0}, size = 1;
@@ -56,7 +56,7 @@ class StabbingTree {
   static constexpr std::size_t kLeafSize = 8;
   struct Node {
     Slabs<K> slabs;
-    std::size_t begin = 0, end = 0;  ///< of a leaf: its items
+    std::size_t begin = 0, end = 0;  ///< items of a leaf
   };
   struct Key {
     double middle;
@@ -94,7 +94,7 @@ class StabbingTree {
     widen(node.slabs, nodes_[2 * at + 2].slabs);
   }
 
-  /// The direction in which the middles of some of the items spread most.
+  /// The direction in which the middles of a sample of the items are spread most.
   template <class SlabsOf>
   int widest(std::size_t begin, std::size_t end, const SlabsOf& slabs_of) const {
     Slabs<K> middles;
@@ -120,7 +120,7 @@ class StabbingTree {
   Pacer& pacer_;
   std::vector<std::uint32_t> items_;
   std::size_t first_leaf_ = 0;
-  std::vector<Node> nodes_;  ///< a complete binary tree: the children of k are 2 k + 1 and 2 k + 2
+  std::vector<Node> nodes_;  ///< complete binary tree: the children of k are 2 k + 1 and 2 k + 2
 };
 
 }  // namespace fracture::solid_detail

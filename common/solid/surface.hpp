@@ -1,4 +1,4 @@
-// The working form of make_solid(): an indexed surface that its stages weld, orient, pair, fill and split in
+// The working form of make_solid(): an indexed surface that the stages weld, orient, pair, fill and split in
 // place.
 //
 // Half-edge h = 3t + k is the directed edge of triangle t from corner k to corner (k + 1) % 3.
@@ -25,7 +25,7 @@ inline TriangleId triangle_of(HalfEdge h) { return TriangleId{h / 3}; }
 inline HalfEdge next(HalfEdge h) { return h % 3 == 2 ? h - 2 : h + 1; }
 inline HalfEdge previous(HalfEdge h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
-/// A number for each half-edge, those of a triangle together.
+/// A number per half-edge; the three of a triangle are together.
 struct HalfEdgeArray {
   std::vector<std::array<HalfEdge, 3>> of_triangle;
 
@@ -37,16 +37,16 @@ struct HalfEdgeArray {
   }
   bool operator==(const HalfEdgeArray&) const = default;
 };
-/// What three half-edges have that are glued to nothing.
+/// The values for a triangle whose half-edges are all open.
 inline constexpr std::array<HalfEdge, 3> kThreeOpen{kNoIndex, kNoIndex, kNoIndex};
 
 struct Surface {
   std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> source;  ///< per triangle: the source triangle, kNoIndex for filled ones
+  std::vector<std::uint32_t> source;  ///< per triangle: the source triangle; kNoIndex for fills
   std::vector<std::uint8_t>
-      flipped;         ///< per triangle, empty when none is: corners 1 and 2 are swapped against the source
-  HalfEdgeArray twin;  ///< per half-edge: the opposite half-edge it is glued to, kNoIndex when open
+      flipped;         ///< per triangle; empty if none is: corners 1 and 2 are swapped relative to the source
+  HalfEdgeArray twin;  ///< per half-edge: the opposite half-edge glued to it; kNoIndex if open
 
   VertexId from(HalfEdge h) const { return triangles[h / 3][h % 3]; }
   VertexId to(HalfEdge h) const { return triangles[h / 3][(h % 3 + 1) % 3]; }
@@ -56,7 +56,7 @@ struct Surface {
     std::swap(triangles[t][1], triangles[t][2]);
     flipped[t] ^= 1;
   }
-  /// Removes the triangles whose entry is not zero, keeping the order of the others; twins become invalid.
+  /// Removes the triangles with a nonzero entry, keeping the order of the others. Twins become invalid.
   void remove(const std::vector<std::uint8_t>& doomed, const Execution& execution);
 };
 

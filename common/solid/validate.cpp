@@ -66,7 +66,7 @@ void check_edges(const Solid& s) {
       broken(name("edge", e) + " is not used once in each direction");
 }
 
-/// Each vertex has one fan: walking around it across edges meets all its corners.
+/// Checks that each vertex has one fan: walking around it across edges visits all its corners.
 void check_umbrellas(const Solid& s) {
   std::vector<std::uint32_t> other(3 * s.triangles.size(), kNoIndex),
       first_use(s.edge_vertices.size(), kNoIndex);
@@ -95,8 +95,8 @@ void check_umbrellas(const Solid& s) {
       broken(name("edge", s.edges[h / 3][h % 3]) + " joins two shells");
 }
 
-/// Two parts whose boxes touch, among these. Halves the boxes at planes that few of them straddle
-/// until few are left to be compared all with all.
+/// Finds two of these parts whose boxes touch. Divides the boxes at planes that few boxes straddle, until few
+/// enough are left to compare all pairs.
 std::optional<std::array<std::uint32_t, 2>> find_touching(const std::vector<Part>& parts,
                                                           const std::vector<std::uint32_t>& among) {
   std::vector<std::uint32_t> below, above, fewest_below, fewest_above;

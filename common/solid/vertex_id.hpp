@@ -1,4 +1,4 @@
-// The vertices of a solid, and of the surface that it is made of.
+// The ids of a solid's vertices, and of the vertices of the surface that it is made from.
 #pragma once
 
 #include "common/base/id.hpp"

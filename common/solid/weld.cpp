@@ -13,7 +13,7 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// False for NaN, too.
+/// Also false for NaN.
 bool in_range(const Vec3f& p) {
   constexpr auto kMost = static_cast<float>(kMaxCoordinate);
   return std::fabs(p.x) <= kMost && std::fabs(p.y) <= kMost && std::fabs(p.z) <= kMost;
@@ -31,13 +31,13 @@ tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p) {
               {}, {{"vertex", vertex}});
 }
 
-/// What is known of a wedge while triangles are numbered: the lowest wedge at its position; once a triangle
-/// uses one that is there, with the flag kNumbered, the id of their vertex; and once it is used itself, kUsed
-/// as well.
+/// The state of a wedge during numbering. Initially, the lowest wedge at its position. When a triangle uses a
+/// wedge at that position: kNumbered, with the id of their vertex. When the wedge itself is used: kUsed as
+/// well.
 constexpr std::uint32_t kUsed = 1u << 31, kNumbered = 1u << 30, kNumber = kNumbered - 1;
 
-/// Triangles between two polls, and whose arrays are made larger at once: they are written while what clears
-/// them is still in the cache.
+/// Number of triangles between two polls, by which the arrays also grow. The new memory is written while it
+/// is still in the cache from zeroing.
 constexpr std::size_t kTrianglesAtOnce = 16384;
 
 std::size_t drop_degenerate(Surface& surface, const Execution& execution) {
@@ -51,7 +51,7 @@ std::size_t drop_degenerate(Surface& surface, const Execution& execution) {
   return count;
 }
 
-/// Makes the triangles of wedges those of vertices. `of_wedge`: as first_of_same() has it.
+/// Converts the triangles of wedges to triangles of vertices. `of_wedge`: the result of first_of_same().
 Expected<void> number_vertices(const Mesh& mesh, std::uint32_t* of_wedge, Surface& surface,
                                SolidReport& report, const Execution& execution) {
   surface.triangles.reserve(mesh.triangles.size());
@@ -123,7 +123,7 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   const std::unique_ptr<std::uint32_t[]> of_wedge = first_of_same(mesh.positions, execution);
   Surface surface;
   Expected<void> numbered;
-  // Vertices are numbered one after the other; meanwhile another thread waits for memory for the twins.
+  // Vertices are numbered sequentially; meanwhile, another thread allocates memory for the twins.
   side_by_side(
       execution, mesh.triangles.size(),
       [&] { numbered = number_vertices(mesh, of_wedge.get(), surface, report, execution); },
@@ -154,7 +154,7 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
   DisjointSets near = singletons(execution, surface.positions.size());
   unite_near(surface.positions, members, tolerance, near, execution);
 
-  // A cluster is useful when it makes two different open edges meet.
+  // A cluster is useful if it makes two different open edges coincide.
   struct Met {
     VertexId a, b;
     auto operator<=>(const Met&) const = default;

@@ -9,12 +9,13 @@
 namespace fracture::solid_detail {
 namespace {
 
-/// Which side of the line ab (in the plane of y and z) the point (p.y + ε, p.z + ε²) lies on; 0 only if a and
-/// b coincide.
+/// The side of the line ab (in the plane of y and z) on which the point (p.y + ε, p.z + ε²) is; 0 only if a
+/// and b coincide.
 int side(const Vec3f& a, const Vec3f& b, const Vec3f& p) {
   const int sign = sign_orient2d(drop_axis(a, 0), drop_axis(b, 0), drop_axis(p, 0));
   if (sign != 0) return sign;
-  // orient2d = (by - ay)(pz - az) - (bz - az)(py - ay): ε has the coefficient -(bz - az), ε² has (by - ay).
+  // orient2d = (by - ay)(pz - az) - (bz - az)(py - ay): the coefficient of ε is -(bz - az), and that of ε² is
+  // (by - ay).
   if (a.z != b.z) return a.z > b.z ? 1 : -1;
   return b.y > a.y ? 1 : b.y < a.y ? -1 : 0;
 }
@@ -52,16 +53,16 @@ int ray_crossing(const Vec3f& p, const std::array<Vec3f, 3>& triangle, bool& cle
       std::min({a.z, b.z, c.z}) > p.z || std::max({a.x, b.x, c.x}) < p.x)
     return 0;
   const int ab = side(a, b, p), bc = side(b, c, p), ca = side(c, a, p);
-  if (ab != bc || bc != ca) return 0;  // the ray passes by; an edge-on triangle has mixed signs
-  if (ab == 0) {                       // a piece of the ray's line, which the ray does not meet; p may
+  if (ab != bc || bc != ca) return 0;  // the ray misses it; a triangle seen edge-on has mixed signs
+  if (ab == 0) {                       // on the ray's line: the ray misses it, but p may be on it
     clear &= std::min({a.x, b.x, c.x}) > p.x;
     return 0;
   }
-  // Projected along +x a triangle with its normal towards +x is counter-clockwise: ab > 0, the ray leaves
-  // through it.
+  // Projected along +x, a triangle whose normal points to +x is counter-clockwise. So ab > 0 means that the
+  // ray leaves through it.
   const int height = sign_orient3d(a, b, c, p);
   if (height == 0) clear = false;
-  return height * ab >= 0 ? 0 : ab;  // else it lies at or before p
+  return height * ab >= 0 ? 0 : ab;  // otherwise the triangle is at p or before it
 }
 
 WindingNumbers::WindingNumbers(const Surface& surface, const Shells& shells, const Execution& execution)
@@ -102,7 +103,7 @@ WindingNumbers::WindingNumbers(const Surface& surface, const Shells& shells, con
       }
     }
   });
-  margin_ = 1e-14 * largest;  // three products and two sums are off by at most 9 · 2^-53 · largest
+  margin_ = 1e-14 * largest;  // the error of three products and two sums is at most 9 · 2^-53 · largest
 
   std::vector<std::uint32_t> all(count);
   large_of_shell_.assign(count, kNoIndex);
@@ -128,7 +129,7 @@ Slabs<5> WindingNumbers::shell_slabs(std::uint32_t shell) const {
 
 const std::vector<WindingNumbers::Wind>& WindingNumbers::around(std::uint32_t i) {
   const std::uint32_t end = std::min(start_[i + 1], start_[i] + kProbes);
-  bool clear = false, current = false;  // current: winds_ is of the last corner
+  bool clear = false, current = false;  // current: winds_ belongs to the last corner tried
   Vec3f p;
   for (std::uint32_t k = start_[i]; k < end && !clear; ++k)
     for (int corner = 0; corner < 3 && !clear; ++corner) {
@@ -145,7 +146,7 @@ const std::vector<WindingNumbers::Wind>& WindingNumbers::around(std::uint32_t i)
   return winds_;
 }
 
-/// Fills winds_; returns the shells on which p lies.
+/// Fills winds_, and returns the shells that contain p on their surface.
 WindingNumbers::Contacts WindingNumbers::cast(const Vec3f& p, std::uint32_t self) {
   winds_.clear();
   Contacts contacts;

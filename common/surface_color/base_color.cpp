@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The member, or null where there is none.
+/// The member, or a JSON null if it does not exist.
 const json& member(const json& value, const char* name) {
   static const json nothing;
   if (!value.is_object()) return nothing;
@@ -44,7 +44,7 @@ Wrap wrap_of(const json& value) {
   }
 }
 
-/// Rounded: the last bits of sin() and cos() differ between C libraries.
+/// Rounds, because the last bits of sin() and cos() differ between C libraries.
 double rounded(double x) { return std::nearbyint(x * 1e9) / 1e9; }
 
 void read_transform(const json& transform, BaseColorTexture& texture) {
@@ -64,7 +64,7 @@ std::optional<BaseColorTexture> texture_of(const MaterialLibrary& library, const
   const json& texture = library.textures[index];
   const std::uint64_t none = library.images.size();
   std::uint64_t image = index_or(member(texture, "source"), none);
-  if (image >= none && member(texture, "extensions").is_object())  // KHR_texture_basisu and its like
+  if (image >= none && member(texture, "extensions").is_object())  // such as KHR_texture_basisu
     for (const auto& [name, extension] : texture["extensions"].items())
       image = std::min(image, index_or(member(extension, "source"), none));
   if (image >= none) return std::nullopt;
@@ -90,8 +90,7 @@ std::uint32_t wrapped(double coordinate, Wrap wrap, std::uint32_t pixels) {
     if (within > 1) within = 2 - within;
   }
   const double pixel = within * pixels;
-  return pixel > 0 ? static_cast<std::uint32_t>(std::fmin(pixel, pixels - 1.0))
-                   : 0;  // also for what is no number
+  return pixel > 0 ? static_cast<std::uint32_t>(std::fmin(pixel, pixels - 1.0)) : 0;  // also for NaN
 }
 
 std::array<double, 2> BaseColorTexture::place(const Vec2f& uv) const {

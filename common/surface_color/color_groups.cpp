@@ -6,7 +6,7 @@
 namespace fracture {
 namespace {
 
-constexpr std::uint32_t kSteps = 16;  // along each axis
+constexpr std::uint32_t kSteps = 16;  // number along each axis
 constexpr std::size_t kBins = std::size_t{kSteps} * kSteps * kSteps;
 
 double root(double light) { return std::sqrt(light / 65535); }
@@ -24,13 +24,13 @@ struct Item {
   std::uint32_t bin;
 };
 
-/// [first, last) of the items.
+/// The items [first, last).
 struct Group {
   std::size_t first, last;
   double weight = 0;
-  std::size_t axis = 0;  ///< of the largest variance
-  double gain = 0;       ///< that variance times the weight; 0: all look alike
-  double mean = 0;       ///< along the axis
+  std::size_t axis = 0;  ///< axis with the largest variance
+  double gain = 0;       ///< variance times weight; 0: all colours are alike
+  double mean = 0;       ///< mean along the axis
 };
 
 Group measured(const std::vector<Item>& items, std::size_t first, std::size_t last, double alike) {
@@ -57,7 +57,7 @@ Group measured(const std::vector<Item>& items, std::size_t first, std::size_t la
   return group;
 }
 
-/// Sorts the group along its axis and returns where its upper part begins; neither part is empty.
+/// Sorts the group along its axis, and returns where its upper part begins; neither part is empty.
 std::size_t divide(std::vector<Item>& items, const Group& group) {
   const auto begin = items.begin() + static_cast<std::ptrdiff_t>(group.first);
   const auto end = items.begin() + static_cast<std::ptrdiff_t>(group.last);

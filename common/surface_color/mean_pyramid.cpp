@@ -11,7 +11,8 @@ std::array<std::uint16_t, 256> linear_table() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t k = 0; k < table.size(); ++k) {
     const double s = static_cast<double>(k) / 255.0;
-    // No value is so near to a half that the last bits of pow(), in which C libraries differ, could matter.
+    // No value is so close to a half that the last bits of pow(), which differ between C libraries, could
+    // matter.
     const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
     table[k] = static_cast<std::uint16_t>(std::nearbyint(linear * 65535));
   }
@@ -43,7 +44,7 @@ MeanPyramid::Texel MeanPyramid::at(std::size_t level, std::uint32_t x, std::uint
 
 MeanPyramid::Level MeanPyramid::half_of(std::size_t level) const {
   const std::uint32_t w = ((width() - 1) >> level) + 1, h = ((height() - 1) >> level) + 1;
-  // Those at the right and at the bottom may stand for fewer pixels.
+  // Texels at the right and bottom may represent fewer pixels.
   const auto pixels = [&](std::uint32_t at, std::uint32_t all) {
     return std::uint64_t{std::min(all - (at << level), 1u << level)};
   };

@@ -22,7 +22,7 @@ bool begins_with(Bytes image, std::string_view magic) {
 
 struct Head {
   std::uint64_t width, height;
-  bool png, wide;  ///< wide: 16 bits a channel
+  bool png, wide;  ///< wide: 16 bits per channel
   std::uint64_t pixels() const { return width * height; }
 };
 
@@ -42,8 +42,8 @@ std::uint32_t big_endian(const std::uint8_t* p) {
   return std::uint32_t{p[0]} << 24 | std::uint32_t{p[1]} << 16 | std::uint32_t{p[2]} << 8 | p[3];
 }
 
-/// Whether the pixels of a PNG inflate to at most so many bytes: libstb inflates whatever there is. Like libstb
-/// it does not mind where they are damaged.
+/// Whether the pixels of a PNG inflate to at most `most` bytes, because libstb inflates everything. Like
+/// libstb, stops without an error at damaged data.
 bool inflates_within(Bytes png, std::uint64_t most) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
@@ -54,7 +54,7 @@ bool inflates_within(Bytes png, std::uint64_t most) {
     const std::size_t length = big_endian(&png[at]);
     if (length > png.size() - at - 12) break;
     if (std::memcmp(&png[at + 4], "IDAT", 4) == 0) {
-      stream.next_in = const_cast<std::uint8_t*>(&png[at + 8]);  // zlib reads it
+      stream.next_in = const_cast<std::uint8_t*>(&png[at + 8]);  // zlib only reads it
       stream.avail_in = static_cast<uInt>(length);
       while (stream.avail_in > 0 && state == Z_OK && sum <= most) {
         stream.next_out = out;
@@ -69,7 +69,7 @@ bool inflates_within(Bytes png, std::uint64_t most) {
   return sum <= most;
 }
 
-/// Each pass over a JPEG costs as much as the first.
+/// Whether a JPEG has few scans. Each pass over a JPEG costs as much as the first.
 bool has_few_scans(Bytes jpeg) {
   constexpr std::string_view kScan = "\xff\xda";
   constexpr int kMost = 64;
@@ -82,14 +82,15 @@ bool has_few_scans(Bytes jpeg) {
 
 bool is_worth_its_pixels(Bytes image, const Head& head) {
   if (!head.png) return has_few_scans(image);
-  // A byte for the filter before each row of up to four channels; interlaced rows are shorter, and more.
+  // Each row has one byte for the filter, and up to four channels. Interlaced images have shorter but more
+  // rows.
   const std::uint64_t row = head.width * (head.wide ? 8 : 4) + 1;
   return inflates_within(image, 2 * row * head.height + 1024);
 }
 
-/// libstb does not always say that memory was what it lacked; so what it will need is asked for beforehand.
+/// Throws std::bad_alloc if libstb would lack memory, because libstb does not always report it.
 void require_memory(Bytes image, const Head& head) {
-  const std::uint64_t for_each = !head.png ? 14 : head.wide ? 20 : 9;  // rows or coefficients, and the result
+  const std::uint64_t for_each = !head.png ? 14 : head.wide ? 20 : 9;  // rows or coefficients, and result
   ::operator delete(
       ::operator new(static_cast<std::size_t>(for_each * head.pixels() + image.size() + (64 << 10))));
 }

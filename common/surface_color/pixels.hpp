@@ -1,4 +1,4 @@
-// Images as pixels: PNG and JPEG, by libstb, whose decoders give the same pixels on every machine.
+// Decodes PNG and JPEG images with libstb, whose decoders give the same pixels on every machine.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace fracture {
 
-/// Rows from the top; a pixel is sRGB red, green, blue and linear opacity.
+/// Rows from the top. A pixel is sRGB red, green and blue, and linear opacity.
 class Pixels {
  public:
   /// `values`: 4 * width * height bytes, from malloc.
@@ -32,11 +32,12 @@ class Pixels {
   std::unique_ptr<std::uint8_t[], Free> values_;
 };
 
-/// How many pixels a PNG or JPEG says it has; nothing for what is neither. Reads its head alone.
+/// Number of pixels that a PNG or JPEG declares; nothing for other formats. Reads only the header.
 std::optional<std::uint64_t> pixel_count(std::span<const std::uint8_t> image);
 
-/// Nothing for an image that is damaged, of another kind, or holds more than its pixels are worth (a PNG that inflates
-/// to more than its rows, a JPEG of more than 64 scans). Throws std::bad_alloc.
+/// Decodes an image. Returns nothing if it is damaged, in another format, or contains more data than its
+/// pixels need (a PNG that inflates to more than its rows, or a JPEG with more than 64 scans). Throws
+/// std::bad_alloc.
 std::optional<Pixels> decode_image(std::span<const std::uint8_t> image);
 
 }  // namespace fracture

@@ -16,7 +16,7 @@
 namespace fracture {
 namespace {
 
-/// Whether the images may be decoded whose pixels are counted so far.
+/// Decides whether images may be decoded, by their pixels counted so far.
 class PixelBudget {
  public:
   PixelBudget(const MaterialLibrary& library, const PixelLimits& limits) {
@@ -35,7 +35,7 @@ class PixelBudget {
   std::uint64_t left_, of_one_;
 };
 
-/// Places on a triangle, as weights of its corners: the middles of n² equal triangles.
+/// Points on a triangle, as weights of its corners: the middles of n² equal triangles.
 using Barycentric = std::array<double, 3>;
 
 std::vector<Barycentric> middles(int n) {
@@ -56,7 +56,7 @@ class TextureMean {
   TextureMean(const MeanPyramid& pyramid, const BaseColorTexture& texture, const std::vector<Vec2f>& uvs)
       : pyramid_(pyramid), texture_(texture), uvs_(uvs) {}
 
-  /// Linear, each 0 … 1.
+  /// Linear, each component 0 … 1.
   Vec3d over(const std::array<std::uint32_t, 3>& wedges) const {
     std::array<std::array<double, 2>, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = texture_.place(uvs_[wedges[k]]);
@@ -64,7 +64,7 @@ class TextureMean {
                                     (corners[1][1] - corners[0][1]) * (corners[2][0] - corners[0][0])) /
                           2 * pyramid_.width() * pyramid_.height();
     const std::vector<Barycentric>& places = places_[pixels > 16 ? 3 : pixels > 4 ? 2 : pixels > 1 ? 1 : 0];
-    // A sixteenth of what lies between the places: larger pixels would show what is beside the triangle.
+    // Level pixels cover at most 1/16 of a place's share of the triangle; larger ones would extend beyond it.
     std::size_t level = 0;
     for (double left = 16 * static_cast<double>(places.size());
          left * 4 <= pixels && level + 1 < pyramid_.levels(); left *= 4)
@@ -106,7 +106,7 @@ SurfaceColor product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return color;
 }
 
-/// Materials whose texture is of one image and looked at in one way, so that it is decoded once.
+/// Materials that use one image with the same options share a key, so the image is decoded once.
 using ImageUse = std::pair<std::uint32_t, bool>;  // image, weigh_opacity
 
 std::optional<Pixels> pixels_of(const Image& image, PixelBudget& budget, Remarks& remarks) {
@@ -178,9 +178,9 @@ class Painter {
   }
 
   const Mesh& mesh_;
-  std::vector<BaseColor> colors_;  ///< of materials
+  std::vector<BaseColor> colors_;  ///< for each material
   std::map<ImageUse, std::vector<std::uint32_t>> materials_of_;
-  std::vector<std::vector<std::uint32_t>> triangles_of_;  ///< of materials with a texture
+  std::vector<std::vector<std::uint32_t>> triangles_of_;  ///< for each material with a texture
   std::vector<SurfaceColor> result_;
 };
 

@@ -17,7 +17,7 @@ struct Plane {
   double offset;  ///< normal·x + offset = 0
 };
 
-/// The facets' planes of the convex hull, coplanar facets merged; empty when the points are flat.
+/// Returns the planes of the convex hull's facets, with coplanar facets merged; empty if the points are flat.
 std::vector<Plane> hull_planes(std::vector<Vec3d> points) {
   static_assert(sizeof(Vec3d) == 3 * sizeof(coordT));
   std::vector<Plane> planes;
@@ -56,8 +56,8 @@ std::optional<std::vector<Vec3d>> barycentric_cell(const VoronoiDiagram& diagram
       barycenters[k] = barycenters[k * (all - 1) / (kMostBarycenters - 1)];
     barycenters.resize(kMostBarycenters);
   }
-  // The mirror must lie inside; the site itself sometimes does not. The mean of the hull's points always
-  // does.
+  // The mirror centre must be inside the hull. The site itself sometimes is not, but the mean of the hull's
+  // points always is.
   Vec3d p;
   for (const Vec3d& b : barycenters) p = p + b;
   p = (1.0 / static_cast<double>(barycenters.size())) * p;

@@ -1,5 +1,5 @@
-// The bisectors of one cell, and for a cell that has many of them how they lie: which facets meet, and where
-// the neighbours are. Asking all of them about each point would cost points x neighbours.
+// The bisectors of one cell. For a cell with many bisectors, also their arrangement: which facets meet, and
+// where the neighbours are. Testing all of them for each point would cost points x neighbours.
 #pragma once
 
 #include <cmath>
@@ -13,8 +13,8 @@
 
 namespace fracture {
 
-/// Bisector of site i and `neighbor` j, seen from i: value(q) = half - u·(q - p_i) is positive on i's side;
-/// |value - computed| <= error for every q in the box the diagram was made for.
+/// The bisector of site i and `neighbor` j, seen from i: value(q) = half - u·(q - p_i) is positive on i's
+/// side. |value - computed| <= error for every q in the box that the diagram was made for.
 struct Bisector {
   Vec3d u;      ///< p_j - p_i
   double half;  ///< |u|^2 / 2
@@ -23,7 +23,7 @@ struct Bisector {
   TetId tet;  ///< one of the tetrahedra at both sites
 };
 
-/// A number and a bound of its error.
+/// A number with a bound of its error.
 struct Certified {
   double value, error;
 };
@@ -31,23 +31,23 @@ struct Certified {
 struct Neighborhood {
   SiteId site;    ///< the cell
   SiteTree tree;  ///< of the neighbours, in the order of the cell's bisectors
-  /// Per facet, as an index of the cell's bisectors: the facets that share an edge with it.
+  /// For each facet, the facets that share an edge with it. Facets are indices into the cell's bisectors.
   std::vector<std::uint32_t> begin, adjacent;
 
   enum class RayAnswer {
-    kInside,     ///< the point lies in the cell
-    kOutside,    ///< it lies beyond the facet found
-    kUncertain,  ///< doubles do not tell, or the walk is long
+    kInside,     ///< the point is in the cell
+    kOutside,    ///< the point is beyond the facet found
+    kUncertain,  ///< doubles do not decide, or the walk is too long
   };
-  /// The ray from the cell's site through a point leaves the cell, which is convex, through the facet with
-  /// the least value / half. These are the values of a linear function at the corners of the cell's polar
-  /// dual, so going on to a lesser one of the facets around one, again and again, finds it (the simplex
-  /// method). Comparisons are certified by the values' errors.
+  /// Finds the facet through which the ray from the cell's site through a point leaves the cell. The cell is
+  /// convex, so this is the facet with the least value / half. These are the values of a linear function at
+  /// the corners of the cell's polar dual. So repeatedly moving to an adjacent facet with a smaller value
+  /// finds it (the simplex method). The values' errors certify the comparisons.
   ///
-  /// `all`: the cell's bisectors. `value(bisector)`: its value at the point, times a positive factor that is
-  /// the same for all of them, as a Certified. `on`: up to two facets whose bisectors the point lies on, for
-  /// which `value` is not asked; the walk starts there, else at `facet`. `facet`: where it ended. `looked_at`
-  /// is increased by the bisectors looked at.
+  /// `all`: the cell's bisectors. `value(bisector)`: its value at the point as a Certified, times a positive
+  /// factor that is the same for all bisectors. `on`: up to two facets whose bisectors contain the point;
+  /// `value` is not called for them. The walk starts there, or otherwise at `facet`. `facet`: where the walk
+  /// ended. `looked_at` is increased by the number of bisectors tested.
   template <class Value>
   RayAnswer shoot_ray(std::span<const Bisector> all, const Value& value, std::span<const std::uint32_t> on,
                       std::uint32_t& facet, std::uint64_t& looked_at) const;
@@ -78,12 +78,12 @@ Neighborhood::RayAnswer Neighborhood::shoot_ray(std::span<const Bisector> all, c
     bool uncertain = false, moved = false, meets_other = false;
     for (std::uint32_t m = first; m < last; ++m) {
       const std::uint32_t k = adjacent[m];
-      if (lies_on(k)) {  // 0, which is no less
+      if (lies_on(k)) {  // its value is 0, which is not less
         meets_other = true;
         continue;
       }
       const Certified v = value(all[k]);
-      // v / half_k against least / half_facet.
+      // Compare v / half_k with least / half_facet.
       const double a = all[facet].half * v.value, b = all[k].half * least.value;
       const double error = 1.001 * (all[facet].half * v.error + all[k].half * least.error) +
                            0x1.0p-48 * (std::fabs(a) + std::fabs(b)) + 1e-300;
@@ -96,7 +96,7 @@ Neighborhood::RayAnswer Neighborhood::shoot_ray(std::span<const Bisector> all, c
     }
     if (moved) continue;
     if (uncertain) return answer_so_far();
-    if (on.size() == 2 && facet == on[0]) {  // the other end of an edge of the dual, of the same value
+    if (on.size() == 2 && facet == on[0]) {  // the other end of an edge of the dual, with the same value
       if (!meets_other) return RayAnswer::kUncertain;
       facet = on[1];
       continue;

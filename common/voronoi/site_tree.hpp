@@ -1,6 +1,6 @@
-// A k-d tree of points (Bentley 1975; with tight boxes at its nodes): which of them lie within a ball? Asked
-// where walking along the diagram would visit at too many of them: cells of many neighbours, and points far
-// from where a walk starts.
+// A k-d tree of points (Bentley 1975; with tight boxes at its nodes) that finds the points in a ball. Used if
+// a walk along the diagram would visit too many points: for cells with many neighbours, and for points far
+// from the start of the walk.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@ namespace fracture {
 
 class SiteTree {
  public:
-  /// Points are known by their number here. n log n.
+  /// Points are identified by their index in this list. n log n.
   explicit SiteTree(std::span<const Vec3d> points);
 
-  /// Calls visit(point's number, its squared distance from q) for points within a ball about q, nearer ones
-  /// mostly first. `visit` returns the squared radius of the ball from then on; points no farther than that,
-  /// as computed (relative error below 2^-48), are not left out.
+  /// Calls visit(index, squared distance from q) for points in a ball about q, usually nearer ones first.
+  /// `visit` returns the new squared radius of the ball. No point within that computed distance is left out
+  /// (relative error below 2^-48).
   template <class Visit>
   void visit_near(const Vec3d& q, double radius2, const Visit& visit) const {
     if (nodes_.empty()) return;
@@ -43,20 +43,20 @@ class SiteTree {
       high.distance2 = distance2(nodes_[high.node], q);
       if (low.distance2 < high.distance2) std::swap(low, high);
       if (low.distance2 <= radius2) stack[top++] = low;
-      if (high.distance2 <= radius2) stack[top++] = high;  // the nearer one, next
+      if (high.distance2 <= radius2) stack[top++] = high;  // the nearer one comes next
     }
   }
 
  private:
   static constexpr std::uint32_t kLeaf = 8;
-  static constexpr std::size_t kMaxDepth = 64;  ///< of the stack: one entry a level, 2^32 points have 32
+  static constexpr std::size_t kMaxDepth = 64;  ///< of the stack: one entry per level; 2^32 points have 32
   struct Point {
     Vec3d at;
     std::uint32_t number;
   };
   struct Step {
-    std::uint32_t node, begin, end;  // the range of points_
-    double distance2;                // of its box
+    std::uint32_t node, begin, end;  // range in points_
+    double distance2;                // to its box
   };
   static double distance2(const Box& box, const Vec3d& q) {
     double sum = 0;
@@ -69,7 +69,7 @@ class SiteTree {
   }
   void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end);
 
-  std::vector<Point> points_;  // halves of a node's range are its children's
+  std::vector<Point> points_;  // the two halves of a node's range belong to its children
   std::vector<Box> nodes_;     // children of k: 2k + 1, 2k + 2
 };
 

@@ -27,7 +27,7 @@ void VoronoiDiagram::build(const Box& box, const std::vector<char>* cells, const
 
   const auto has_cell = [&](SiteId s) { return s < sites && (!cells || (*cells)[s]); };
 
-  // Tetrahedra by site (counting sort), corners left out: no point of the box lies in their cells.
+  // Group tetrahedra by site (counting sort), except for corners, whose cells contain no point of the box.
   Pacer pacer(execution);
   tet_begin_.assign(sites + 1, 0);
   for (const Tetrahedron& t : dual_->tets) {
@@ -35,7 +35,7 @@ void VoronoiDiagram::build(const Box& box, const std::vector<char>* cells, const
     for (const SiteId s : t.v)
       if (has_cell(s)) ++tet_begin_[s + 1];
   }
-  // A site's tetrahedra are the triangles of a sphere whose vertices are its neighbours (Euler: F = 2V - 4).
+  // A site's tetrahedra form the triangles of a sphere whose vertices are its neighbours (Euler: F = 2V - 4).
   bisector_begin_.assign(sites + 1, 0);
   for (const SiteId s : ids<SiteId>(sites)) {
     bisector_begin_[s + 1] = bisector_begin_[s] + (has_cell(s) ? tet_begin_[s + 1] / 2 + 2 : 0);
@@ -71,10 +71,10 @@ void VoronoiDiagram::build(const Box& box, const std::vector<char>* cells, const
         throw InternalError("the tetrahedra at site " + std::to_string(i) + " do not form a ball");
       std::sort(neighbors.begin(), neighbors.end());
 
-      // Rounding of value(): every difference and product is off by 2^-53 relative; |q - p_i| is at most
-      // `reach` on each axis. Fewer than 16 roundings touch any term. With gradual underflow its products
-      // lose at most 2^-1075 each beside, and so do those of this bound; there are fewer than 16, and 2^-1000
-      // is more.
+      // Rounding of value(): every difference and product has a relative error of 2^-53, and |q - p_i| is at
+      // most `reach` on each axis. Fewer than 16 roundings affect any term. With gradual underflow, its
+      // products also lose at most 2^-1075 each, and so do those of this bound. There are fewer than 16, and
+      // 2^-1000 is more.
       const Vec3d& p = site(i);
       double reach = 0;
       for (int a = 0; a < 3; ++a)
@@ -101,8 +101,8 @@ void VoronoiDiagram::add_neighborhood(SiteId i) {
   std::vector<Vec3d> points;
   for (const Bisector& b : all) points.push_back(site(b.neighbor));
   Neighborhood n{i, SiteTree(points), {}, {}};
-  // The tetrahedra at the site are the triangles of a sphere; each of its edges is in two of them, once in
-  // either direction.
+  // The tetrahedra at the site form the triangles of a sphere. Each edge of the sphere is in two triangles,
+  // once in each direction.
   const auto each = [&](const auto& visit) {
     for (const TetId t : tetrahedra(i)) {
       const auto& v = dual_->tets[t].v;
@@ -136,7 +136,7 @@ const Neighborhood& VoronoiDiagram::neighborhood(SiteId i) const {
 
 SiteId VoronoiDiagram::closer_neighbor(const Vec3d& q, SiteId i, Walk& walk) const {
   walk.looked_at += bisectors(i).size();
-  // The most violated bisector: by value, the steepest descent in squared distance.
+  // Find the most violated bisector: by value, this is the steepest descent in squared distance.
   double worst = 0;
   SiteId next = kNoSite;
   bool doubt = false;
@@ -204,9 +204,9 @@ SiteId VoronoiDiagram::roughly_nearest(const Vec3d& q) const {
 }
 
 SiteId VoronoiDiagram::nearest(const Vec3d& q, SiteId start, Walk& walk) const {
-  // In a (perturbed, hence generic) power diagram a site that beats all its neighbours is the nearest one,
-  // and each step comes strictly closer, so the walk ends. Sites in a volume take a step for each cell on
-  // the way: this many are seldom, unless each point is far from the one before.
+  // In a (perturbed, hence generic) power diagram, a site that is nearer than all its neighbours is the
+  // nearest one. Each step comes strictly closer, so the walk ends. For sites in a volume, the walk takes one
+  // step per cell on the way. So many steps are rare, unless each point is far from the previous one.
   constexpr int kLongWalk = 32;
   const auto is_lost = [&](int steps) {
     return steps > 0 && steps % kLongWalk == 0 &&
@@ -233,8 +233,8 @@ const Bisector* VoronoiDiagram::find_bisector(SiteId i, SiteId j) const {
 }
 
 VoronoiDiagram::Facet VoronoiDiagram::find_facet(SiteId i, SiteId j, SiteId k) const {
-  // Around edge (i, a): each tetrahedron is left through the facet opposite the vertex that the last one did
-  // not have.
+  // Turn around edge (i, a): leave each tetrahedron through the facet opposite the vertex that the previous
+  // tetrahedron did not have.
   struct Sweep {
     SiteId i, a, wanted;
     TetId first, at;

@@ -1,4 +1,4 @@
-// Stands for a game: says how large its broken assets are.
+// A minimal game: prints the sizes of its broken assets.
 #include <cstdio>
 #include <fstream>
 

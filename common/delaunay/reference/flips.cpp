@@ -1,9 +1,9 @@
-// Insertion by flips: the paper's InsertOnePoint and Flip (sections 4.1 and 4.3; Ledoux 2007), Edelsbrunner &
-// Shah 1996 for why it terminates, here for the power diagram of the one tie rule.
+// Insertion by flips: the paper's InsertOnePoint and Flip (sections 4.1 and 4.3; Ledoux 2007), here for the
+// power diagram of the one tie rule. Edelsbrunner & Shah 1996 prove that it terminates.
 //
-// Departure from the paper: its flip14 of a site that lies on a facet or an edge makes flat tetrahedra, and
-// its case 4 exists to flip them away. We begin with flip26 or n→2n instead, so that no flat tetrahedron
-// exists at any time and case 4 is dealt with before the queue starts.
+// Difference from the paper: its flip14 for a site on a facet or an edge creates flat tetrahedra, which its
+// case 4 removes again. This code begins with flip26 or n→2n instead. So there is never a flat tetrahedron,
+// and case 4 is handled before the queue starts.
 #include <algorithm>
 #include <utility>
 
@@ -12,8 +12,8 @@
 
 namespace fracture {
 
-// Takes a set of tetrahedra out and puts another set with the same outer facets in. Facets are matched by
-// their vertices.
+// Replaces a set of tetrahedra by another set with the same outer facets. Facets are matched by their
+// vertices.
 void ReferenceDelaunay::replace(std::span<const TetId> removed,
                                 std::span<const std::array<TetVertexId, 4>> created) {
   sides_.clear();
@@ -68,7 +68,7 @@ int ReferenceDelaunay::orient(const std::array<TetVertexId, 4>& v) const {
 
 void ReferenceDelaunay::begin_flips(TetVertexId p, const Located& at) {
   using V4 = std::array<TetVertexId, 4>;
-  const auto with = [p](const Tet& t, unsigned k) {  // vertex k replaced by p, p first, still positive
+  const auto with = [p](const Tet& t, unsigned k) {  // vertex k replaced by p, with p first, still positive
     return V4{p, t.v[kFacet[k][0]], t.v[kFacet[k][1]], t.v[kFacet[k][2]]};
   };
   removed_.clear();
@@ -94,7 +94,8 @@ void ReferenceDelaunay::begin_flips(TetVertexId p, const Located& at) {
     for (unsigned k = 0; k < 4; ++k)
       if (!(at.zeros >> k & 1)) ends[count++] = k;
     const TetVertexId a = first.v[ends[0]], b = first.v[ends[1]];
-    // Turn around the edge: leave each tetrahedron through the facet opposite the vertex it was entered with.
+    // Turn around the edge: leave each tetrahedron through the facet opposite the vertex on the facet by
+    // which it was entered.
     TetId id = at.tet;
     unsigned leave = static_cast<unsigned>(__builtin_ctz(at.zeros));
     do {
@@ -107,7 +108,7 @@ void ReferenceDelaunay::begin_flips(TetVertexId p, const Located& at) {
           other = k;
       }
       if (id != at.tet) removed_.push_back(id);
-      const TetVertexId pivot = t.v[other];  // stays on the facet we cross; it is the one to leave by next
+      const TetVertexId pivot = t.v[other];  // on the crossed facet; the next step leaves opposite it
       id = t.n[leave].tet();
       const Tet& next = tets_[id];
       for (unsigned k = 0; k < 4; ++k)
@@ -118,8 +119,8 @@ void ReferenceDelaunay::begin_flips(TetVertexId p, const Located& at) {
   replace(removed_, created_);
 }
 
-// The queue holds tetrahedra t = (p, a, b, c) whose facet abc may not be locally Delaunay; d is the far
-// vertex behind it.
+// The queue contains tetrahedra t = (p, a, b, c) whose facet abc may not be locally Delaunay; d is the vertex
+// beyond it.
 //
 //   case 1: pd passes through    case 2: pd passes beyond one   case 3: pd meets the edge ab
 //   the inside of abc            edge ab whose third            exactly and ab has four
@@ -132,15 +133,15 @@ void ReferenceDelaunay::begin_flips(TetVertexId p, const Located& at) {
 //         \|/                          \| /                          \|/  \ |
 //          d                            d                             d ---- e
 //
-//   case 4 (p in the plane of abc: t is flat) does not arise, see above. In every other position the facet is
-//   left alone: another flip must come first, and the tetrahedra it makes come back into the queue.
+//   case 4 (p in the plane of abc: t is flat) does not occur, see above. In every other position, the facet
+//   is left alone: another flip must come first, and the tetrahedra that it creates enter the queue again.
 void ReferenceDelaunay::flip_around(TetVertexId p) {
   const Vec3d site = position(p);
   while (!queue_.empty()) {
     const TetId id = queue_.back();
     queue_.pop_back();
     const Tet& t = tets_[id];
-    if (t.v[0] != p) continue;  // gone, or its slot serves another one without p (p always stands first)
+    if (t.v[0] != p) continue;  // removed, or its slot is reused without p (p is always first)
     const Link link = t.n[0];
     if (link == kNoLink) continue;
     const TetId outer = link.tet();
@@ -150,8 +151,8 @@ void ReferenceDelaunay::flip_around(TetVertexId p) {
 
     const TetVertexId abc[3] = {t.v[1], t.v[2], t.v[3]};
     const TetVertexId d = o.v[link.facet()];
-    // side[k]: is d on the same side as vertex k of the plane through p and the other two? created
-    // tetrahedron k has k replaced by d and is positive exactly then.
+    // side[k]: whether d is on the same side as vertex k of the plane through p and the other two vertices.
+    // Created tetrahedron k has k replaced by d, and is positive exactly in this case.
     std::array<std::array<TetVertexId, 4>, 3> tuple;
     int side[3];
     int positive = 0, bad = -1;
@@ -171,7 +172,7 @@ void ReferenceDelaunay::flip_around(TetVertexId p) {
       created_.assign(tuple.begin(), tuple.end());
       ++flips_.flip23;
     } else {
-      // The edge ab of the refused vertex c = abc[bad]: the tetrahedra behind pab and behind abd.
+      // The edge ab opposite the refused vertex c = abc[bad]: the tetrahedra beyond pab and beyond abd.
       const unsigned c_in_t = static_cast<unsigned>(bad) + 1;
       unsigned c_in_o = 0;
       for (unsigned k = 0; k < 4; ++k)
@@ -190,7 +191,7 @@ void ReferenceDelaunay::flip_around(TetVertexId p) {
         if (tb == tc) continue;
         const TetVertexId e = tets_[tb].v[behind_t.facet()];
         if (tets_[tc].v[behind_o.facet()] != e) continue;
-        // Below the plane pabd, e takes the place of c; the mirrored order keeps the tetrahedra positive.
+        // Below the plane pabd, e replaces c; the mirrored order keeps the tetrahedra positive.
         for (int k = 0; k < 2; ++k) {
           std::array<TetVertexId, 4> mirrored = created_[k];
           std::replace(mirrored.begin(), mirrored.end(), abc[bad], e);

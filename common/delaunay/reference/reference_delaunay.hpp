@@ -1,12 +1,12 @@
-// The source paper's way to change a tetrahedralization, on the storage of incremental.hpp: insertion by
-// flips, and removal of a site. It is the readable reference and the judge in tests; no library of the
-// pipeline contains it, and no request can ask for it. `fracture-server bake --insertion flips` runs it.
+// The source paper's algorithms to change a tetrahedralization, on the storage of incremental.hpp: insertion
+// by flips, and removal of a site. It is the readable reference, and tests compare with it. No library of the
+// pipeline contains it, and no request can select it. `fracture-server bake --insertion flips` runs it.
 //
-// Sources. The paper's section 4 and Ledoux 2007 ("Computing the 3D Voronoi diagram robustly: an easy
-// explanation") for the flips; Edelsbrunner & Shah 1996 for why they terminate; Devillers & Teillaud 2003
+// Sources: the paper's section 4 and Ledoux 2007 ("Computing the 3D Voronoi diagram robustly: an easy
+// explanation") for the flips; Edelsbrunner & Shah 1996 for their termination; Devillers & Teillaud 2003
 // ("Perturbations and vertex removal in a 3D Delaunay triangulation") for removal.
 //
-// The invariants are those of IncrementalDelaunay; every way of insertion may be mixed with every other.
+// The invariants are those of IncrementalDelaunay. All kinds of insertion may be mixed.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace fracture {
 
-/// How often each flip was done. flipMN replaces M tetrahedra by N.
+/// Number of flips of each kind. flipMN replaces M tetrahedra by N.
 struct FlipCounts {
   std::uint64_t flip14 = 0, flip26 = 0;              ///< a site inside a tetrahedron, on a facet
   std::uint64_t flip_n2n = 0;                        ///< a site on an edge of n tetrahedra
@@ -41,9 +41,10 @@ class ReferenceDelaunay : public IncrementalDelaunay {
  public:
   using IncrementalDelaunay::IncrementalDelaunay;
 
-  /// What insert() does, by the paper's way: flip14, flip26 or n→2n, then the queue of flip23, 32, 44.
+  /// The same result as insert(), by the paper's method: flip14, flip26 or n→2n, then the queue of flip23,
+  /// 32, 44.
   Insertion insert_by_flips(const Vec3d& p);
-  /// Takes a site out. `v` must be a live site (not a corner): InternalError otherwise.
+  /// Removes a site. `v` must be a live site (not a corner); otherwise throws InternalError.
   void remove(TetVertexId v);
 
   const FlipCounts& flips() const { return flips_; }
@@ -64,8 +65,8 @@ class ReferenceDelaunay : public IncrementalDelaunay {
 
   FlipCounts flips_;
 
-  // Scratch of one change; kept to avoid allocation.
-  std::vector<TetId> queue_;  ///< tetrahedra at the new site whose outer facet is to be checked
+  // Scratch of one change, kept to avoid allocation.
+  std::vector<TetId> queue_;  ///< tetrahedra at the new site whose outer facet must be checked
   std::vector<TetId> removed_;
   std::vector<std::array<TetVertexId, 4>> created_;
   struct Side {
@@ -73,12 +74,12 @@ class ReferenceDelaunay : public IncrementalDelaunay {
     Link link;
   };
   std::vector<Side> sides_;
-  std::vector<TetId> star_;         ///< the tetrahedra at the site that goes
-  std::vector<Facet> link_facets_;  ///< their facets opposite it
+  std::vector<TetId> star_;         ///< the tetrahedra at the removed site
+  std::vector<Facet> link_facets_;  ///< their facets opposite the site
 };
 
-/// What tetrahedralize() gives, with every site inserted by flips; adds what it flipped to `counts` (null:
-/// nobody asks). Errors as there; throws Interrupted.
+/// The same result as tetrahedralize(), with every site inserted by flips. Adds the number of flips to
+/// `counts`, if not null. Has the same errors; throws Interrupted.
 Expected<Tetrahedralization> tetrahedralize_by_flips(std::span<const Vec3d> sites, const Box& box,
                                                      const Execution& execution,
                                                      FlipCounts* counts = nullptr);

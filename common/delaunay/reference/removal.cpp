@@ -1,16 +1,17 @@
-// Removal of a site (Devillers & Teillaud 2003). The tetrahedra that must fill the star of v have link
-// vertices only and empty spheres, so they are tetrahedra of the link vertices' own Delaunay
-// tetrahedralization, computed with the same predicates and the same tie rule; those inside the star are
-// copied and glued along its boundary. flip41 alone is not enough (not even in a lattice); it is kept as the
-// fast path for a link of four vertices.
+// Removal of a site (Devillers & Teillaud 2003). The tetrahedra that must fill the star of v have only link
+// vertices, and empty spheres. So they belong to the Delaunay tetrahedralization of the link vertices, which
+// is computed with the same predicates and the same tie rule. Those inside the star are copied, and glued
+// along its boundary. flip41 alone is not sufficient (not even in a lattice); it is kept as the fast path for
+// a link with four vertices.
 //
-// The link may contain corners of the big tetrahedron T, so the scratch structure needs a bigger one, and its
-// corners must lie in no sphere that matters. Let B be a ball without corners of T inside that has a site x
-// of U in its closure, and s another point of B beyond T; the segment xs leaves T at y in a facet, and y =
-// sum of l_i t_i over its corners. The power of y to B is at most -|y-x||s-y|, the powers of the t_i are not
-// negative, so |y-x||s-y| <= sum l_i |t_i-y|^2 <= (2 sqrt(2) K)^2 / 3. U keeps a distance of more than K/8
-// from the facets of T, hence |s-y| < 22 K and s is less than 24 K from the centre. The scratch corners are
-// sqrt(3) * 32 K away. (The one tetrahedron without a site, T itself, has radius sqrt(3) K.)
+// The link may contain corners of the big tetrahedron T, so the scratch structure needs a bigger one, whose
+// corners must not be in any relevant sphere. Let B be a ball that contains no corner of T in its interior
+// and has a site x of U in its closure. Let s be another point of B, outside T. The segment xs leaves T at a
+// point y in a facet, and y = sum of l_i t_i over the facet's corners. The power of y to B is at most
+// -|y-x||s-y|, and the powers of the t_i are not negative, so |y-x||s-y| <= sum l_i |t_i-y|^2 <= (2 sqrt(2)
+// K)^2 / 3. The distance between U and the facets of T is more than K/8. Therefore |s-y| < 22 K, and s is
+// less than 24 K from the centre. The scratch corners are sqrt(3) * 32 K away. (The only tetrahedron without
+// a site, T itself, has radius sqrt(3) K.)
 #include <algorithm>
 #include <string>
 
@@ -27,7 +28,7 @@ std::array<TetVertexId, 3> sorted(std::array<TetVertexId, 3> v) {
   return v;
 }
 
-/// Whether two orders of the same three vertices turn the same way.
+/// Whether two orders of the same three vertices have the same orientation.
 bool same_turn(const std::array<TetVertexId, 3>& a, const std::array<TetVertexId, 3>& b) {
   for (int k = 0; k < 3; ++k)
     if (a[0] == b[k]) return a[1] == b[(k + 1) % 3];
@@ -36,7 +37,7 @@ bool same_turn(const std::array<TetVertexId, 3>& a, const std::array<TetVertexId
 
 }  // namespace
 
-// The tetrahedra at v into star_, their facets opposite v into link_facets_.
+// Collects the tetrahedra at v in star_, and their facets opposite v in link_facets_.
 void ReferenceDelaunay::collect_star(TetVertexId v) {
   next_visit();
   star_.assign(1, vertices_[v].tet);
@@ -77,12 +78,12 @@ void ReferenceDelaunay::remove(TetVertexId v) {
   free_vertices_.push_back(v);
 }
 
-/// The facets around a star, found by their vertices.
+/// The facets around a star, searchable by their vertices.
 class ReferenceDelaunay::Walls {
  public:
   struct Wall {
-    std::array<TetVertexId, 3> key, turn;  ///< the vertices, ascending; and as they turn seen from inside
-    Link outer;                            ///< what lies behind
+    std::array<TetVertexId, 3> key, turn;  ///< the vertices: ascending; counter-clockwise seen from inside
+    Link outer;                            ///< the link beyond it
   };
   explicit Walls(const std::vector<Facet>& facets) {
     walls_.reserve(facets.size());
@@ -92,7 +93,7 @@ class ReferenceDelaunay::Walls {
     }
     std::sort(walls_.begin(), walls_.end(), [](const Wall& a, const Wall& b) { return a.key < b.key; });
   }
-  /// Null where the facet is none of them.
+  /// Null if there is no such facet.
   const Wall* find(const std::array<TetVertexId, 3>& facet) const {
     const std::array<TetVertexId, 3> key = sorted(facet);
     const auto it =
@@ -106,10 +107,10 @@ class ReferenceDelaunay::Walls {
   std::vector<Wall> walls_;
 };
 
-/// The vertices around the star alone, tetrahedralized.
+/// A tetrahedralization of only the vertices around the star.
 struct ReferenceDelaunay::LinkDelaunay {
   ReferenceDelaunay delaunay;
-  std::vector<TetVertexId> vertex_of;  ///< our id of each of its vertices; kNoVertex for its corners
+  std::vector<TetVertexId> vertex_of;  ///< original id of each of its vertices; kNoVertex for its corners
 };
 
 ReferenceDelaunay::LinkDelaunay ReferenceDelaunay::tetrahedralize_link() {
@@ -133,12 +134,12 @@ ReferenceDelaunay::LinkDelaunay ReferenceDelaunay::tetrahedralize_link() {
   return result;
 }
 
-/// Inside the star are the tetrahedra of its link on the inner side of a wall, and what is reached from them
-/// without crossing one. Each gets a slot of ours as it is reached; then it is copied and glued to its
-/// neighbours.
+/// Fills the star. Inside it are the tetrahedra of the link that are on the inner side of a wall, and all
+/// that can be reached from them without crossing a wall. Each gets a slot in the original when it is
+/// reached; then it is copied and glued to its neighbours.
 class ReferenceDelaunay::StarFilling {
  public:
-  /// The star of v, which has been collected.
+  /// Fills the star of v, which must have been collected.
   StarFilling(ReferenceDelaunay& ours, TetVertexId v)
       : ours_(ours),
         vertex_(v),
@@ -157,7 +158,7 @@ class ReferenceDelaunay::StarFilling {
       }
     }
   }
-  /// All that were taken, and those reached from them.
+  /// Copies all tetrahedra taken so far, and those reached from them.
   void copy_and_glue() {
     for (std::size_t i = 0; i < inside_.size(); ++i) copy(inside_[i]);
     if (glued_ != walls_.size())
@@ -206,9 +207,9 @@ class ReferenceDelaunay::StarFilling {
   TetVertexId vertex_;
   LinkDelaunay link_;
   Walls walls_;
-  std::vector<TetId> slot_;    // of ours, per tetrahedron of the link; kNoTet: not inside
-  std::vector<TetId> inside_;  // tetrahedra of the link, as they are reached
-  std::size_t glued_ = 0;      // walls
+  std::vector<TetId> slot_;    // slot in the original, per tetrahedron of the link; kNoTet: not inside
+  std::vector<TetId> inside_;  // tetrahedra of the link, in the order in which they are reached
+  std::size_t glued_ = 0;      // number of walls already glued
 };
 
 void ReferenceDelaunay::fill_star(TetVertexId v) {
