@@ -30,9 +30,9 @@ struct VertexSource {
   friend bool operator==(const VertexSource&, const VertexSource&) = default;
 };
 
-/// Consecutive faces of one material.
+/// Consecutive faces of one material and, for cuts through several parts, of one part.
 struct Run {
-  std::uint32_t material, begin, end;
+  std::uint32_t material, part, begin, end;
 };
 
 /// What one fragment's assembly keeps in memory, kept from fragment to fragment by each thread: fresh memory
@@ -72,6 +72,7 @@ class Assembler {
   }
 
   void run(const Piece& piece, Pivot pivot) {
+    several_parts_ = !piece.part_owners.empty();
     collect_vertices(piece);
     points_.clear();
     points_.reserve(ids_.size());
@@ -92,7 +93,16 @@ class Assembler {
     return d_.is_joint(d_.caps.regions[cap_region(source)]) ? kMortarMaterial : kInteriorMaterial;
   }
 
+  /// The part that a cut or the wall of a cavity is in, if the piece has several parts; otherwise kNoIndex.
+  std::uint32_t part_of_cut(FaceSource source, std::uint32_t material) const {
+    if (!several_parts_ || !(is_of_cuts(material) || material == kCavityMaterial)) return kNoIndex;
+    const std::uint32_t part =
+        is_cap(source) ? d_.caps.regions[cap_region(source)].part : d_.solid.part[source];
+    return d_.part_in_whole ? (*d_.part_in_whole)[part] : part;
+  }
+
   // Faces by material, in their order within each; cuts last, mortar after the others, "no material" just before them.
+  // Cuts are sorted by part, too.
   void find_runs_by_material(const std::vector<Face>& faces) {
     std::vector<Run>& runs = s_.runs;
     runs.clear();
@@ -100,13 +110,17 @@ class Assembler {
       const auto f = static_cast<std::uint32_t>(n);
       const FaceSource source = faces[f].source;
       const std::uint32_t material = material_of(source);
-      if (runs.empty() || runs.back().material != material) runs.push_back({material, f, f});
+      const std::uint32_t part = part_of_cut(source, material);
+      if (runs.empty() || runs.back().material != material || runs.back().part != part)
+        runs.push_back({material, part, f, f});
       ++runs.back().end;
     });
     const auto rank = [](std::uint32_t m) -> std::uint64_t {
       return m == kMortarMaterial ? 0x1'0000'0001 : m == kInteriorMaterial ? 0x1'0000'0000 : m;
     };
-    const auto before = [&](const Run& x, const Run& y) { return rank(x.material) < rank(y.material); };
+    const auto before = [&](const Run& x, const Run& y) {
+      return x.material != y.material ? rank(x.material) < rank(y.material) : x.part < y.part;
+    };
     if (!std::is_sorted(runs.begin(), runs.end(), before)) std::stable_sort(runs.begin(), runs.end(), before);
   }
 
@@ -123,8 +137,10 @@ class Assembler {
     find_runs_by_material(piece.faces);
     out_.primitives.reserve(2);
     for (const Run& run : s_.runs) {
-      if (out_.primitives.empty() || out_.primitives.back().material != run.material)
-        out_.primitives.push_back({run.material, static_cast<std::uint32_t>(index - out_.indices.data()), 0});
+      if (out_.primitives.empty() || out_.primitives.back().material != run.material ||
+          out_.primitives.back().part != run.part)
+        out_.primitives.push_back(
+            {run.material, static_cast<std::uint32_t>(index - out_.indices.data()), 0, run.part});
       out_.primitives.back().index_count += 3 * (run.end - run.begin);
       const Face *face = piece.faces.data() + run.begin, *end = piece.faces.data() + run.end;
       if (is_of_cuts(run.material)) {
@@ -435,6 +451,7 @@ class Assembler {
   Fragment& out_;
   const bool rough_ = d_.positions.are_rough();
   bool plain_;
+  bool several_parts_ = false;
   Box box_;  // of the points
   Scratch& s_ = thread_scratch<Scratch>();
   std::vector<CutVertexId>& ids_ = s_.ids;
@@ -450,7 +467,14 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   for (const std::uint32_t o : piece.owners)
     out.sites.insert(out.sites.end(), ownership.sites_of_owner[o].begin(), ownership.sites_of_owner[o].end());
   sort_with_polls(execution, out.sites.begin(), out.sites.end());
-  out.part = out.source_part = diagram.part_in_whole ? (*diagram.part_in_whole)[piece.part] : piece.part;
+  const auto in_whole = [&](std::uint32_t part) {
+    return diagram.part_in_whole ? (*diagram.part_in_whole)[part] : part;
+  };
+  out.part = out.source_part = in_whole(piece.part);
+  for (const PartOwner& share : piece.part_owners)
+    for (const SiteId s : ownership.sites_of_owner[share.owner])
+      out.part_cells.push_back({in_whole(share.part), s});
+  sort_with_polls(execution, out.part_cells.begin(), out.part_cells.end());
   out.node = diagram.solid.parts[piece.part].node;
   if (piece.faces.empty())
     return out;  // united pieces whose surfaces cancel: there is nothing, and it is dropped

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -20,6 +21,20 @@ struct FragmentPrimitive {
   std::uint32_t
       material;  ///< index into the source's materials, kNoIndex (none), or one of solid/cut_materials.hpp
   std::uint32_t first_index, index_count;
+  std::uint32_t part =
+      kNoIndex;  ///< of cuts and cavities, if the fragment has pieces of several parts: their part
+};
+
+/// A cell, restricted to a part of the solid.
+struct PartCell {
+  std::uint32_t part;
+  SiteId site;
+  auto operator<=>(const PartCell&) const = default;
+};
+/// The volume of a fragment's pieces of one part.
+struct PartVolume {
+  std::uint32_t part;
+  double volume;  ///< m³
 };
 
 /// A range of Fragment::indices, whole triangles.
@@ -42,9 +57,17 @@ enum class Pivot {
 };
 
 struct Fragment {
-  std::uint64_t id = 0;           ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
-  std::vector<SiteId> sites;      ///< of its cells, ascending
-  std::uint32_t part = 0;         ///< index into Solid::parts
+  std::uint64_t id = 0;       ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
+  std::vector<SiteId> sites;  ///< of its cells, ascending
+  std::uint32_t part =
+      0;  ///< index into Solid::parts; if pieces of several parts were joined, of the first piece
+  /// If pieces of several parts were joined: the cells of each part in the fragment, ascending. Otherwise empty: all
+  /// cells are of `part`.
+  std::vector<PartCell> part_cells{};
+  std::vector<PartVolume> part_volumes{};  ///< ascending by part; empty if `part_cells` is
+  /// Mass per volume, as a share of the material's density. Less than 1 if the fragment's parts overlap others, so that
+  /// the masses of all fragments count overlaps once (pipeline/overlaps.hpp).
+  double density_share = 1;
   std::uint32_t source_part = 0;  ///< the same; of pieces of a fragment the part of that fragment
   std::uint32_t node = 0;         ///< index into Mesh::node_names
   Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
@@ -70,14 +93,15 @@ struct Fragment {
   std::uint64_t open_edges = 0;  ///< open_edges()
 };
 
-/// Two fragments that hold together: by their shared caps or, if they belong to different parts, by their share in the
-/// contact of these parts (structure/contact_bonds.hpp).
+/// Two fragments that hold together: by their shared caps, or by their share in the contact of two parts
+/// (structure/contact_bonds.hpp). Fragments with pieces of several parts can have a bond of each kind.
 struct Bond {
   std::uint32_t a, b;  ///< indices into FragmentSet::fragments, a < b
   double area = 0;  ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
   Vec3d centroid;   ///< m; the mean of the caps, by that area
   Vec3d normal;     ///< unit, from a to b, the mean of the caps by their own area
-  double strength = 1;  ///< per area, as a multiple of the material's strength
+  double strength = 1;        ///< per area, as a multiple of the material's strength
+  bool across_parts = false;  ///< the contact of two parts, not shared caps
 };
 
 /// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not
@@ -85,6 +109,7 @@ struct Bond {
 struct Certificate {
   std::uint64_t open_edges = 0;  ///< over all fragments, in their topology and welded (closedness.hpp): 0
   double volume_in = 0;          ///< m³, of the solid
+  double volume_once = 0;        ///< m³: volume_in, if overlaps of parts count once (pipeline/overlaps.hpp)
   double volume_out = 0;         ///< m³, of all fragments, from the unrounded positions
   double volume_file = 0;        ///< m³, of all fragments, from the final rounded positions
   double relative_error = 0;     ///< |volume_out - volume_in| / volume_in

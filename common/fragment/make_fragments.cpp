@@ -12,7 +12,6 @@
 #include "common/fragment/file_volume.hpp"
 #include "common/fragment/group_contacts.hpp"
 #include "common/fragment/mirror_sum.hpp"
-#include "common/fragment/unite.hpp"
 #include "common/fragment/volume_sign.hpp"
 
 namespace fracture {
@@ -43,13 +42,21 @@ struct Assembly {
     parallel_for(execution, names.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::uint32_t g = names[k];
-        fragments[g] =
-            groups.size(g) == 1
-                ? assemble(d, ownership, pieces.pieces[g], pivot, execution)
-                : assemble(d, ownership, join_pieces(d, pieces, groups, g, execution), pivot, execution);
+        if (groups.size(g) == 1)
+          fragments[g] = assemble(d, ownership, pieces.pieces[g], pivot, execution);
+        else
+          fragments[g] = assemble_joined(g);
         volumes[g] = file_volume(fragments[g], execution);
       }
     });
+  }
+
+  Fragment assemble_joined(std::uint32_t group) const {
+    const Piece joined = join_pieces(d, pieces, groups, group, execution);
+    Fragment f = assemble(d, ownership, joined, pivot, execution);
+    if (!joined.part_owners.empty())
+      f.part_volumes = volumes_of_parts(d, pieces, groups.members(group, execution), execution);
+    return f;
   }
 
   const RestrictedDiagram& d;
@@ -137,19 +144,26 @@ std::vector<std::uint32_t> pieces_of_owners(const Pieces& pieces, std::size_t ow
   return count;
 }
 
+/// Whether two groups of pieces touch across parts.
+bool touch_across(const PartContacts& across, const PieceGroups& groups) {
+  return std::any_of(across.pieces.begin(), across.pieces.end(),
+                     [&](const PieceContact& c) { return groups.of(c.of) != groups.of(c.with); });
+}
+
 /// Unites what was united before and what is too small; assembles; unites what has no volume; assembles again what
 /// changed. Returns, per name, what was dropped.
-std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits,
+std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, const PartContacts* across,
                                   const std::vector<Union>& before, PieceRecord* record, FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();
   const std::vector<SiteId> lowest = lowest_cells(assembly.ownership);
   const std::uint32_t again =
       unite_again(before, assembly.d, assembly.pieces, lowest, assembly.groups, assembly.execution);
-  out.size = unite_by_size(assembly.d, assembly.pieces, limits, assembly.groups, assembly.execution);
+  out.size = unite_by_size(assembly.d, assembly.pieces, limits, across, assembly.groups, assembly.execution);
   out.size.united += again;
   if (record)
     *record = {name_unions(assembly.d, assembly.pieces, assembly.groups, lowest, assembly.execution),
-               pieces_of_owners(assembly.pieces, lowest.size())};
+               pieces_of_owners(assembly.pieces, lowest.size()),
+               across == nullptr || touch_across(*across, assembly.groups)};
   out.certificate.united = out.size.united;
   resize_with_polls(assembly.execution, assembly.fragments, n);
   resize_with_polls(assembly.execution, assembly.volumes, n);
@@ -242,12 +256,13 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pieces pieces, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution,
-                           const std::vector<Union>& before, PieceRecord* record) {
+                           const std::vector<Union>& before, PieceRecord* record,
+                           const PartContacts* across) {
   PieceGroups groups(pieces.pieces.size());
   FragmentSet out;
   out.source = d.solid.source;
   Assembly assembly{d, ownership, pieces, groups, pivot, execution};
-  const std::vector<bool> dropped = assemble_groups(assembly, limits, before, record, out);
+  const std::vector<bool> dropped = assemble_groups(assembly, limits, across, before, record, out);
   const std::vector<std::uint32_t> fragment_of_piece = take_fragments(assembly, dropped, out);
   out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
   out.certificate.volume_out += out.certificate.pocket_volume;
@@ -272,7 +287,7 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
     out.further = beside_small_groups(d, ownership, pieces, groups, whole.lowest, least, execution);
     if (!out.further.empty()) return out;
     const std::vector<Union> earlier = name_unions(d, pieces, groups, whole.lowest, execution);
-    if (unite_by_size(d, pieces, {.min_volume = least}, groups, execution).united > 0)
+    if (unite_by_size(d, pieces, {.min_volume = least}, nullptr, groups, execution).united > 0)
       out.late = unions_since(earlier, name_unions(d, pieces, groups, whole.lowest, execution));
   }
   std::vector<std::uint32_t> names;  // of the groups, in the order of the fragments

@@ -9,12 +9,15 @@
 #include "common/fragment/pieces.hpp"
 #include "common/fragment/size_limits.hpp"
 #include "common/fragment/unions.hpp"
+#include "common/fragment/unite.hpp"
 
 namespace fracture {
 
 struct PieceRecord {
   std::vector<Union> united;          ///< before, or because of their size
   std::vector<std::uint32_t> pieces;  ///< per owner
+  bool touch_across =
+      true;  ///< false: no two fragments touch across parts, because all such pieces were joined
 };
 
 /// Fills everything of FragmentSet but sites_asked and report. A piece whose final rounded volume is not
@@ -25,10 +28,12 @@ struct PieceRecord {
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution,
                            const std::vector<Union>& before = {}, PieceRecord* record = nullptr);
-/// The same of pieces that are known: those that gather_pieces() finds.
+/// The same with the pieces that gather_pieces() has found. `across`: the contacts of pieces of different parts, which
+/// then join (unite.hpp); null: they stay apart.
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pieces pieces,
                            Pivot pivot, const SizeLimits& limits, const Execution& execution,
-                           const std::vector<Union>& before = {}, PieceRecord* record = nullptr);
+                           const std::vector<Union>& before = {}, PieceRecord* record = nullptr,
+                           const PartContacts* across = nullptr);
 
 /// What proves an answer, over all of its fragments.
 struct ProofSums {

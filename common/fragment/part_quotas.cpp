@@ -10,8 +10,9 @@ namespace fracture {
 namespace {
 
 /// Per part: its share of each cell, added up.
-std::vector<double> cells_in_parts(const Pieces& pieces, const std::vector<double>& volumes,
-                                   std::uint32_t parts, Pacer& pacer) {
+std::vector<double> cells_in_parts(const Pieces& pieces,
+                                   const std::function<std::uint32_t(std::uint32_t)>& part_of,
+                                   const std::vector<double>& volumes, std::uint32_t parts, Pacer& pacer) {
   std::vector<double> cells(parts, 0);
   const std::vector<Piece>& all = pieces.pieces;
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {  // pieces stand by their owner
@@ -20,21 +21,22 @@ std::vector<double> cells_in_parts(const Pieces& pieces, const std::vector<doubl
       whole += std::max(volumes[end], 0.0);
     pacer.step(end - begin);
     for (std::size_t k = begin; k < end && whole > 0; ++k)
-      cells[all[k].part] += std::max(volumes[k], 0.0) / whole;
+      cells[part_of(static_cast<std::uint32_t>(k))] += std::max(volumes[k], 0.0) / whole;
   }
   return cells;
 }
 
 }  // namespace
 
-PartQuotas::PartQuotas(const Pieces& pieces, const std::vector<double>& volumes,
-                       std::vector<std::uint32_t> left, std::uint32_t wanted, const Execution& execution)
+PartQuotas::PartQuotas(const Pieces& pieces, const std::function<std::uint32_t(std::uint32_t)>& part_of,
+                       const std::vector<double>& volumes, std::vector<std::uint32_t> left,
+                       std::uint32_t wanted, const Execution& execution)
     : quota_(left.size(), 1), left_(std::move(left)) {
   Pacer pacer(execution);
   const auto count = static_cast<std::uint32_t>(left_.size());
   for (const std::uint32_t n : left_) parts_ += n > 0;
 
-  const std::vector<double> cells = cells_in_parts(pieces, volumes, count, pacer);
+  const std::vector<double> cells = cells_in_parts(pieces, part_of, volumes, count, pacer);
   struct Claim {
     double cells_for_each;  // of its fragments, had it one more
     std::uint32_t part;

@@ -1,7 +1,8 @@
-// How many fragments each part of a solid may have, so that all have as many as were asked for together.
+// How many fragments each part of a solid, or each group of parts, may have, so that all have as many as were asked for.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -17,10 +18,11 @@ namespace fracture {
 /// each.
 class PartQuotas {
  public:
-  /// `volumes`: of the pieces. `left`: per part, how many there are of it after what was united so far.
-  /// Throws Interrupted.
-  PartQuotas(const Pieces& pieces, const std::vector<double>& volumes, std::vector<std::uint32_t> left,
-             std::uint32_t wanted, const Execution& execution);
+  /// `part_of`: the part, or group of parts, of a piece. `volumes`: of the pieces. `left`: per part, the number of pieces
+  /// after those united so far. Throws Interrupted.
+  PartQuotas(const Pieces& pieces, const std::function<std::uint32_t(std::uint32_t)>& part_of,
+             const std::vector<double>& volumes, std::vector<std::uint32_t> left, std::uint32_t wanted,
+             const Execution& execution);
 
   /// Does the part have more pieces than it may?
   bool over(std::uint32_t part) const { return left_[part] > quota_[part]; }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -42,15 +43,23 @@ struct Face {
   FaceSource source;
 };
 
+/// An owner's share of a part.
+struct PartOwner {
+  std::uint32_t part, owner;
+  auto operator<=>(const PartOwner&) const = default;
+};
+
 struct Piece {
   std::vector<std::uint32_t> owners;  ///< ascending; several after uniting
-  std::uint32_t part;
+  std::uint32_t part;                 ///< of several that were joined: of the first piece
   /// 0 for the first piece of its owner and part, 1 for the next, …: whatever other cells there are.
   std::uint32_t island;
   std::vector<Face> faces;
   /// The vertices of each member cell's share (also those that fusing hides), for pieces of several cells;
   /// else empty.
   std::vector<std::vector<CutVertexId>> bodies{};
+  std::vector<PartOwner>
+      part_owners{};  ///< ascending, if pieces of several parts were joined; otherwise empty
 };
 
 struct Pieces {

@@ -32,10 +32,12 @@ struct SizeLimits {
 
 /// What the limits did.
 struct SizeFigures {
-  std::uint32_t united = 0;  ///< pieces united because of a limit
+  std::uint32_t united = 0;  ///< pieces that became part of another, because of a limit or of `joined`
+  std::uint32_t joined = 0;  ///< pieces that became part of a piece of another part in their cell
   std::uint32_t alone = 0;   ///< pieces below the smallest volume that touch no other: they stay
-  std::uint32_t parts = 0;   ///< of the solid; only counted where SizeLimits::fragments is set
-  double min_volume = 0;     ///< m³, the smallest volume in force
+  /// Parts of the solid, or groups of parts that hold together and share fragments; 0 unless SizeLimits::fragments is set.
+  std::uint32_t parts = 0;
+  double min_volume = 0;  ///< m³, the smallest volume in force
   /// The fewest triangles that uniting can reach; only counted where max_triangles is set.
   std::uint64_t fewest_triangles = 0;
   bool operator==(const SizeFigures&) const = default;

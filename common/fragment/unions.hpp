@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/cell_map.hpp"
 #include "common/base/execution.hpp"
 #include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/piece_groups.hpp"
@@ -47,20 +48,23 @@ std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiag
 /// Per owner the lowest of its cells.
 std::vector<SiteId> lowest_cells(const Ownership& ownership);
 
-/// Per owner: does one of its cells have a neighbour, or is it one, of which `is_later` is true? What no later site
-/// is a Delaunay neighbour of is what it was without them.
+/// Per owner: whether `is_later` is true for one of its cells, or for a Delaunay neighbour in the same frame of the map. If
+/// not, its share of the solid is what it was without the later sites.
 template <class IsLater>
-std::vector<char> touched_owners(const Tetrahedralization& dual, const Ownership& ownership,
-                                 const IsLater& is_later, const Execution& execution) {
+std::vector<char> touched_owners(const Tetrahedralization& dual, const CellMap& map,
+                                 const Ownership& ownership, const IsLater& is_later,
+                                 const Execution& execution) {
   Pacer pacer(execution);
   std::vector<char> touched(ownership.sites_of_owner.size(), 0);
   for (const Tetrahedron& t : dual.tets) {
     pacer.step(4);
-    bool meets = false;
-    for (const SiteId s : t.v) meets = meets || (!dual.is_corner(s) && is_later(s));
-    if (!meets) continue;
+    unsigned frames = 0;  // a bit for each that has a later site
     for (const SiteId s : t.v)
-      if (!dual.is_corner(s)) touched[ownership.owner_of_site[s]] = 1;
+      if (!dual.is_corner(s) && is_later(s)) frames |= 1u << map.index_at(dual.points[s]);
+    if (frames == 0) continue;
+    for (const SiteId s : t.v)
+      if (!dual.is_corner(s) && (frames >> map.index_at(dual.points[s]) & 1) != 0)
+        touched[ownership.owner_of_site[s]] = 1;
   }
   return touched;
 }

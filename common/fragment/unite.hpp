@@ -1,41 +1,57 @@
-// Pieces that become one fragment: who touches whom, which are too small to stay alone, and the faces of what
-// is united. An exact union: the caps between the pieces disappear on both sides, and so do the cuts between
-// them in the outer surface.
+// Pieces that become one fragment: which pieces touch, which are too small to stay alone, and the faces of joined pieces.
+// Pieces of one part become an exact union: the caps between them disappear on both sides, and so do the cuts between
+// them in the outer surface. Pieces of different parts stay closed shells of their own within the fragment.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/fragment/fragments.hpp"
 #include "common/fragment/piece_groups.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/fragment/size_limits.hpp"
 
 namespace fracture {
 
-/// Two groups of pieces that share caps.
+/// Two pieces, or groups of them, that touch.
 struct PieceContact {
   std::uint32_t of, with;
-  double area;  ///< m²; 0 where they touch without a bond
+  double area;  ///< m²; 0 if they touch without a bond
 };
-/// Both directions of each pair; by `of`, then the largest area first, ties by `with`. Throws Interrupted.
+/// What holds pieces of different parts together (pipeline/part_contacts.hpp).
+struct PartContacts {
+  std::vector<PieceContact>
+      pieces;  ///< each pair once; pieces that overlap in a cell without a bond have area 0
+  std::vector<std::uint32_t>
+      group_of_part;  ///< per part: the group of parts that hold together, numbered from 0
+};
+
+/// Groups that share caps. Both directions of each pair; by `of`, then the largest area first, ties by `with`. Throws
+/// Interrupted.
 std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& diagram, const Pieces& pieces,
                                               const std::vector<std::uint32_t>& group_of_piece,
                                               const Execution& execution);
 
-/// Of each group of pieces, by its name, m³; 0 where there is no group of that name. Throws Interrupted.
+/// m³, per group of pieces, by its name; 0 if there is no group of that name. Throws Interrupted.
 std::vector<double> volumes_of_groups(const RestrictedDiagram& diagram, const Pieces& pieces,
                                       const PieceGroups& groups, const Execution& execution);
+
+/// The volumes of the parts that some pieces are of, ascending by part in the whole. Throws Interrupted.
+std::vector<PartVolume> volumes_of_parts(const RestrictedDiagram& diagram, const Pieces& pieces,
+                                         const std::vector<std::uint32_t>& members,
+                                         const Execution& execution);
 
 /// The faces of a group of pieces as one piece. Throws Interrupted.
 Piece join_pieces(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                   std::uint32_t group, const Execution& execution);
 
-/// Unites the smallest group of pieces with the neighbour of largest shared cap area (ties: the lowest piece), again
-/// and again, as long as the limits ask for it. Which pieces that are is a function of the unrounded volumes. `groups`:
-/// what is united already; nothing where SizeLimits::fragments is set.
-/// Near-linear in pieces and caps, and for a budget of triangles in these. Throws Interrupted.
+/// First joins the pieces of different parts that touch in one cell, if `across` is not null. Then merges the smallest group
+/// of pieces with the neighbour of largest shared cap area (ties: the lowest piece), again and again, as long as the
+/// limits ask for it. A group without caps merges with the neighbour of its largest contact in `across`. Which pieces
+/// these are is a function of the unrounded volumes. `groups`: what is united already; nothing if SizeLimits::fragments
+/// is set. Near-linear in pieces and contacts, and for a budget of triangles in these. Throws Interrupted.
 SizeFigures unite_by_size(const RestrictedDiagram& diagram, const Pieces& pieces, const SizeLimits& limits,
-                          PieceGroups& groups, const Execution& execution);
+                          const PartContacts* across, PieceGroups& groups, const Execution& execution);
 
 }  // namespace fracture

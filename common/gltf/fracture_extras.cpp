@@ -60,12 +60,22 @@ void write_levels(JsonText& json, const Hierarchy& hierarchy, const GltfOptions&
              [&](const Cluster& c) { return hierarchy.levels[level - 1].clusters.at(c.parent).id; });
     column("fragments", [](const Cluster& c) { return c.fragments; });
     column("volume", [](const Cluster& c) { return c.volume; });
-    column("mass", [&](const Cluster& c) { return c.volume * options.density; });
+    column("mass", [&](const Cluster& c) { return c.volume * options.density * c.density_share; });
     column("center_of_mass", [](const Cluster& c) { return c.center_of_mass; });
     json.key("bonds");
     write_bonds(json, here.bonds, options, [&](std::uint32_t index) { return here.clusters.at(index).id; });
     json.end_object();
   }
+  json.end_array();
+}
+
+/// The parts that a fragment has pieces of, if there are several.
+void write_parts(JsonText& json, const Fragment& fragment) {
+  if (fragment.part_cells.empty()) return;
+  json.key("parts").begin_array();
+  for (std::size_t k = 0; k < fragment.part_cells.size(); ++k)
+    if (k == 0 || fragment.part_cells[k].part != fragment.part_cells[k - 1].part)
+      json.value(fragment.part_cells[k].part);
   json.end_array();
 }
 
@@ -123,13 +133,14 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   json.begin_object()
       .member("id", fragment.id)
       .member("volume", volume)
-      .member("mass", volume * options.density)
+      .member("mass", volume * options.density * fragment.density_share)
       .member("area", mass.area)
       .member("exterior_area", fragment.exterior_area)
       .member("center_of_mass", mass.center_of_mass)
       .member("level", level);
   write_parent(json, hierarchy, level, level > 0 ? hierarchy.cluster_of_fragment[index] : kNoIndex);
   json.member("anchored", fractured.anchored.contains(index)).member("part", fragment.part);
+  write_parts(json, fragment);
   json.key("sites").begin_array();
   const std::vector<std::uint32_t>& point_of = fractured.point_of_site;
   for (const std::uint32_t site : fragment.sites) json.value(point_of.empty() ? site : point_of.at(site));
@@ -143,7 +154,7 @@ void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_
   write_parent(json, hierarchy, level, c.parent);
   json.member("fragments", c.fragments)
       .member("volume", c.volume)
-      .member("mass", c.volume * options.density)
+      .member("mass", c.volume * options.density * c.density_share)
       .member("center_of_mass", c.center_of_mass)
       .end_object();
 }

@@ -37,11 +37,12 @@ void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const
 void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index, const SceneLayout& layout,
                             const GltfOptions& options) {
   const PrincipalAxes axes = body_inertia(f);
+  const double density = options.density * f.density_share;
   json.key(kName).begin_object().key("motion").begin_object();
-  json.member("mass", body_volume(f) * options.density);
+  json.member("mass", body_volume(f) * density);
   json.member("centerOfMass", f.mass.center_of_mass - f.pivot);
   json.key("inertiaDiagonal").begin_array();
-  for (const double moment : axes.moments) json.value(moment * options.density);
+  for (const double moment : axes.moments) json.value(moment * density);
   json.end_array().key("inertiaOrientation").begin_array();
   for (const double component : axes.rotation) json.value(component);
   json.end_array().end_object();

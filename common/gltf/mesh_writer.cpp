@@ -45,11 +45,12 @@ MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& 
 
 std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const FragmentPrimitive& p,
                                                    const ExteriorMaterials& exterior) const {
-  if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(f.source_part, f.mass.volume);
+  const std::uint32_t part = p.part == kNoIndex ? f.source_part : p.part;
+  if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(part, f.mass.volume);
   if (p.material == kMortarMaterial && interior_.mortar != kNoIndex)
     return first_interior_ + interior_.mortar;
   if (p.material == kCavityMaterial && !interior_.cavities.empty())
-    return first_interior_ + interior_.materials.size() + interior_.of(f.source_part);
+    return first_interior_ + interior_.materials.size() + interior_.of(part);
   if (const std::uint32_t made = exterior.of(p.material); made != kNoIndex) return first_exterior_ + made;
   if (p.material < first_interior_) return p.material;
   return std::nullopt;
@@ -138,8 +139,13 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
            : contents.put<write_short_indices>(index_view, 2 * f.indices.size(), f.indices);
 
   json.begin_object().member("name", name).key("primitives").begin_array();
-  for (std::size_t k = 0; k < f.primitives.size(); ++k) {
-    const FragmentPrimitive& p = f.primitives[k];
+  for (std::size_t k = 0, next = 0; k < f.primitives.size(); k = next) {
+    // Cuts through several parts that look alike are one primitive.
+    FragmentPrimitive p = f.primitives[k];
+    for (next = k + 1; next < f.primitives.size() && materials_[next] == materials_[k] &&
+                       f.primitives[next].material == p.material;
+         ++next)
+      p.index_count += f.primitives[next].index_count;
     const std::size_t bytes = wide ? 4 : 2;
     json.begin_object().key("attributes").begin_object();
     const Bearers here = !is_mapped(k)             ? Bearers::kAll

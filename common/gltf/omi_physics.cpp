@@ -25,7 +25,7 @@ void write_omi_physics_document(JsonText& json, const FragmentSet& set, const Sc
 void write_omi_physics_body(JsonText& json, const Fragment& f, std::size_t index, const SceneLayout& layout,
                             const GltfOptions& options) {
   json.key("OMI_physics_body").begin_object().key("motion").begin_object().member("type", "dynamic");
-  json.member("mass", body_volume(f) * options.density);
+  json.member("mass", body_volume(f) * options.density * f.density_share);
   json.member("centerOfMass", f.mass.center_of_mass - f.pivot).end_object();
   if (layout.hulls(index) == 1) write_collider(json, layout.hull_number(index, 0));
   json.end_object();

@@ -213,6 +213,7 @@ void write_certificate(JsonText& json, const Certificate& c) {
   json.begin_object()
       .member("open_edges", c.open_edges)
       .member("volume_in", c.volume_in)
+      .member("volume_once", c.volume_once)
       .member("volume_out", c.volume_out)
       .member("volume_file", c.volume_file)
       .member("relative_error", c.relative_error)

@@ -12,7 +12,8 @@ namespace fracture {
 
 bool same_shape(const Fragment& a, const Fragment& b) {
   const auto same_primitive = [](const FragmentPrimitive& x, const FragmentPrimitive& y) {
-    return x.material == y.material && x.first_index == y.first_index && x.index_count == y.index_count;
+    return x.material == y.material && x.first_index == y.first_index && x.index_count == y.index_count &&
+           x.part == y.part;
   };
   return a.pivot == b.pivot && a.mass.volume == b.mass.volume && a.mass.area == b.mass.area &&
          a.mass.center_of_mass == b.mass.center_of_mass && a.mass.inertia == b.mass.inertia &&

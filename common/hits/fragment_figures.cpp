@@ -70,7 +70,8 @@ std::size_t memory_size(const KeptFragment& kept) {
   std::size_t bytes = sizeof kept + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
                       heap(f.attributes.tangents) + nested_heap(f.attributes.uvs) +
                       nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
-                      heap(f.topology) + heap(f.caps) + nested_heap(f.bodies) + heap(kept.hulls.hulls);
+                      heap(f.part_cells) + heap(f.part_volumes) + heap(f.topology) + heap(f.caps) +
+                      nested_heap(f.bodies) + heap(kept.hulls.hulls);
   for (const CollisionHull& hull : kept.hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
   return bytes;
 }

@@ -169,7 +169,8 @@ std::vector<Union> HitArea::active_unions(const Ownership& ownership) const {
   if (unions.empty()) return {};
   const auto is_of_hit = [&](SiteId s) { return part_.sites[s] >= base_.pattern_sites; };
   return fracture::active_unions(
-      unions, owners_, touched_owners(part_.tetrahedra, ownership, is_of_hit, execution_), execution_);
+      unions, owners_, touched_owners(part_.tetrahedra, base_.map, ownership, is_of_hit, execution_),
+      execution_);
 }
 
 std::vector<Union> HitArea::lasting_late_unions() const {

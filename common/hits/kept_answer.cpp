@@ -180,7 +180,7 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
     for (; k < all.size() && fragments[all[k].a].sites[0] == s; ++k) {
       pacer.step(8);
       const Bond& bond = all[k];
-      if (fragments[bond.a].part != fragments[bond.b].part) continue;  // a contact's bond is computed again
+      if (bond.across_parts) continue;  // computed again
       const SiteId other = fragments[bond.b].sites[0];
       of_cell.push_back(
           {bond.a - first_of[s], other, bond.b - first_of[other], bond.area, bond.centroid, bond.normal});

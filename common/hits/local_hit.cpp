@@ -152,8 +152,10 @@ class LocalHit {
     if (!result || result->crossing_caps > 0 || !late_unions_change(*result)) return false;
     made_ = std::move(*result);
     make_hulls_of_aggregates(diagram);
-    for (Fragment& f : made_.fragments)
+    for (Fragment& f : made_.fragments) {
       for (SiteId& s : f.sites) s = part().sites[s];
+      for (PartCell& cell : f.part_cells) cell.site = part().sites[cell.site];
+    }
 
     triangles_by_cell_ = triangles_by_cell(surface_.solid, r.cuts, sites, execution_);
     label_ = std::move(r.cuts.label);

@@ -32,18 +32,34 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "Number of fragments in the answer. If the actual number differs by more than a tenth, a warning says why. Separate "
-           "parts share the fragments in proportion to their volumes; small parts stay whole. Pieces broken off by hits "
-           "(`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are "
-           "needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
+           "Number of fragments in the answer. If the actual number differs by more than a tenth, a warning says why. Parts that "
+           "touch nothing share the fragments in proportion to their volumes, and each is at least one fragment. Pieces broken "
+           "off by hits (`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many "
+           "cells as are needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
   return spec;
 }
 
+ParameterSpec parts_row() {
+  ParameterSpec spec = with_member(
+      {.name = "parts",
+       .type = Type::kChoice,
+       .choices = {"together", "apart"},
+       .doc =
+           "How parts that overlap or touch become fragments. `together`: their pieces in the same cell are one fragment. If "
+           "`fragments` or another limit asks for fewer or larger fragments, a part too small for a fragment of its own joins "
+           "the part with which it has the largest contact. A hit separates the parts near it again. `apart`: every fragment "
+           "belongs to one part."},
+      [](auto& r) -> auto& { return r.fracture.parts; });
+  spec.matters = [](const RequestParameters& r) { return r.fracture.parts != Parts::kTogether; };
+  return spec;
+}
+
 void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   rows.push_back(fragments_row(max_sites));
+  rows.push_back(parts_row());
   const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
     rows.push_back(with_member(
         {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));

@@ -298,6 +298,11 @@ class FewHulls {
   const Fragment* f_ = nullptr;
 };
 
+/// Pieces of several parts may be in cells of different frames; then each has its own hull.
+bool is_in_several_frames(const Fragment& f, const VoronoiDiagram& diagram) {
+  return !f.part_cells.empty() && diagram.map().frames().size() > 1;
+}
+
 }  // namespace
 
 CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
@@ -308,7 +313,7 @@ CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram
     FewHulls hulls(diagram, rounding_of(set), execution);
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
-      if (f.bodies.size() <= most) continue;
+      if (f.bodies.size() <= most || is_in_several_frames(f, diagram)) continue;
       if (has_rest && f.bodies.size() > kManyCells * cells)
         hulls.make_of_rest(f, cells, out.of_fragment[k]);
       else

@@ -9,6 +9,7 @@
 #include "common/base/pacer.hpp"
 #include "common/fragment/unite.hpp"
 #include "common/pipeline/aggregate.hpp"
+#include "common/pipeline/part_contacts.hpp"
 #include "common/pipeline/split_large.hpp"
 #include "common/rough/roughen.hpp"
 #include "common/solid/image.hpp"
@@ -164,7 +165,7 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
                                                 const FractureParameters& parameters,
                                                 const Execution& execution) {
   const SizeLimits limits = limits_of_flat_pieces(parameters);
-  if (!limits.any()) return std::vector<Union>();
+  if (!limits.any() && !joins_parts(seen.original(), parameters)) return std::vector<Union>();
   const Allowance::Temporary temporary(execution.allowance);
   const auto first = [&](const auto& all) {
     const std::size_t count = std::min(diagram.of_pattern, all.size());
@@ -180,7 +181,9 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
   const Ownership ownership = Ownership::from_groups(t->site_count(), of_sites, execution);
   const Pieces pieces = gather_pieces(restricted, ownership, execution);
   PieceGroups groups(pieces.pieces.size());
-  unite_by_size(restricted, pieces, limits, groups, execution);
+  const std::optional<PartContacts> across =
+      find_part_contacts(restricted, ownership, pieces, parameters, execution);
+  unite_by_size(restricted, pieces, limits, across ? &*across : nullptr, groups, execution);
   return name_unions(restricted, pieces, groups,
                      lowest_in_the_whole(restricted, *t, ownership, diagram.tetrahedralization, execution),
                      execution);
@@ -189,11 +192,11 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
 std::vector<Union> unions_beside_hits(const std::vector<Union>& unions, const Diagram& diagram,
                                       const Ownership& ownership, const Execution& execution) {
   const std::uint32_t of_pattern = sites_of_pattern(diagram);
-  return active_unions(
-      unions, lowest_cells(ownership),
-      touched_owners(
-          diagram.tetrahedralization, ownership, [&](SiteId s) { return s >= of_pattern; }, execution),
-      execution);
+  return active_unions(unions, lowest_cells(ownership),
+                       touched_owners(
+                           diagram.tetrahedralization, diagram.map, ownership,
+                           [&](SiteId s) { return s >= of_pattern; }, execution),
+                       execution);
 }
 
 }  // namespace fracture

@@ -38,7 +38,7 @@ std::uint32_t sites_of_pattern(const Diagram& diagram);
 /// noise takes.
 SizeLimits limits_of_flat_pieces(const FractureParameters& parameters);
 
-/// What the limits of size unite of the pattern's pieces. Errors of tetrahedralize(). Throws Interrupted.
+/// The pattern's pieces that the size limits merge, or that join across parts. Errors of tetrahedralize(). Throws Interrupted.
 Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,
                                                 const FractureParameters& parameters,
                                                 const Execution& execution);

@@ -15,6 +15,7 @@
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/make_report.hpp"
+#include "common/pipeline/overlaps.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
 #include "common/solid/image.hpp"
@@ -212,7 +213,9 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
   execution.poll();
-  if (promise == Promise::kPartition && !cut.whole)
+  count_overlaps_once(solid, parameters.parts == Parts::kTogether && promise == Promise::kPartition, set,
+                      execution);
+  if (promise == Promise::kPartition && !cut.whole && cut.touch_across)
     add_contact_bonds(set, solid, cells, parameters.contact_strength, execution);
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())

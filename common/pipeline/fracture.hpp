@@ -31,6 +31,12 @@ enum class Dual {
 
 enum class Hulls { kNone, kConvex };
 
+/// How the parts of a solid that overlap or touch become fragments.
+enum class Parts {
+  kTogether,  ///< pieces of several parts can become one fragment (pipeline/part_contacts.hpp)
+  kApart,     ///< each fragment is of one part
+};
+
 /// What is cut, and what comes of it: geometry alone.
 struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
@@ -49,6 +55,7 @@ struct FractureParameters : SiteParameters {
   Anchors anchors;                  ///< fragments that touch these are marked
   std::vector<LocalImpact> hits{};  ///< one after the other, each on what the ones before it left
   LocalRest rest = LocalRest::kWhole;
+  Parts parts = Parts::kTogether;  ///< needs Solid::contacts
   /// Strength of bonds across parts, as a multiple of the material's; >= 0. 0: no such bonds. They need Solid::contacts.
   double contact_strength = 1;
 };

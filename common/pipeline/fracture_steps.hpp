@@ -55,6 +55,7 @@ struct CutCells {
   /// What the net under rough cuts did (rough_cells.hpp): cells with less roughness than asked, or all flat.
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
+  bool touch_across = true;  ///< PieceRecord::touch_across
   /// Where the set is a part of an answer (a delta alone): figures of all its fragments.
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending

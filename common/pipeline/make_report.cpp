@@ -84,27 +84,32 @@ std::string fewer_fragments(const SizeLimits& size, const FragmentSet& set) {
          (names.empty() ? "." : ", or lower the limits (" + names + ").");
 }
 
-std::string more_fragments(std::uint32_t asked, const FragmentSet& set) {
+std::string more_fragments(std::uint32_t asked, bool together, const FragmentSet& set) {
   const std::uint32_t parts = set.size.parts;
   const std::string at_least = " Ask for at least " + grouped(parts > asked ? parts : set.fragments.size());
   if (parts > asked)
-    return "the mesh has " + grouped(parts) + " separate parts, and each is at least one fragment." +
-           at_least + ", or join parts in a modelling tool.";
+    return "the mesh has " + grouped(parts) + " separate parts" +
+           (together ? ", or groups of parts that touch each other," : ",") +
+           " and each is at least one fragment." + at_least +
+           (together ? ", or raise 'contact_gap' to the distance between parts."
+                     : ", or use parts=together.");
   return "the remaining ones touch nothing that they could be merged with." + at_least +
          ", or repair the mesh so that " + (parts > 1 ? "its parts are joined." : "they touch.");
 }
 
 /// Where the number of fragments is off by more than a tenth: why.
-void report_fragments(std::uint32_t asked, const SizeLimits& size, const FragmentSet& set, Remarks& remarks) {
+void report_fragments(std::uint32_t asked, const FractureParameters& p, const FragmentSet& set,
+                      Remarks& remarks) {
   const std::size_t made = set.fragments.size();
   if (asked == 0 || (10 * made <= 11 * std::uint64_t{asked} && 10 * made >= 9 * std::uint64_t{asked})) return;
   const std::string both = counted(asked, "fragment was", "fragments were") + " asked for, and " +
                            counted(made, "was", "were") + " made";
-  if (made == size.max_fragments && made < asked)
+  if (made == p.size.max_fragments && made < asked)
     remarks.note(both + ", because 'max_fragments' allows no more.");
   else
     remarks.warn(both + ", because " +
-                 (made < asked ? fewer_fragments(size, set) : more_fragments(asked, set)));
+                 (made < asked ? fewer_fragments(p.size, set)
+                               : more_fragments(asked, p.parts == Parts::kTogether, set)));
 }
 
 void report_size(const FractureParameters& p, const SplitFigures& split, const CutCells::Whole& sizes,
@@ -118,7 +123,7 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
     remarks.note(counted(alone, "piece is", "pieces are") + " smaller than " +
                  short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
                  " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
-  report_fragments(p.hits.empty() ? p.size.fragments : 0, p.size, set, remarks);
+  report_fragments(p.hits.empty() ? p.size.fragments : 0, p, set, remarks);
   if (p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +

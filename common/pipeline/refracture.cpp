@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/contacts/contacts.hpp"
 #include "common/fragment/fragment_mesh.hpp"
 
 namespace fracture {
@@ -36,6 +37,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
       fragment_mesh(whole, static_cast<std::size_t>(at - whole.fragments.begin()), execution));
   Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);
   if (!fragment) return tl::unexpected(fragment.error());
+  if (solid.contacts) keep_contacts(*fragment, solid.contacts->gap, execution);
 
   FractureParameters parts;
   parts.sites = wanted.sites;
@@ -48,6 +50,8 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   parts.aggregation.spread = parameters.aggregation.spread;
   parts.most_hulls = parameters.most_hulls;
   parts.levels = parameters.levels;
+  parts.parts = parameters.parts;
+  parts.contact_strength = parameters.contact_strength;
   parts.anchors = parameters.anchors;
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
   if (!finer) return tl::unexpected(finer.error());

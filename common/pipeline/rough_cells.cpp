@@ -7,6 +7,7 @@
 #include "common/fragment/make_fragments.hpp"
 #include "common/fragment/unite.hpp"
 #include "common/pipeline/before_hits.hpp"
+#include "common/pipeline/part_contacts.hpp"
 
 namespace fracture {
 namespace {
@@ -22,11 +23,12 @@ void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragment
     for (const SiteId s : set.fragments[f].sites) restraints[s] = first ? Restraint::kLess : Restraint::kFlat;
 }
 
-/// What the limits ask for where all cuts are flat: neither the noise nor a hit decides who is united with whom.
+/// Unites pieces with flat cuts, so that neither the noise nor a hit decides which pieces unite.
 SizeFigures unite_flat(const RestrictedDiagram& restricted, const Pieces& pieces, const Ownership& ownership,
-                       const SizeLimits& limits, std::vector<Union>& unions, const Execution& execution) {
+                       const SizeLimits& limits, const PartContacts* across, std::vector<Union>& unions,
+                       const Execution& execution) {
   PieceGroups groups(pieces.pieces.size());
-  const SizeFigures figures = unite_by_size(restricted, pieces, limits, groups, execution);
+  const SizeFigures figures = unite_by_size(restricted, pieces, limits, across, groups, execution);
   unions = name_unions(restricted, pieces, groups, lowest_cells(ownership), execution);
   return figures;
 }
@@ -42,10 +44,15 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   const bool with_hits = !parameters.hits.empty(), rough = roughness.amplitude > 0;
   SizeFigures of_flat;
   std::optional<Pieces> flat;
+  std::optional<PartContacts> across;  // only pieces with flat cuts join across parts, and only without hits
   if (!with_hits && rough) {
-    if (const SizeLimits of_pieces = limits_of_flat_pieces(parameters); of_pieces.any()) {
+    const SizeLimits of_pieces = limits_of_flat_pieces(parameters);
+    if (of_pieces.any() || joins_parts(restricted.solid, parameters)) {
       flat = gather_pieces(restricted, ownership, execution);
-      of_flat = unite_flat(restricted, *flat, ownership, of_pieces, before, execution);
+      across = find_part_contacts(restricted, ownership, *flat, parameters, execution);
+      of_flat =
+          unite_flat(restricted, *flat, ownership, of_pieces, across ? &*across : nullptr, before, execution);
+      across.reset();
     }
     limits.fragments = 0;
   }
@@ -58,8 +65,10 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
     std::optional<Pieces> pieces;
     if (flat) pieces = with_finer_caps(*flat, restricted, execution);
     if (!pieces) pieces = gather_pieces(restricted, ownership, execution);
+    if (!with_hits && !rough)
+      across = find_part_contacts(restricted, ownership, *pieces, parameters, execution);
     cut.set = make_fragments(restricted, ownership, std::move(*pieces), parameters.pivot, limits, execution,
-                             before, &record);
+                             before, &record, across ? &*across : nullptr);
     cut.set.size.parts += of_flat.parts;
     if (!(roughness.amplitude > 0)) break;
     const Verdict verdict = judged(cut.set);
@@ -73,6 +82,7 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   }
   if (with_hits || rough) cut.late = unions_since(before, record.united);
   if (!with_hits) cut.unions = rough ? std::move(before) : std::move(record.united);
+  cut.touch_across = record.touch_across;
   cut.pieces.assign(restricted.diagram.dual().site_count(), 0);
   for (std::size_t o = 0; o < record.pieces.size(); ++o)
     cut.pieces[ownership.sites_of_owner[o][0]] = record.pieces[o];

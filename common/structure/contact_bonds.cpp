@@ -1,6 +1,7 @@
 #include "common/structure/contact_bonds.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -11,7 +12,51 @@
 namespace fracture {
 namespace {
 
-bool is_before(const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); }
+/// If a sum of normals is a smaller share of the area, it is noise.
+constexpr double kCancelled = 1e-9;
+
+bool is_before(const Bond& x, const Bond& y) {
+  return std::tie(x.a, x.b, x.across_parts) < std::tie(y.a, y.b, y.across_parts);
+}
+
+/// Adds up the bonds of two fragments that several pairs of parts have in contact. The bonds are in the order of their
+/// contacts; the sums are ascending.
+std::vector<Bond> one_for_each_pair(std::vector<Bond> bonds, const Execution& execution) {
+  std::vector<std::uint32_t> order(bonds.size());
+  std::iota(order.begin(), order.end(), 0u);
+  sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+    return std::tie(bonds[x].a, bonds[x].b, x) < std::tie(bonds[y].a, bonds[y].b, y);
+  });
+  Pacer pacer(execution);
+  std::vector<Bond> sums;
+  sums.reserve(bonds.size());
+  for (std::size_t k = 0, end = 0; k < order.size(); k = end) {
+    const Bond& first = bonds[order[k]];
+    Bond sum = first;
+    Vec3d moment, normal;
+    sum.area = 0;
+    for (end = k; end < order.size() && !is_before(first, bonds[order[end]]); ++end) {
+      pacer.step();
+      const Bond& bond = bonds[order[end]];
+      sum.area += bond.area;
+      moment = moment + bond.area * bond.centroid;
+      normal = normal + bond.area * bond.normal;
+    }
+    if (end - k > 1) {
+      sum.centroid = (1 / sum.area) * moment;
+      if (const double l = length(normal); l > kCancelled * sum.area) sum.normal = (1 / l) * normal;
+    } else {
+      sum.area = first.area;
+    }
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+void want_parts_of(const Fragment& f, std::vector<char>& wanted) {
+  wanted[f.part] = 1;
+  for (const PartCell& cell : f.part_cells) wanted[cell.part] = 1;
+}
 
 }  // namespace
 
@@ -37,7 +82,7 @@ std::vector<Bond> find_contact_bonds(const ContactBonds& with, std::span<const F
   if (!wanted.empty()) {
     wanted_parts.resize(with.solid.parts.size(), 0);
     for (std::size_t k = 0; k < fragments.size(); ++k)
-      if (wanted[k]) wanted_parts[fragments[k]->part] = 1;
+      if (wanted[k]) want_parts_of(*fragments[k], wanted_parts);
   }
 
   constexpr std::uint64_t kWorkOfPiece = 500, kWorkOfContact = 100, kMostWork = 4'000'000;  // ns
@@ -58,8 +103,7 @@ std::vector<Bond> find_contact_bonds(const ContactBonds& with, std::span<const F
     execution.poll();
     bonds.insert(bonds.end(), of_block.begin(), of_block.end());
   }
-  sort_with_polls(execution, bonds.begin(), bonds.end(), is_before);
-  return bonds;
+  return one_for_each_pair(std::move(bonds), execution);
 }
 
 void add_contact_bonds(FragmentSet& set, const Solid& solid, const CellSites& cells, double strength,

@@ -29,7 +29,7 @@ struct ContactBonds {
   double strength = 1;  ///< Bond::strength of each bond
 };
 
-/// All bonds between fragments of different parts, ascending by (a, b), which are indices into `fragments`. `fragments` must
+/// All bonds between fragments across parts, ascending by (a, b), which are indices into `fragments`. `fragments` must
 /// contain all fragments of the parts in contact. `wanted` (per fragment): only bonds with at least one wanted fragment are
 /// returned; empty: all. The bits of a bond depend only on its fragments, the solid, the lattice and the sites that bound its
 /// cells at the contact. Near-linear in fragments, in the contact pieces of parts that are cut, and in the regions into which

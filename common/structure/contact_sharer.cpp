@@ -71,9 +71,9 @@ bool ContactSharer::any_wanted_in_block() const {
 /// The bond of two parts that are one fragment each, if their contact is measured by facing.
 void ContactSharer::add_whole(const Contact& contact, std::vector<Bond>& bonds) const {
   const std::uint32_t a = table_.only(contact.a), b = table_.only(contact.b);
-  if (!is_wanted(a) && !is_wanted(b)) return;
+  if (a == b || (!is_wanted(a) && !is_wanted(b))) return;
   bonds.push_back({std::min(a, b), std::max(a, b), contact.area, contact.place,
-                   a < b ? contact.normal : turned(contact.normal), with_.strength});
+                   a < b ? contact.normal : turned(contact.normal), with_.strength, true});
 }
 
 CellBox ContactSharer::image(const Side& side, const Box& box) {
@@ -145,14 +145,14 @@ void ContactSharer::share(std::uint32_t number, std::vector<Bond>& bonds) {
   }
   for (const Sum& sum : sums_) {
     pacer_.step();
-    if (!(sum.area > sum.noise)) continue;  // rims of cuts
+    if (sum.own == sum.other || !(sum.area > sum.noise)) continue;  // one fragment, or rims of cuts
     if (!is_wanted(sum.own) && !is_wanted(sum.other)) continue;
     const double l = length(sum.normal);
     Vec3d from_own = (1 / l) * sum.normal;
     if (!(l > kCancelled * sum.area)) from_own = contact.of_b ? turned(contact.normal) : contact.normal;
     bonds.push_back({std::min(sum.own, sum.other), std::max(sum.own, sum.other), sum.area,
                      (1 / sum.area) * sum.moment, sum.own < sum.other ? from_own : turned(from_own),
-                     with_.strength});
+                     with_.strength, true});
   }
 }
 

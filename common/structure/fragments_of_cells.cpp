@@ -14,6 +14,23 @@ struct Entry {
   auto operator<=>(const Entry&) const = default;
 };
 
+/// Calls visit(part, number of its cells) for each part in the fragment.
+template <class Visit>
+void each_part(const Fragment& f, const Visit& visit) {
+  if (f.part_cells.empty()) return visit(f.part, static_cast<std::uint32_t>(f.sites.size()));
+  for (std::size_t begin = 0, end = 0; begin < f.part_cells.size(); begin = end) {
+    while (end < f.part_cells.size() && f.part_cells[end].part == f.part_cells[begin].part) ++end;
+    visit(f.part_cells[begin].part, static_cast<std::uint32_t>(end - begin));
+  }
+}
+
+template <class Visit>
+void each_cell(const Fragment& f, const Visit& visit) {
+  for (const PartCell& cell : f.part_cells) visit(cell);
+  if (!f.part_cells.empty()) return;
+  for (const SiteId s : f.sites) visit(PartCell{f.part, s});
+}
+
 }  // namespace
 
 FragmentsOfCells::FragmentsOfCells(const Solid& solid, std::span<const Fragment* const> fragments,
@@ -28,11 +45,12 @@ FragmentsOfCells::FragmentsOfCells(const Solid& solid, std::span<const Fragment*
   std::vector<char> several(solid.parts.size(), 0);
   for (std::uint32_t k = 0; k < fragments.size(); ++k) {
     pacer.step();
-    const Fragment& f = *fragments[k];
-    if (begin[f.part] == kNoIndex) continue;
-    begin[f.part] += static_cast<std::uint32_t>(f.sites.size());
-    if (only_[f.part] != kNoIndex) several[f.part] = 1;
-    only_[f.part] = k;
+    each_part(*fragments[k], [&](std::uint32_t part, std::uint32_t cells) {
+      if (begin[part] == kNoIndex) return;
+      begin[part] += cells;
+      if (only_[part] != kNoIndex) several[part] = 1;
+      only_[part] = k;
+    });
   }
   std::uint32_t sum = 0;
   std::vector<char> wanted(solid.parts.size(), 0);
@@ -47,9 +65,10 @@ FragmentsOfCells::FragmentsOfCells(const Solid& solid, std::span<const Fragment*
   std::vector<Entry> entries(sum);
   for (std::uint32_t k = 0; k < fragments.size(); ++k) {
     const Fragment& f = *fragments[k];
-    if (!wanted[f.part]) continue;
     pacer.step(1 + f.sites.size() / 4);
-    for (const SiteId s : f.sites) entries[begin[f.part]++] = {f.part, s, k};
+    each_cell(f, [&](const PartCell& cell) {
+      if (wanted[cell.part]) entries[begin[cell.part]++] = {cell.part, cell.site, k};
+    });
   }
   if (!std::is_sorted(entries.begin(), entries.end()))
     sort_with_polls(execution, entries.begin(), entries.end());

@@ -66,7 +66,13 @@ Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t
       made.fragments = static_cast<std::uint32_t>(of_cluster[c].size());
       if (made.volume > 0) made.center_of_mass = (1 / made.volume) * moment[c];
       std::vector<std::uint64_t> ids;
-      for (const std::uint32_t f : of_cluster[c]) ids.push_back(set.fragments[f].id);
+      double less = 0;  // m³, that overlaps take
+      for (const std::uint32_t f : of_cluster[c]) {
+        const Fragment& fragment = set.fragments[f];
+        ids.push_back(fragment.id);
+        less += (1 - fragment.density_share) * fragment.mass.volume;
+      }
+      if (less != 0) made.density_share = 1 - less / made.volume;
       made.id = cluster_id(std::move(ids), level, execution);
       nodes.push_back({made.volume, made.center_of_mass});
     }

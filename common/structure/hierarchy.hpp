@@ -17,6 +17,7 @@ struct Cluster {
   std::uint32_t parent = 0;     ///< index into the clusters of the next coarser level, or kNoIndex
   std::uint32_t fragments = 0;  ///< how many
   double volume = 0;            ///< m³
+  double density_share = 1;     ///< Fragment::density_share, the mean by volume
   Vec3d center_of_mass;         ///< m
 };
 struct ClusterLevel {

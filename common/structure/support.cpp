@@ -261,7 +261,8 @@ Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchore
 
   std::vector<Six> weight(n);
   for (std::size_t f = 0; f < n; ++f)
-    weight[f].linear = (options.density * set.fragments[f].mass.volume) * options.gravity;
+    weight[f].linear =
+        (options.density * set.fragments[f].density_share * set.fragments[f].mass.volume) * options.gravity;
   const Network network(n, beams, fixed, pacer);
   std::vector<Six> x;
   out.residual = network.solve_for(weight, x);

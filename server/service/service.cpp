@@ -42,7 +42,7 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   // mass bit for bit. The sum of the fragments' volumes would not do, because it depends on the order of its terms. Hulls of
   // barycentres are not a partition, so only their sum gives the volume.
   const Certificate& sums = fragments.certificate;
-  const double volume = parameters.fracture.dual == Dual::kBarycenter ? sums.volume_out : sums.volume_in;
+  const double volume = parameters.fracture.dual == Dual::kBarycenter ? sums.volume_out : sums.volume_once;
   if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
   return options;
 }

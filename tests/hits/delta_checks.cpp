@@ -13,6 +13,7 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/full_tests.hpp"
+#include "tests/support/same_bonds.hpp"
 
 namespace fracture::test {
 namespace {
@@ -37,6 +38,8 @@ void expect_same(const Fragment& a, const Fragment& b) {
   EXPECT_EQ(a.id, b.id);
   EXPECT_EQ(a.sites, b.sites);
   EXPECT_EQ(a.part, b.part);
+  EXPECT_EQ(a.part_cells, b.part_cells);
+  EXPECT_EQ(a.density_share, b.density_share);
   EXPECT_EQ(a.node, b.node);
   EXPECT_TRUE(same_bits(a.pivot, b.pivot));
   EXPECT_TRUE(same_bits(a.positions, b.positions));
@@ -73,7 +76,7 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
     expect_same(a.fragments[k], b.fragments[k]);
   }
   ASSERT_EQ(a.bonds.size(), b.bonds.size());
-  for (std::size_t k = 0; k < a.bonds.size(); ++k) EXPECT_TRUE(same_bits(a.bonds[k], b.bonds[k])) << k;
+  for (std::size_t k = 0; k < a.bonds.size(); ++k) EXPECT_TRUE(test::same_bits(a.bonds[k], b.bonds[k])) << k;
   EXPECT_TRUE(same_bits(a.lattice_step, b.lattice_step));
   EXPECT_TRUE(same_bits(a.lattice_ratio, b.lattice_ratio));
   EXPECT_EQ(a.certificate.open_edges, b.certificate.open_edges);

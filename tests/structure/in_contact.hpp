@@ -21,9 +21,10 @@ inline Solid solid_in_contact(const std::vector<Mesh>& parts, std::optional<doub
   return solid;
 }
 
-/// Parameters that cut by the Voronoi diagram of the points.
+/// Parameters that cut by the Voronoi diagram of the points, each part on its own.
 inline FractureParameters cut_by(std::vector<Vec3d> points) {
   FractureParameters p;
+  p.parts = Parts::kApart;
   p.pattern = PointsPattern{std::move(points)};
   return p;
 }

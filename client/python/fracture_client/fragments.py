@@ -45,7 +45,8 @@ class Fragment:
     inertia_diagonal: Optional[Vector]  # kg m², principal moments about the centre of mass; None without physics=khr
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
-    part: int  # number of the connected part of the mesh to which it belongs
+    part: int  # number of the connected part of the mesh to which its first piece belongs
+    parts: Tuple[int, ...]  # numbers of all parts that it has pieces of, ascending
     level: int  # its level in the hierarchy; 0 without a hierarchy
     parent: Optional[int]  # the id of its cluster; None if there is none
     sites: Tuple[int, ...]  # the cells that it consists of
@@ -134,7 +135,8 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
             exterior_area=float(own["exterior_area"]), center_of_mass=_vector(own["center_of_mass"]),
             inertia_diagonal=None if diagonal is None else _vector(diagonal),
             inertia_orientation=None if orientation is None else _quaternion(orientation),
-            anchored=bool(own.get("anchored", False)), part=int(own.get("part", 0)), level=int(own.get("level", 0)),
+            anchored=bool(own.get("anchored", False)), part=int(own.get("part", 0)),
+            parts=tuple(int(part) for part in own.get("parts", (own.get("part", 0),))), level=int(own.get("level", 0)),
             parent=own.get("parent"), sites=tuple(own.get("sites", ())),
             collision_system=next((system for collider in colliders for system in _systems(collider)), None),
             primitives=tuple(_primitive(glb, p, interior) for p in glb.item("meshes", node.get("mesh"))["primitives"]),

@@ -167,9 +167,13 @@ export class Fragment extends Piece {
   get anchored(): boolean {
     return this.figures['anchored'];
   }
-  /** The number of the connected part of the mesh to which it belongs. */
+  /** The number of the connected part of the mesh to which its first piece belongs. */
   get part(): number {
     return this.figures['part'];
+  }
+  /** The numbers of all parts of the mesh that it has pieces of, ascending. */
+  get parts(): readonly number[] {
+    return this.figures['parts'] ?? [this.part];
   }
   /** Its level in the hierarchy. 0 without a hierarchy. */
   get level(): number {

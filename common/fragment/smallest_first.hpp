@@ -1,0 +1,70 @@
+// Groups of pieces in order of their volumes, and what each of them touches, while the smallest ones are merged.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/base/pacer.hpp"
+#include "common/fragment/contact_table.hpp"
+#include "common/fragment/piece_groups.hpp"
+#include "common/fragment/unite.hpp"
+
+namespace fracture {
+
+/// A heap of the groups, and tables of the area that each pair shares. When two groups merge, the one with fewer contacts
+/// moves these to the other, so each contact moves at most log2 of their number times. That is why a group has a seat in
+/// the tables besides its name, which is always that of its smallest piece. Every operation may throw Interrupted.
+class SmallestFirst {
+ public:
+  /// `volumes`: per group, m³, by its name. `across`: contacts of pieces of different parts; null: such pieces do not merge.
+  SmallestFirst(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
+                const std::vector<double>& volumes, const PartContacts* across, const Execution& execution);
+  SmallestFirst(const SmallestFirst&) = delete;  // its tables borrow its pacer
+  SmallestFirst& operator=(const SmallestFirst&) = delete;
+
+  std::uint32_t groups() const { return count_; }  ///< number of groups
+  /// Whether no group is left in the order. If false, smallest() and smallest_volume() may be called.
+  bool done();
+  double smallest_volume() const { return order_.front().volume; }  ///< m³
+  std::uint32_t smallest() const { return order_.front().group; }
+  /// Takes the smallest group out of the order until take_back(), or until a group merges with it.
+  void leave_smallest();
+  /// Puts the groups back that leave_smallest() took out.
+  void take_back();
+  /// Merges the smallest group with the neighbour that shares the largest cap area with it (ties: the lowest name). If it
+  /// shares no caps, the neighbour is that of the largest contact across parts. Returns the names of both groups. If
+  /// there is no neighbour, the group leaves the order, and both names are its own.
+  std::pair<std::uint32_t, std::uint32_t> unite_smallest();
+
+ private:
+  struct Entry {
+    double volume;
+    std::uint32_t group, change;  ///< out of date if the group has changed since
+  };
+  static bool later(const Entry& a, const Entry& b) {
+    return a.volume != b.volume ? a.volume > b.volume : a.group > b.group;
+  }
+
+  SmallestFirst(const Pieces& pieces, const PieceGroups& groups, const std::vector<double>& volumes,
+                const std::vector<PieceContact>& caps, const PartContacts* across,
+                const Execution& execution);
+  void add_across(const PartContacts& across, const PieceGroups& groups);
+  std::uint32_t nearest(const ContactTable& table, std::uint32_t group) const;
+  std::size_t degree(std::uint32_t seat) const;
+  void push(std::uint32_t group);
+  void pop();
+
+  Pacer pacer_;
+  std::vector<double> volume_;              // per group
+  std::vector<std::uint32_t> name_, seat_;  // per seat: its group; per group: its seat
+  std::vector<std::uint32_t> changes_;      // per group
+  ContactTable caps_;                       // of seats
+  std::optional<ContactTable> across_;      // of seats
+  std::vector<Entry> order_;                // a heap
+  std::vector<Entry> left_;                 // out of it
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace fracture
