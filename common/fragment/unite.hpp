@@ -19,7 +19,7 @@ struct PieceContact {
   std::uint32_t of, with;
   double area;  ///< m²; 0 if they touch without a bond
 };
-/// What holds pieces of different parts together (pipeline/part_contacts.hpp).
+/// The contacts that hold pieces of different parts together (pipeline/part_contacts.hpp).
 struct PartContacts {
   std::vector<PieceContact>
       pieces;  ///< each pair once; pieces that overlap in a cell without a bond have area 0

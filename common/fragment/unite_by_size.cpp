@@ -140,9 +140,9 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     return figures;
   }
 
-  // One sequence of unions, always the smallest group with a neighbour: first groups that are too small, then groups beyond
-  // the share of their family, then groups beyond the number for all or too small compared with the mean of the rest. A
-  // budget of triangles takes as many of the unions that would follow as it needs.
+  // Always the smallest group merges with a neighbour: first groups that are too small, then groups beyond the share of their
+  // family, then groups that are too many or too small compared with the mean of the rest. A budget of triangles takes as
+  // many of the unions that would follow as it needs.
   Merging merging(d, pieces, limits, across, groups, volumes, execution);
   merging.merge_small();
   if (limits.fragments > 0) figures.parts = merging.merge_to_quotas();
