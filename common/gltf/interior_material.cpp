@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -50,6 +52,27 @@ Expected<ReusedMaterial> common_look(const InteriorLook& look, const Mesh& mesh,
   return base;
 }
 
+/// Names that no material of the source has. A file of fragments that breaks again already has an "Interior", so its new cuts
+/// get "Interior_2".
+class FreeNames {
+ public:
+  explicit FreeNames(const json& materials) {
+    for (const json& material : materials)
+      if (const auto name = material.find("name"); name != material.end() && name->is_string())
+        taken_.insert(name->get<std::string>());
+  }
+  /// `number`: of the materials with this stem, counted from 1, the one to name.
+  std::string take(const std::string& stem, std::size_t number) {
+    for (;; ++number)
+      if (const std::string name = number == 1 ? stem : stem + "_" + std::to_string(number);
+          taken_.insert(name).second)
+        return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
 /// The colours of the cuts of parts, of one kind: opaque or translucent.
 struct Kind {
   ColorHistogram colors;
@@ -59,8 +82,13 @@ struct Kind {
 
 class Mixer {
  public:
-  Mixer(const InteriorLook& look, ReusedMaterial base, const Solid& solid, Pacer& pacer)
-      : look_(look), base_(std::move(base)), solid_(solid), pacer_(pacer), share_(share_of_outside(look)) {}
+  Mixer(const InteriorLook& look, ReusedMaterial base, const Solid& solid, FreeNames& names, Pacer& pacer)
+      : look_(look),
+        base_(std::move(base)),
+        solid_(solid),
+        names_(names),
+        pacer_(pacer),
+        share_(share_of_outside(look)) {}
 
   InteriorMaterials run() {
     for (const Part& part : solid_.parts) {
@@ -116,7 +144,7 @@ class Mixer {
   std::uint32_t add(json material, bool clear) {
     const std::size_t number = result_.materials.size();
     if (clear) set_opacity(material, kClearOpacity);
-    if (number > 0) material["name"] = material["name"].get<std::string>() + "_" + std::to_string(number + 1);
+    material["name"] = names_.take(material["name"].get<std::string>(), number + 1);
     result_.materials.push_back(std::move(material));
     return static_cast<std::uint32_t>(number);
   }
@@ -124,6 +152,7 @@ class Mixer {
   const InteriorLook& look_;
   const ReusedMaterial base_;
   const Solid& solid_;
+  FreeNames& names_;
   Pacer& pacer_;
   const double share_;
   std::array<Kind, 2> kinds_;  ///< [translucent]
@@ -131,13 +160,13 @@ class Mixer {
 };
 
 /// The inner side of a wall looks as the cuts do, without textures: it has no place on one.
-json cavity_of(json cut, const Vec3d& base_color, std::size_t number) {
+json cavity_of(json cut, const Vec3d& base_color, std::string name) {
   json pbr = sound_pbr(cut);
   if (pbr.contains("baseColorTexture")) set_base_color(cut, base_color);
-  json cavity = {{"name", number == 0 ? "Cavity" : "Cavity_" + std::to_string(number + 1)}};
-  for (const char* name : {"baseColorFactor", "metallicFactor", "roughnessFactor"})
-    if (cut["pbrMetallicRoughness"].contains(name))
-      cavity["pbrMetallicRoughness"][name] = cut["pbrMetallicRoughness"][name];
+  json cavity = {{"name", std::move(name)}};
+  for (const char* factor : {"baseColorFactor", "metallicFactor", "roughnessFactor"})
+    if (cut["pbrMetallicRoughness"].contains(factor))
+      cavity["pbrMetallicRoughness"][factor] = cut["pbrMetallicRoughness"][factor];
   if (cut.contains("alphaMode")) cavity["alphaMode"] = cut["alphaMode"];
   return cavity;
 }
@@ -175,11 +204,12 @@ Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const S
   if (!base) return tl::unexpected(std::move(base.error()));
   Pacer pacer(execution);
   const Vec3d base_color = base->color;
-  InteriorMaterials made = Mixer(look, std::move(*base), solid, pacer).run();
+  FreeNames names(look.name ? json::array() : solid.source->library->materials);
+  InteriorMaterials made = Mixer(look, std::move(*base), solid, names, pacer).run();
   if (look.detail != CutDetail::kNone) made.in_relief = static_cast<std::uint32_t>(made.materials.size());
   if (solid.report.parts_hollowed > 0)
     for (const json& cut : made.materials)
-      made.cavities.push_back(cavity_of(cut, base_color, made.cavities.size()));
+      made.cavities.push_back(cavity_of(cut, base_color, names.take("Cavity", made.cavities.size() + 1)));
   if (look.mortar) {
     made.mortar = static_cast<std::uint32_t>(made.materials.size());
     made.materials.push_back(mortar_of(made.materials.front(), *look.mortar));

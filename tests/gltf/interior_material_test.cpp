@@ -61,6 +61,16 @@ TEST(InteriorMaterial, AMaterialOfTheSourceIsReusedWithItsTexturesAndStillSaysIn
   EXPECT_EQ(material.at("normalTexture").at("index"), 1);
 }
 
+// A file of fragments that breaks again already has an "Interior", and after the next time an "Interior_2".
+TEST(InteriorMaterial, NewCutsGetANameThatTheSourceDoesNotHave) {
+  auto library = std::make_shared<MaterialLibrary>();
+  library->materials = {{{"name", "Interior"}}, {{"name", "Interior_2"}}, json::object()};
+  Mesh mesh;
+  mesh.library = std::move(library);
+  EXPECT_EQ(material_of({}, mesh).at("name"), "Interior_3");
+  EXPECT_EQ(material_of({.name = "Interior"}, mesh).at("name"), "Interior");
+}
+
 TEST(InteriorMaterial, AnAtlasIsNotStretchedOverCuts) {
   const json material = material_of({.material = "Rock"}, two_materials(1));
   EXPECT_EQ(material.at("name"), "Interior_Rock");
