@@ -10,7 +10,7 @@
 namespace fracture {
 
 /// {anchors {fragments}, barycenter {dropped, dropped_volume, partition, skipped_hulls}, contacts {…}, fragment
-/// {id, volume}, frame {metres_per_unit, unit_from, up, up_from}, hulls {count, flat, simplified}, keep {cells},
+/// {id, volume}, frame {metres_per_unit, unit_from, up, up_from}, hulls {count, flat, simplified, excess}, keep {cells},
 /// levels [how many clusters each has, at last fragments], notes, passed_through {triangles}, rough_cuts
 /// {amplitude, amplitude_asked, calmed_vertices, crossing_triangles, edge_length, restrained_cells, triangles},
 /// sites {duplicates_merged, far_dropped, given, used}, size {…}, solid {…}, support {…}, warnings}

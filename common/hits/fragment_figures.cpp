@@ -36,6 +36,7 @@ FragmentFigures figures_of(const std::vector<KeptFragment>& fragments,
     f.append(kept);
     f.sorted_volumes.push_back(body_volume(kept.fragment));
     f.sorted_ids.push_back(kept.fragment.id);
+    f.sorted_excesses.push_back(kept.hulls.excess);
     f.count(kept, 1);
   }
   for (std::size_t s = 0; s < pieces.size(); ++s) {
@@ -45,6 +46,8 @@ FragmentFigures figures_of(const std::vector<KeptFragment>& fragments,
   }
   sort_with_polls(execution, f.sorted_volumes.begin(), f.sorted_volumes.end());
   sort_with_polls(execution, f.sorted_ids.begin(), f.sorted_ids.end());
+  sort_with_polls(execution, f.sorted_excesses.begin(), f.sorted_excesses.end());
+  f.hulls.excess = f.sorted_excesses.empty() ? 0 : f.sorted_excesses.back();
   return f;
 }
 
@@ -85,7 +88,7 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
   after.volumes.clear();
   after.volumes_file.clear();
   after.surface_areas.clear();
-  std::vector<double> volumes_gone, volumes_new;
+  std::vector<double> volumes_gone, volumes_new, excesses_gone, excesses_new;
   std::vector<std::uint64_t> ids_gone, ids_new;
   Pacer pacer(execution);
   SiteId done{0};
@@ -108,6 +111,7 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
         after.count(kept, -1);
         volumes_gone.push_back(body_volume(kept.fragment));
         ids_gone.push_back(kept.fragment.id);
+        excesses_gone.push_back(kept.hulls.excess);
       }
       after.cells -= was(s).pieces > 0;
       after.pieces -= was(s).pieces;
@@ -121,6 +125,7 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
       after.count(kept, 1);
       volumes_new.push_back(body_volume(kept.fragment));
       ids_new.push_back(kept.fragment.id);
+      excesses_new.push_back(kept.hulls.excess);
     }
     after.cells += is(s).pieces > 0;
     after.pieces += is(s).pieces;
@@ -130,6 +135,9 @@ std::optional<FragmentFigures> figures_after(const FragmentFigures& before, std:
   replace_sorted(volumes_gone, volumes_new, after.sorted_volumes, execution);
   execution.poll();
   replace_sorted(ids_gone, ids_new, after.sorted_ids, execution);
+  execution.poll();
+  replace_sorted(excesses_gone, excesses_new, after.sorted_excesses, execution);
+  after.hulls.excess = after.sorted_excesses.empty() ? 0 : after.sorted_excesses.back();
   if (std::adjacent_find(after.sorted_ids.begin(), after.sorted_ids.end()) != after.sorted_ids.end())
     return std::nullopt;
   return after;

@@ -39,6 +39,7 @@ struct FragmentFigures {
   // Totals of all fragments.
   std::vector<double> sorted_volumes;     ///< m³, body_volume() of each fragment, ascending
   std::vector<std::uint64_t> sorted_ids;  ///< ascending
+  std::vector<double> sorted_excesses;    ///< FragmentHulls::excess, ascending
   std::uint64_t open_edges = 0, caps = 0, triangles = 0;
   std::uint32_t cells = 0;   ///< cells that have pieces; some stay together
   std::uint32_t pieces = 0;  ///< pieces in these cells; more than fragments if some are united

@@ -49,7 +49,7 @@ std::size_t memory_size(const FracturedBase& base) {
          (sizeof(KeptTetrahedralization::Tet) + sizeof(std::uint32_t)) * local.tetrahedra.tet_end() +
          sizeof(SiteId) * (local.label.size() + local.lowest.size()) + local.cell_bytes + heap(f.first_of) +
          heap(f.volumes) + heap(f.volumes_file) + heap(f.surface_areas) + heap(f.sorted_volumes) +
-         heap(f.sorted_ids);
+         heap(f.sorted_ids) + heap(f.sorted_excesses);
 }
 
 std::vector<std::vector<std::uint32_t>> triangles_by_cell(const Solid& solid, const SurfaceCuts& cuts,

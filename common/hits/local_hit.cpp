@@ -174,11 +174,12 @@ class LocalHit {
   }
 
   void make_hulls_of_aggregates(const VoronoiDiagram& diagram) {
-    if (parameters_.hulls != Hulls::kConvex || !is_aggregated(parameters_)) return;
+    if (parameters_.hulls != Hulls::kConvex) return;
     FragmentSet set;
     set.fragments.swap(made_.fragments);
-    hulls_ = make_aggregate_hulls(set, diagram, parameters_.most_hulls, cells_per_fragment(parameters_),
-                                  /*has_rest=*/false, execution_);
+    hulls_ =
+        make_aggregate_hulls(set, diagram, parameters_.hull_limits.count, cells_per_fragment(parameters_),
+                             /*has_rest=*/false, execution_);
     set.fragments.swap(made_.fragments);
   }
 
@@ -247,7 +248,7 @@ class LocalHit {
       FragmentSet set;
       state_lattice(solid_, set);
       set.fragments.swap(made_.fragments);
-      hulls_ = make_collision_hulls(set, std::move(hulls_), execution_);
+      hulls_ = make_collision_hulls(set, std::move(hulls_), parameters_.hull_limits, execution_);
       set.fragments.swap(made_.fragments);
     }
     SharedBlocks<std::shared_ptr<const KeptCell>>::Edit cells(out_.next.cells);

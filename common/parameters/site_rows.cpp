@@ -206,7 +206,6 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
 void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
   const std::vector<std::string> patterns{pattern_name<UniformPattern>(), pattern_name<ImpactPattern>(),
                                           pattern_name<ClusteredPattern>()};
-  const std::size_t first = rows.size();
   rows.push_back(for_patterns(
       patterns,
       with_member(
@@ -235,20 +234,7 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
                "exp(-(v/s)^(1/size_spread)), where s is a constant volume (Weibull 1951). 0: equal volumes. 1: the exponential "
                "distribution of Grady and Kipp (1985). 2: the distribution of Mott and Linfoot (1943)."},
           [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
-  rows.push_back(for_patterns(
-      patterns,
-      with_member(
-          {.name = "max_hulls",
-           .type = Type::kInteger,
-           .min = 1,
-           .max = kMostCellsPerFragment,
-           .doc =
-               "Maximum number of convex hulls per ragged chunk. A hull extends beyond its fragment only at the outer surface, so "
-               "the hulls of neighbouring fragments do not overlap."},
-          [](auto& r) -> auto& { return r.fracture.most_hulls; })));
-  rows.back().decides = Decides::kAnswer;
-  for (std::size_t k = first + 1; k < rows.size(); ++k)
-    rows[k].matters = [](const RequestParameters& r) { return r.fracture.aggregation.cells > 1; };
+  rows.back().matters = [](const RequestParameters& r) { return r.fracture.aggregation.cells > 1; };
 }
 
 }  // namespace

@@ -280,10 +280,12 @@ class FewHulls {
     if (hull.triangles.size() < 4) return add_largest();
     if (hull.points.size() <= kMaxHullPoints) {
       CollisionHull smaller = hull;
-      inset(smaller, s_.maker.rounding);  // and rounds: corners that were two may be one
+      const double volume =
+          inset(smaller, s_.maker.rounding);  // and rounds: corners that were two may be one
       if (bounds_a_body(smaller)) {
         out.simplified += simplified;
         out.hulls.push_back(std::move(smaller));
+        out.volume += volume;
         return;
       }
     }
@@ -314,10 +316,10 @@ CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       if (f.bodies.size() <= most || is_in_several_frames(f, diagram)) continue;
-      if (has_rest && f.bodies.size() > kManyCells * cells)
-        hulls.make_of_rest(f, cells, out.of_fragment[k]);
-      else
+      if (!has_rest || f.bodies.size() <= kManyCells * cells)
         hulls.make(f, most, out.of_fragment[k]);
+      else if (cells > 1)
+        hulls.make_of_rest(f, cells, out.of_fragment[k]);
     }
   });
   return out;

@@ -22,7 +22,7 @@ namespace fracture {
 
 /// Hulls of the fragments of `set` that have more bodies than `most` (> 0), at most so many of each; of the others none
 /// (make_collision_hulls() makes them). `has_rest`: a fragment of very many cells is a rest that stays whole, and has one
-/// for each `cells` of them. `diagram`: whose cells the bodies are shares of. Throws Interrupted.
+/// for each `cells` of them; none is made if `cells` is 1. `diagram`: whose cells the bodies are shares of. Throws Interrupted.
 CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
                                     std::uint32_t cells, bool has_rest, const Execution& execution);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/scratch.hpp"
+#include "common/physics/divided_hulls.hpp"
 #include "common/physics/hull_maker.hpp"
 
 namespace fracture {
@@ -55,6 +56,21 @@ std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_s
   return f.caps[0].first / 3;
 }
 
+/// One for each body.
+void add_bodies(const FragmentSet& set, const Fragment& f, HullMaker& maker, FragmentHulls& out,
+                const Execution& execution) {
+  if (f.bodies.empty()) {
+    collect_corners(f, maker, execution);
+    const BodySurface surface(f.indices, maker.corner_of, count_uncut(f, set.lattice_step));
+    const bool is_known =
+        surface.uncut() == 0 &&
+        add_convex(maker.corners, surface, {f.mass.volume, f.mass.area, f.mass.center_of_mass - f.pivot},
+                   maker.rounding, out);
+    if (!is_known) add_hull(maker.corners, surface, maker, out, execution);
+  }
+  for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, out, execution);
+}
+
 }  // namespace
 
 HullReport CollisionHulls::report() const {
@@ -63,11 +79,12 @@ HullReport CollisionHulls::report() const {
     sum.hulls += static_cast<std::uint32_t>(f.hulls.size());
     sum.flat += f.flat;
     sum.simplified += f.simplified;
+    sum.excess = std::max(sum.excess, f.excess);
   }
   return sum;
 }
 
-CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known,
+CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const HullLimits& limits,
                                     const Execution& execution) {
   CollisionHulls out = std::move(known);
   out.of_fragment.resize(set.fragments.size());
@@ -77,17 +94,13 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       FragmentHulls& hulls = out.of_fragment[k];
-      if (!hulls.hulls.empty() || f.positions.empty()) continue;
-      if (f.bodies.empty()) {
+      if (f.positions.empty()) continue;
+      if (hulls.hulls.empty()) add_bodies(set, f, maker, hulls, execution);
+      hulls.excess = hulls.volume / f.mass.volume;
+      if (hulls.excess > limits.excess && limits.count > 1) {
         collect_corners(f, maker, execution);
-        const BodySurface surface(f.indices, maker.corner_of, count_uncut(f, set.lattice_step));
-        const bool is_known =
-            surface.uncut() == 0 &&
-            add_convex(maker.corners, surface, {f.mass.volume, f.mass.area, f.mass.center_of_mass - f.pivot},
-                       maker.rounding, hulls);
-        if (!is_known) add_hull(maker.corners, surface, maker, hulls, execution);
+        divide_hulls(f, limits, maker, hulls, execution);
       }
-      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, maker, hulls, execution);
     }
   });
   return out;

@@ -39,10 +39,13 @@ struct FragmentHulls {
   std::vector<CollisionHull> hulls;  ///< one for each body (member cell), or fewer (aggregate_hulls.hpp)
   std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent): theirs is a small cube
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
+  double volume = 0;             ///< m³, of all hulls, before they are moved inwards
+  double excess = 0;  ///< `volume` relative to the fragment's, with closed cavities filled if it was divided
 };
 
 struct HullReport {
   std::uint32_t hulls = 0, flat = 0, simplified = 0;  ///< as FragmentHulls has them
+  double excess = 0;                                  ///< the largest of a fragment; 0 without hulls
   bool operator==(const HullReport&) const = default;
 };
 
@@ -57,8 +60,20 @@ struct CollisionHulls {
   HullReport report() const;
 };
 
-/// One hull for each body, in the fragment's local frame, of every fragment that has a shape and no hulls in
-/// `known`, which may be empty. The set's lattice step says what rounding did to their corners. Throws Interrupted.
-CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const Execution& execution);
+inline constexpr std::uint32_t kMostHulls = 64;  ///< of a fragment, for HullLimits::count
+
+/// How many hulls a fragment gets.
+struct HullLimits {
+  /// A fragment whose hulls have more than this many times its volume is divided (divided_hulls.hpp). At least 1; near 1, a
+  /// bent fragment gets the maximum number of hulls.
+  double excess = 1.5;
+  std::uint32_t count = 4;  ///< at least 1
+};
+
+/// The hulls of every fragment that has a shape, in the fragment's local frame: those in `known`, which may be empty, or one
+/// for each body. Fragments whose hulls exceed `limits.excess` get as many as their openings need, at most `limits.count`.
+/// The set's lattice step says what rounding did to their corners. Throws Interrupted.
+CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const HullLimits& limits,
+                                    const Execution& execution);
 
 }  // namespace fracture

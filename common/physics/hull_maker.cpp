@@ -68,10 +68,20 @@ void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_
 
 }  // namespace
 
+double volume_within(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> triangles) {
+  if (triangles.empty()) return 0;
+  const Vec3d origin = to_double(points[triangles[0][0]]);
+  double sum = 0;
+  for (const auto& t : triangles)
+    sum += dot(to_double(points[t[0]]) - origin,
+               cross(to_double(points[t[1]]) - origin, to_double(points[t[2]]) - origin));
+  return sum / 6;
+}
+
 // Scaling about c by 1 - s moves the face at distance d from c inwards by s d. For the centre of volume d is
 // at least a quarter of the least width w, and w / 2 >= V / A (a convex body; equality for a thin slab), so
 // that s = inset A / V moves every face by at least inset / 2, and thin slabs by the inset.
-void inset(CollisionHull& hull, double rounding) {
+double inset(CollisionHull& hull, double rounding) {
   const Vec3d origin = to_double(hull.points[0]);
   double six_volumes = 0, two_areas = 0;
   Vec3d moment;
@@ -87,6 +97,7 @@ void inset(CollisionHull& hull, double rounding) {
   shrink(hull, origin + (solid ? 0.25 / six_volumes : 0) * moment,
          solid ? kHullInset * 3 * two_areas / six_volumes : kMostHullShrink,
          solid ? rounding * 3 * two_areas / six_volumes : 0);
+  return solid ? six_volumes / 6 : 0;
 }
 
 bool bounds_a_body(const CollisionHull& hull) {
@@ -111,6 +122,7 @@ bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const
   hull.points.assign(points.begin(), points.end());
   shrink(hull, mass.center, kHullInset * mass.area / mass.volume, rounding * mass.area / mass.volume);
   out.hulls.push_back(std::move(hull));
+  out.volume += mass.volume;
   return true;
 }
 
@@ -126,7 +138,7 @@ void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMak
   }
   out.hulls.push_back(compact(points, triangles, maker.index));
   execution.poll();
-  inset(out.hulls.back(), maker.rounding);
+  out.volume += inset(out.hulls.back(), maker.rounding);
 }
 
 }  // namespace fracture

@@ -1,6 +1,7 @@
 // One convex hull of a body's points, as a file has it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,8 +31,12 @@ struct HullMaker {
 /// (their faces by at least half of it) are apart as their cells are.
 inline double rounding_of(const FragmentSet& set) { return length(set.lattice_step); }
 
-/// Moves the faces of a hull inwards (collision_hulls.hpp). `rounding`: rounding_of() the set.
-void inset(CollisionHull& hull, double rounding);
+/// What the triangles enclose, in the unit of the points cubed; 0 without triangles.
+double volume_within(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> triangles);
+
+/// Moves the faces of a hull inwards (collision_hulls.hpp). `rounding`: rounding_of() the set. Returns the hull's volume
+/// before, m³; 0 if it has none.
+double inset(CollisionHull& hull, double rounding);
 
 /// Of a convex body, in the frame of its points.
 struct ConvexMass {

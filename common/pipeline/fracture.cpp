@@ -159,8 +159,8 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
         ownership, std::move(before),
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
         trace);
-    if (parameters.hulls == Hulls::kConvex && is_aggregated(parameters))
-      cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.most_hulls,
+    if (parameters.hulls == Hulls::kConvex)
+      cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits.count,
                                        cells_per_fragment(parameters), has_rest(parameters), execution);
     execution.poll();  // a large diagram takes some time to be given back, and so does what comes below
   }
@@ -221,7 +221,7 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
   if (parameters.hulls == Hulls::kConvex)
-    out.hulls = make_collision_hulls(set, std::move(cut.hulls), execution);
+    out.hulls = make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
   set.certificate.sites_asked = static_cast<std::uint32_t>(sites.figures.given);
   const std::optional<std::uint32_t> anchored =
       parameters.anchors.any() && !cut.whole ? std::optional(out.anchored.count) : std::nullopt;

@@ -13,6 +13,7 @@
 #include "common/base/remarks.hpp"
 #include "common/base/timings.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
+#include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/fractured_solid.hpp"
 #include "common/pipeline/keep_region.hpp"
 #include "common/pipeline/local_impact.hpp"
@@ -42,8 +43,7 @@ struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
   double drop_above = 0;       ///< m³; with kBarycenter alone: larger fragments are left out. 0: none
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
-  /// Of an aggregate, which has one for each cell where it has no more cells (physics/aggregate_hulls.hpp); > 0.
-  std::uint32_t most_hulls = 4;
+  HullLimits hull_limits{};    ///< number of hulls of a fragment
   Pivot pivot = Pivot::kCenterOfMass;
   SizeLimits size;        ///< small fragments are united with a neighbour
   double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites

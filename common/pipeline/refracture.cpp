@@ -48,7 +48,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   parts.roughness = parameters.roughness;
   parts.aggregation.cells = cells_per_fragment(parameters);
   parts.aggregation.spread = parameters.aggregation.spread;
-  parts.most_hulls = parameters.most_hulls;
+  parts.hull_limits = parameters.hull_limits;
   parts.levels = parameters.levels;
   parts.parts = parameters.parts;
   parts.contact_strength = parameters.contact_strength;

@@ -32,7 +32,7 @@ SUBJECTS = [
       "contact_gap"]),
     ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
-    ("Ragged chunks", "These fragments consist of several cells.", ["cells_per_fragment", "size_spread", "max_hulls"]),
+    ("Ragged chunks", "These fragments consist of several cells.", ["cells_per_fragment", "size_spread"]),
     ("Parameters of individual patterns", "",
      ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
       "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
@@ -49,7 +49,7 @@ SUBJECTS = [
     ("Appearance of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
                                 "interior_roughness", "interior_metallic", "interior_material", "interior_name",
                                 "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
-    ("Physics and engines", "", ["physics", "ue_collision", "pivot", "density", "mass", "friction", "restitution", "bond_strength",
+    ("Physics and engines", "", ["physics", "ue_collision", "max_hulls", "hull_excess", "pivot", "density", "mass", "friction", "restitution", "bond_strength",
                                 "contact_strength"]),
     ("Barycentric cells", "The cells described in the paper that this project started from.", ["dual", "drop_above"]),
 ]

@@ -59,7 +59,7 @@ FracturedSolid with_everything() {
                               .volume = 0.25}};
   report.kept_cells = 5;
   report.anchored = 1;
-  report.hulls = {.hulls = 3, .flat = 2, .simplified = 1};
+  report.hulls = {.hulls = 3, .flat = 2, .simplified = 1, .excess = 1.25};
   report.rough_cuts = {.amplitude = 0.01,
                        .amplitude_asked = 0.02,
                        .edge_length = 0.125,
@@ -98,7 +98,7 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
   EXPECT_EQ(report.at("fragment"), json::parse(R"({"id": 77, "volume": 0.25})"));
   EXPECT_EQ(report.at("frame"), json::parse(R"({"metres_per_unit": 0.0254, "unit_from": "request", "up": "z",
                                                 "up_from": "file"})"));
-  EXPECT_EQ(report.at("hulls"), json::parse(R"({"count": 3, "flat": 2, "simplified": 1})"));
+  EXPECT_EQ(report.at("hulls"), json::parse(R"({"count": 3, "flat": 2, "simplified": 1, "excess": 1.25})"));
   EXPECT_EQ(report.at("keep"), json::parse(R"({"cells": 5})"));
   EXPECT_EQ(report.at("levels"), json({1, 2, 2})) << "two clusters, two fragments";
   EXPECT_EQ(report.at("passed_through"), json::parse(R"({"triangles": 11})"));

@@ -39,7 +39,7 @@ TEST(GroupedHits, OfSeveralSeedsWithOneHullAndWithTwoThreads) {
   for (std::uint64_t seed = 1; seed <= sized(2u, 4u); ++seed) {
     SCOPED_TRACE(seed);
     FractureParameters p = aggregates_on(mesh, 60, 0.1, seed);
-    p.most_hulls = static_cast<std::uint32_t>(seed);
+    p.hull_limits.count = static_cast<std::uint32_t>(seed);
     EXPECT_GE(expect_hits(mesh, p, 2), 2);
   }
 }

@@ -9,6 +9,7 @@
 #include "common/base/processor_time.hpp"
 #include "common/materials/materials.hpp"
 #include "tests/hits/delta_checks.hpp"
+#include "tests/physics/bent_shapes.hpp"
 #include "tests/support/closed_inputs.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -262,6 +263,21 @@ TEST_P(UnitedHitsOnMesh, EqualTheWholeFracture) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Dev, UnitedHitsOnMesh, every_closed_mesh(), name_of_mesh);
+
+// A hit remakes only some cells: their hulls, and the largest excess of all, are those of the whole answer.
+TEST(UnitedHits, WhereHullsAreDividedAndShared) {
+  const Mesh frame = grid_solid(
+      {{{-1, -0.8, 0.8, 1}, {-1, -0.8, 0.8, 1}, {-0.1, 0.1}}},
+      [](int i, int j, int) { return i != 1 || j != 1; }, 3);
+  for (const double rough : {0.0, 0.02}) {
+    SCOPED_TRACE(rough);
+    FractureParameters p = hits_on(frame, 16, 0.1);
+    p.size.min_of_mean = 0.5;
+    p.roughness.amplitude = rough;
+    p.hull_limits = {1.05, 3};
+    EXPECT_GT(expect_hits(frame, p), 0);
+  }
+}
 
 }  // namespace
 }  // namespace fracture::test

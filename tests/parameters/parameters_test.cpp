@@ -351,8 +351,8 @@ TEST(Parameters, OneSpellingForEveryWayToAsk) {
   EXPECT_EQ(canonical_parameters(*by_text).dump(), canonical_parameters(*by_json).dump());
   EXPECT_EQ(
       canonical_parameters(*by_text).dump(),
-      R"({"bond_strength":1000000.0,"density":1000.0,"dual":"circumcenter","friction":0.6,"interior":"auto",)"
-      R"("interior_shade":0.8,"lloyd":0,"pattern":"uniform",)"
+      R"({"bond_strength":1000000.0,"density":1000.0,"dual":"circumcenter","friction":0.6,"hull_excess":1.5,)"
+      R"("interior":"auto","interior_shade":0.8,"lloyd":0,"max_hulls":4,"pattern":"uniform",)"
       R"("physics":"khr","pivot":"center_of_mass","repair":"fill","restitution":0.1,"seed":3,"sites":50,"stretch":1.0,)"
       R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
 }

@@ -49,7 +49,7 @@ void expect_sound_hulls(const Mesh& mesh, const std::vector<SiteFamily>& familie
     FractureParameters p;
     p.pattern = PointsPattern{family.sites};
     const Fractured f = fracture_mesh(mesh, p);
-    const CollisionHulls hulls = make_collision_hulls(f.set, {}, {});
+    const CollisionHulls hulls = make_collision_hulls(f.set, {}, HullLimits{.count = 1}, {});
     for (std::size_t k = 0; k < f.set.fragments.size(); ++k) {
       const Fragment& fragment = f.set.fragments[k];
       SCOPED_TRACE("fragment " + std::to_string(k));

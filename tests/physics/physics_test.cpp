@@ -100,6 +100,7 @@ TEST(CollisionHulls, AreClosedConvexAndOutward) {
   for (const Mesh& mesh : {torus(32, 16), menger_sponge(1), sphere_with(2000)}) {
     FractureParameters p;
     p.sites = 40;
+    p.hull_limits.count = 1;
     const FracturedSolid made = fracture_at(mesh, p);
     for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
       const Fragment& f = made.set.fragments[k];
@@ -131,6 +132,7 @@ TEST(CollisionHulls, AGroupCarriesOneForEachMemberCell) {
   PointsPattern pattern{random_sites(box_of(cube()), 30, 9)};
   for (std::uint32_t k = 0; k < 30; ++k) pattern.groups.push_back(k < 10 ? 0 : k);
   p.pattern = std::move(pattern);
+  p.hull_limits.count = 10;
   const FracturedSolid made = fracture_at(cube(), p);
   std::size_t shared = 0;
   for (std::size_t k = 0; k < made.set.fragments.size(); ++k) {
