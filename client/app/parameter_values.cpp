@@ -59,8 +59,8 @@ bool ParameterControls::read(const std::string& patterns_json) {
   std::vector<ParameterControl> general;
   for (ParameterControl& control : read_list(document["parameters"])) {
     // The game chooses the mesh and the fragment. It also needs physics, without which nothing falls.
-    static const char* const kOurs[] = {"format",  "fragment", "fragment_sites", "fragment_seed",
-                                        "physics", "seed",     "ue_collision",   "pivot"};
+    static const char* const kOurs[] = {"format", "fragment", "fragment_sites", "fragment_seed", "physics",
+                                        "seed",   "intact",   "ue_collision",   "pivot"};
     if (std::none_of(std::begin(kOurs), std::end(kOurs),
                      [&](const char* name) { return control.name == name; }))
       general.push_back(std::move(control));

@@ -10,6 +10,7 @@
 #include "common/gltf/container.hpp"
 #include "common/gltf/fracture_extras.hpp"
 #include "common/gltf/image_bytes.hpp"
+#include "common/gltf/intact_scene.hpp"
 #include "common/gltf/json_text.hpp"
 #include "common/gltf/khr_physics.hpp"
 #include "common/gltf/mesh_writer.hpp"
@@ -64,7 +65,7 @@ void write_extensions_used(JsonText& json, const FragmentSet& set, const GltfOpt
 }
 
 void write_document_extensions(JsonText& json, const FragmentSet& set, const GltfOptions& options,
-                               const SceneLayout& layout) {
+                               const SceneLayout& layout, const IntactScene& intact) {
   if (set.fragments.empty()) return;
   if (options.physics == Physics::kKhr) {
     json.key("extensions").begin_object();
@@ -72,7 +73,7 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
     json.end_object();
   } else if (options.physics == Physics::kOmi && layout.has_hulls()) {
     json.key("extensions").begin_object();
-    write_omi_physics_document(json, set, layout);
+    write_omi_physics_document(json, set, layout, intact);
     json.end_object();
   }
 }
@@ -134,12 +135,16 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
 /// Where in the text the figures of the whole stand.
 TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                       const SceneLayout& layout, const std::vector<WholeNode>& whole,
-                      const Execution& execution) {
+                      const IntactScene& intact, const Execution& execution) {
   json.member("scene", 0).key("scenes").begin_array().begin_object();
-  json.key("nodes").begin_array().value(0).end_array().end_object().end_array();
-  json.key("nodes").begin_array();
+  json.key("nodes").begin_array().value(0).end_array().end_object();
+  if (!intact.is_empty()) {
+    json.begin_object().member("name", "Intact").key("nodes").begin_array();
+    json.value(intact.root()).end_array().end_object();
+  }
+  json.end_array().key("nodes").begin_array();
   const std::size_t fragments = fractured.set.fragments.size();
-  const ClusterNodes clusters(fractured, layout.node_count() + whole.size(), execution);
+  const ClusterNodes clusters(fractured, layout.node_count() + whole.size() + intact.node_count(), execution);
   const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size());
   for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
   for (std::size_t k = 0; k < fragments; ++k) {
@@ -148,6 +153,7 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   }
   for (std::size_t k = 0; k < whole.size(); ++k)
     json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
+  intact.write_nodes(json, options);
   clusters.write(json, options);
   json.end_array();
   return figures;
@@ -195,8 +201,8 @@ void write_images(JsonText& json, const MaterialLibrary& library, CutDetail deta
 }
 
 void write_meshes(JsonText& json, const FracturedSolid& fractured, const std::vector<MeshFigures>& figures,
-                  const SceneLayout& layout, const std::vector<WholeNode>& whole, MeshWriter& writer,
-                  const Execution& execution) {
+                  const SceneLayout& layout, const std::vector<WholeNode>& whole, const IntactScene& intact,
+                  const GltfOptions& options, MeshWriter& writer, const Execution& execution) {
   const FragmentSet& set = fractured.set;
   if (set.fragments.empty()) return;
   Pacer pacer(execution);
@@ -208,6 +214,7 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const std::ve
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
   for (const WholeNode& node : whole)
     writer.write_whole(json, node.mesh, measure(node.mesh, /*mesh_manifold=*/true, pacer), node.name);
+  intact.write_meshes(json, options, writer);
   json.end_array();
 }
 
@@ -247,6 +254,7 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   check_companions(fractured);
   const SceneLayout layout(fractured, options, execution);
   const std::vector<WholeNode> whole = whole_nodes(set, layout, execution);
+  const IntactScene intact(fractured, options, layout, whole, execution);
 
   JsonText json(execution);
   json.reserve(expected_length(fractured, layout));
@@ -254,13 +262,13 @@ GltfFile write_file(const FracturedSolid& fractured, const GltfOptions& options,
   write_asset(json, set, options);
   write_extensions_used(json, set, options, layout);
   write_string_array(json, "extensionsRequired", library.extensions_required);
-  write_document_extensions(json, set, options, layout);
-  TextRange root = write_nodes(json, fractured, options, layout, whole, execution);
+  write_document_extensions(json, set, options, layout, intact);
+  TextRange root = write_nodes(json, fractured, options, layout, whole, intact, execution);
   write_materials(json, library, options);
   Accessors accessors(execution);
   accessors.expect(expected_accessors(set, layout));
   MeshWriter meshes(library, options.interior, options.exterior, options.mesh_manifold, accessors);
-  write_meshes(json, fractured, figures, layout, whole, meshes, execution);
+  write_meshes(json, fractured, figures, layout, whole, intact, options, meshes, execution);
   write_images(json, library, options.interior.detail, accessors);
   if (accessors.count() > 0) json.key("accessors").value_text(accessors.finish());
   const BufferContents& contents = accessors.contents();

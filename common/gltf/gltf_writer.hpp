@@ -6,6 +6,7 @@
 //             │   │          mesh 0: exterior primitives, interior
 //             │   └─ colliders of a compound, UCX_ hulls: identity, no extras
 //             └─ fragment 1 …
+//   scene "Intact", if it was asked for: the solid before it breaks (intact_scene.hpp)
 //
 // All fragments share one bufferView for each attribute and one for the indices; the primitives of a mesh
 // share their attribute accessors. World positions are float32(local) + float32(translation), exact by

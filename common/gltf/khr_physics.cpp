@@ -7,13 +7,16 @@ namespace {
 
 constexpr const char* kName = "KHR_physics_rigid_bodies";
 
-void write_collider(JsonText& json, std::size_t fragment, std::size_t hull, const SceneLayout& layout) {
+void write_collider(JsonText& json, std::size_t mesh, std::uint32_t system) {
   json.key("collider").begin_object().key("geometry").begin_object();
-  json.member("mesh", layout.hull_mesh(fragment, hull)).member("convexHull", true).end_object();
+  json.member("mesh", mesh).member("convexHull", true).end_object();
   json.member("physicsMaterial", 0);
-  const std::uint32_t system = layout.systems().of_fragment[fragment];
   if (system != kNoIndex) json.member("collisionFilter", system);
   json.end_object();
+}
+
+void write_collider(JsonText& json, std::size_t fragment, std::size_t hull, const SceneLayout& layout) {
+  write_collider(json, layout.hull_mesh(fragment, hull), layout.systems().of_fragment[fragment]);
 }
 
 }  // namespace
@@ -54,6 +57,12 @@ void write_khr_physics_collider(JsonText& json, std::size_t fragment, std::size_
                                 const SceneLayout& layout) {
   json.key(kName).begin_object();
   write_collider(json, fragment, hull, layout);
+  json.end_object();
+}
+
+void write_khr_physics_static_collider(JsonText& json, std::size_t mesh) {
+  json.key(kName).begin_object();
+  write_collider(json, mesh, kNoIndex);
   json.end_object();
 }
 

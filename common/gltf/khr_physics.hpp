@@ -23,4 +23,7 @@ void write_khr_physics_body(JsonText& json, const Fragment& fragment, std::size_
 void write_khr_physics_collider(JsonText& json, std::size_t fragment, std::size_t hull,
                                 const SceneLayout& layout);
 
+/// The same member of a node that does not move: one convex collider of a mesh.
+void write_khr_physics_static_collider(JsonText& json, std::size_t mesh);
+
 }  // namespace fracture

@@ -11,14 +11,17 @@ void write_collider(JsonText& json, std::size_t shape) {
 
 }  // namespace
 
-void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout) {
+void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout,
+                                const IntactScene& intact) {
   if (!layout.has_hulls()) return;
   json.key("OMI_physics_shape").begin_object().key("shapes").begin_array();
+  const auto write_shape = [&](std::size_t mesh) {
+    json.begin_object().member("type", "convex").key("convex").begin_object();
+    json.member("mesh", mesh).end_object().end_object();
+  };
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
-    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) {
-      json.begin_object().member("type", "convex").key("convex").begin_object();
-      json.member("mesh", layout.hull_mesh(k, hull)).end_object().end_object();
-    }
+    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) write_shape(layout.hull_mesh(k, hull));
+  for (std::size_t hull = 0; hull < intact.hull_count(); ++hull) write_shape(intact.first_hull_mesh() + hull);
   json.end_array().end_object();
 }
 

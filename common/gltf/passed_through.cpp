@@ -1,13 +1,11 @@
 #include "common/gltf/passed_through.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
 #include <string_view>
 
 #include "common/base/gathered.hpp"
 #include "common/base/pacer.hpp"
-#include "common/gltf/names.hpp"
+#include "common/gltf/unique_names.hpp"
 
 namespace fracture {
 namespace {
@@ -42,29 +40,6 @@ Fragment mesh_of(const Mesh& mesh, const std::uint32_t* first, const std::uint32
   return result;
 }
 
-/// Names of which no two are equal.
-class UniqueNames {
- public:
-  void take(std::string name) { taken_.insert(std::move(name)); }
-
-  /// The name as ASCII, with the lowest number from 2 on that makes it new where it is taken. Names only
-  /// become taken, so that the search goes on behind the last number that the same name was given.
-  std::string add(std::string_view source) {
-    const std::string ascii = ascii_name(source);
-    if (taken_.insert(ascii).second) return ascii;
-    for (std::size_t& number = last_number_.try_emplace(ascii, 1).first->second;;) {
-      std::string suffix(1, '_');
-      suffix += std::to_string(++number);
-      std::string name = ascii_name(source, kMaxName - suffix.size()) + suffix;
-      if (taken_.insert(name).second) return name;
-    }
-  }
-
- private:
-  std::set<std::string> taken_;
-  std::map<std::string, std::size_t> last_number_;
-};
-
 }  // namespace
 
 std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
@@ -73,18 +48,7 @@ std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& la
   if (!set.source->passed_through) return nodes;
   Pacer pacer(execution);
   const Mesh& mesh = *set.source->passed_through;
-  UniqueNames names;
-  names.take("Fracture");
-  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
-    pacer.step(16);
-    names.take(layout.name(k));
-    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) {
-      pacer.step(32);
-      names.take(layout.hull_name(k, hull));
-      names.take(layout.collider_name(k, hull));
-    }
-  }
-
+  UniqueNames names(layout, set.fragments.size(), execution);
   std::vector<std::uint32_t> order(mesh.triangles.size()), new_wedge(mesh.positions.size(), kNoIndex);
   for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
   sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {

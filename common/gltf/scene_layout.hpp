@@ -29,7 +29,8 @@ class SceneLayout {
   std::size_t hull_number(std::size_t fragment, std::size_t hull) const {
     return hull_mesh(fragment, hull) - names_.size();
   }
-  bool has_hulls() const { return first_hull_.back() > first_hull_.front(); }
+  std::size_t hull_count() const { return first_hull_.back() - first_hull_.front(); }
+  bool has_hulls() const { return hull_count() > 0; }
 
   const CollisionSystems& systems() const { return systems_; }
 

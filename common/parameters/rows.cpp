@@ -204,6 +204,19 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
            "Origin of each fragment's node. `center_of_mass`: the fragment's centre of mass. `source`: the mesh's origin, so "
            "positions are the same as in the mesh."},
       [](auto& r) -> auto& { return r.fracture.pivot; }));
+  ParameterSpec intact = with_member(
+      {.name = "intact",
+       .type = Type::kChoice,
+       .choices = {"false", "true"},
+       .doc =
+           "`true`: the file also contains the unbroken mesh with collision hulls, as a second scene named Intact. The default scene "
+           "contains the fragments. An answer with `delta` has no second scene, because the mesh is already broken."},
+      [](auto& r) -> auto& { return r.fracture.intact; });
+  intact.get = [](const RequestParameters& r, const ParameterSpec& s) -> nlohmann::json {
+    return s.choices.at(r.fracture.intact ? 1 : 0);
+  };
+  intact.matters = [](const RequestParameters& r) { return r.fracture.intact; };
+  rows.push_back(std::move(intact));
 }
 
 void add_exterior_row(std::vector<ParameterSpec>& rows) {

@@ -76,7 +76,9 @@ std::optional<std::string> to_text(const ParameterSpec& spec, const RawParameter
 
 /// The index of the choice.
 std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParameter& raw) {
-  std::string choice = raw.value.is_string() ? raw.value.get<std::string>() : std::string();
+  std::string choice = raw.value.is_string()    ? raw.value.get<std::string>()
+                       : raw.value.is_boolean() ? raw.value.dump()
+                                                : std::string();
   if (spec.name == "format")  // extensions can be upper case: part.STL
     for (char& c : choice)
       if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));

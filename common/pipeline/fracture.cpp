@@ -13,6 +13,7 @@
 #include "common/pipeline/before_hits.hpp"
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
+#include "common/pipeline/intact.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/make_report.hpp"
 #include "common/pipeline/overlaps.hpp"
@@ -222,6 +223,11 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
   if (parameters.hulls == Hulls::kConvex)
     out.hulls = make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
+  if (parameters.intact) {
+    Expected<IntactSolid> intact = make_intact(solid, parameters, execution);
+    if (!intact) return tl::unexpected(intact.error());
+    out.intact = std::move(*intact);
+  }
   set.certificate.sites_asked = static_cast<std::uint32_t>(sites.figures.given);
   const std::optional<std::uint32_t> anchored =
       parameters.anchors.any() && !cut.whole ? std::optional(out.anchored.count) : std::nullopt;

@@ -45,6 +45,7 @@ struct FractureParameters : SiteParameters {
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
   HullLimits hull_limits{};    ///< number of hulls of a fragment
   Pivot pivot = Pivot::kCenterOfMass;
+  bool intact = false;    ///< the answer gets FracturedSolid::intact
   SizeLimits size;        ///< small fragments are united with a neighbour
   double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites
   /// Nothing inside this region is cut: the cells that meet it form one group.

@@ -24,6 +24,12 @@ struct Delta {
   std::vector<std::uint64_t> neighbors;
 };
 
+/// The solid without cuts, for engines that show it until it breaks. A companion of a FragmentSet.
+struct IntactSolid {
+  std::vector<Fragment> parts;  ///< a fragment for each part, in the solid's frame (Pivot::kSource)
+  CollisionHulls hulls;         ///< of the parts
+};
+
 /// Companions that were not asked for are empty.
 struct FracturedSolid {
   FragmentSet set;
@@ -32,6 +38,7 @@ struct FracturedSolid {
   CollisionHulls hulls;
   std::optional<Support> support{};  ///< where there are anchors, by who knows density and strength
   std::optional<Delta> delta{};      ///< where the answer is compared with an earlier one
+  std::optional<IntactSolid> intact{};
   Report report;
   /// Per site of the fragments which point it is of those given (of the pattern, then of hits), and of equal ones the first:
   /// what is published of Fragment::sites. Empty: site k is point k.

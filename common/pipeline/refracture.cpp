@@ -18,6 +18,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   before.pivot = Pivot::kSource;
   before.levels.clear();
   before.anchors = {};
+  before.intact = false;
   const Expected<FracturedSolid> fractured = [&] {
     const StageProgress::Part part(execution.within, 0.7);
     return fracture(solid, diagram, before, execution, timings);
@@ -53,6 +54,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   parts.parts = parameters.parts;
   parts.contact_strength = parameters.contact_strength;
   parts.anchors = parameters.anchors;
+  parts.intact = parameters.intact;
   const Expected<Diagram> finer = make_diagram(*fragment, parts, execution, timings);
   if (!finer) return tl::unexpected(finer.error());
   Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);

@@ -47,11 +47,13 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   return options;
 }
 
-/// Returns the parameters with collision hulls added if the request asks for physics or Unreal collision.
-FractureParameters with_hulls(const RequestParameters& asked) {
+/// Returns the parameters with collision hulls if the request asks for physics or Unreal collision. A hit's answer has no
+/// unbroken mesh.
+FractureParameters with_companions(const RequestParameters& asked) {
   FractureParameters parameters = asked.fracture;
   const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
   parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
+  parameters.intact = asked.fracture.intact && asked.delta == DeltaAnswer::kNone;
   return parameters;
 }
 
@@ -248,7 +250,7 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     Execution telling = execution;
     telling.within = &progress;
     Expected<CutBase> made =
-        engine_->base(mesh.solid, with_hulls(request.parameters), request.parameters.selection, telling);
+        engine_->base(mesh.solid, with_companions(request.parameters), request.parameters.selection, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
@@ -272,7 +274,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     StageProgress progress(Stage::kClip, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    return engine_->cut(mesh.solid, base, with_hulls(request.parameters), request.parameters.selection,
+    return engine_->cut(mesh.solid, base, with_companions(request.parameters), request.parameters.selection,
                         telling);
   }();
   if (!cut) {

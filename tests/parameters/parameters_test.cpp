@@ -345,6 +345,18 @@ TEST(Parameters, ANumberOfFragmentsDecidesTheCellsWhereNobodyElseDoes) {
   }
 }
 
+TEST(Parameters, TheUnbrokenMeshIsAskedForAsTextOrAsABoolean) {
+  EXPECT_FALSE(table().parse({})->fracture.intact);
+  EXPECT_FALSE(canonical_parameters(*table().parse({{"intact", "false"}})).contains("intact"));
+  for (const nlohmann::json& yes : {nlohmann::json("true"), nlohmann::json(true)}) {
+    const auto parsed = table().parse({{"intact", yes, false}});
+    ASSERT_TRUE(parsed) << yes;
+    EXPECT_TRUE(parsed->fracture.intact);
+    EXPECT_EQ(canonical_parameters(*parsed).at("intact"), "true") << "so that it can be sent again";
+  }
+  EXPECT_FALSE(table().parse({{"intact", "yes"}}));
+}
+
 TEST(Parameters, OneSpellingForEveryWayToAsk) {
   const auto by_text = table().parse({{"seed", "3"}, {"sites", "50"}});
   const auto by_json = table().parse({{"seed", 3, false}});

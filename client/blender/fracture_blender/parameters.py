@@ -19,6 +19,7 @@ OWN = {
     "unit": "the scene's units are applied before sending",
     "up": "z up is converted to y up before sending",
     "pivot": "the origin of each fragment is its centre of mass",
+    "intact": "the unbroken mesh is in the scene already",
     "of": "each request is complete, so it does not refer to an earlier answer",
     "delta": "the add-on needs all fragments",
     "local_new": "this parameter has a meaning only with delta",

@@ -43,6 +43,7 @@ def merge(whole: Glb, delta: Glb) -> bytes:
     if [m.get("name") for m in whole.list("materials")] != [m.get("name") for m in delta.list("materials")]:
         raise damaged("its materials differ from those of the answer that was hit")
     document["asset"] = _stated(delta.document["asset"], "extras")
+    document["scenes"] = document["scenes"][:1]  # without the unbroken mesh: its nodes and meshes are not copied
     figures = {**_stated(figures, None), "bonds": _bonds(whole, figures, pieces)}
     buffers = Buffers()
     _write_scene(document, whole, pieces, figures, buffers)

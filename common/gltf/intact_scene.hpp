@@ -1,0 +1,62 @@
+// The unbroken solid as a second scene, so that one file has both things that an engine swaps:
+//
+//   scene "Intact" ── root (identity; extras.intact: digest of the mesh)
+//                      ├─ part 0  mesh with the source's materials; extras.intact: part, volume, mass; static collider
+//                      │   └─ colliders of a part with several hulls, UCX_ hulls: identity, no extras
+//                      ├─ part 1 …
+//                      └─ what was not fractured: the same meshes as in the scene of the fragments
+//
+// Nothing here has extras.fracture, by which readers know fragments. The file's default scene is that of the fragments.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/gltf/gltf_writer.hpp"
+#include "common/gltf/json_text.hpp"
+#include "common/gltf/mesh_writer.hpp"
+#include "common/gltf/passed_through.hpp"
+#include "common/gltf/scene_layout.hpp"
+
+namespace fracture {
+
+class IntactScene {
+ public:
+  /// Without nodes and meshes if the solid has no FracturedSolid::intact. Its nodes follow those of the layout and `whole`,
+  /// and so do its meshes. Throws Interrupted.
+  IntactScene(const FracturedSolid& fractured, const GltfOptions& options, const SceneLayout& layout,
+              const std::vector<WholeNode>& whole, const Execution& execution);
+
+  bool is_empty() const { return names_.empty(); }
+  std::size_t root() const { return first_node_; }
+  std::size_t node_count() const { return node_count_; }
+  /// The meshes of all hulls, one after the other.
+  std::size_t first_hull_mesh() const { return first_mesh_ + names_.size(); }
+  std::size_t hull_count() const { return first_hull_.empty() ? 0 : first_hull_.back(); }
+
+  /// Elements of the arrays of nodes and meshes. Throw Interrupted; write_meshes() as MeshWriter.
+  void write_nodes(JsonText& json, const GltfOptions& options) const;
+  void write_meshes(JsonText& json, const GltfOptions& options, MeshWriter& writer) const;
+
+ private:
+  std::size_t hulls(std::size_t part) const { return first_hull_[part + 1] - first_hull_[part]; }
+  std::size_t colliders(std::size_t part) const { return has_physics_ && hulls(part) > 1 ? hulls(part) : 0; }
+  std::size_t children(std::size_t part) const { return colliders(part) + (ucx_ ? hulls(part) : 0); }
+  std::string hull_name(std::size_t part, std::size_t hull) const;
+  void write_part(JsonText& json, std::size_t part, std::size_t first_child,
+                  const GltfOptions& options) const;
+  void write_collider(JsonText& json, std::size_t hull, const GltfOptions& options) const;
+
+  const FracturedSolid& fractured_;
+  const Execution& execution_;
+  const bool has_physics_, ucx_;
+  std::size_t first_node_ = 0, node_count_ = 0;
+  std::size_t first_mesh_ = 0, first_shape_ = 0;  ///< of OMI_physics_shape
+  std::vector<std::string> names_;                ///< per part
+  std::vector<std::size_t> first_hull_;           ///< per part + 1
+  std::vector<std::string> whole_names_;
+  std::size_t first_whole_mesh_ = 0;
+};
+
+}  // namespace fracture

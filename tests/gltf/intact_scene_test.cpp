@@ -1,0 +1,197 @@
+// The unbroken solid as a second scene, next to the fragments that it breaks into.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/gltf/gltf_writer.hpp"
+#include "common/import/import.hpp"
+#include "tests/gltf/glb_file.hpp"
+#include "tests/physics/bent_shapes.hpp"
+#include "tests/support/fractured.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace fracture::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kKhrName = "KHR_physics_rigid_bodies";
+
+/// A sphere with texture coordinates, and beside it a square frame.
+Mesh sphere_and_frame() {
+  Mesh frame = grid_solid({{{2, 2.2, 3.8, 4}, {-1, -0.8, 0.8, 1}, {-0.05, 0.05}}},
+                          [](int i, int j, int) { return i != 1 || j != 1; });
+  return joined({sphere_with_seams(8, 16), frame});
+}
+
+Fractured made_of(const Mesh& mesh, bool intact) {
+  FractureParameters p;
+  p.pattern = PointsPattern{{{-0.5, 0, 0}, {0.5, 0, 0}, {3, 0, 0}}};
+  p.hulls = Hulls::kConvex;
+  p.intact = intact;
+  return fracture_mesh(mesh, p);
+}
+
+Glb written(const Fractured& made, GltfOptions options = {}) { return Glb(write_glb(made, options)); }
+
+const json& intact_root(const Glb& file) {
+  return file.document["nodes"].at(file.document["scenes"].at(1)["nodes"].at(0).get<std::size_t>());
+}
+std::vector<json> parts(const Glb& file) {
+  std::vector<json> nodes;
+  for (const json& index : intact_root(file)["children"])
+    nodes.push_back(file.document["nodes"].at(index.get<std::size_t>()));
+  return nodes;
+}
+
+using Triangle = std::array<std::array<float, 3>, 3>;
+
+Triangle triangle(const std::vector<Vec3f>& points, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  Triangle t;
+  std::size_t corner = 0;
+  for (const std::uint32_t v : {a, b, c}) t[corner++] = {points[v].x, points[v].y, points[v].z};
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());  // the lowest corner first
+  return t;
+}
+
+std::multiset<Triangle> triangles_of(const Glb& file, const json& node) {
+  std::multiset<Triangle> triangles;
+  for (const json& p : file.document["meshes"].at(node["mesh"].get<std::size_t>())["primitives"]) {
+    const auto points = file.read<Vec3f>(p["attributes"]["POSITION"]);
+    const auto corners = file.read<std::uint16_t>(p["indices"]);
+    for (std::size_t t = 0; t < corners.size(); t += 3)
+      triangles.insert(triangle(points, corners[t], corners[t + 1], corners[t + 2]));
+  }
+  return triangles;
+}
+
+TEST(IntactScene, IsTheSecondOfTwoAndNotTheDefault) {
+  const Glb file = written(made_of(sphere_and_frame(), true));
+  EXPECT_EQ(file.document["scene"], 0);
+  ASSERT_EQ(file.document["scenes"].size(), 2u);
+  EXPECT_EQ(file.document["scenes"][1]["name"], "Intact");
+  EXPECT_EQ(intact_root(file)["name"], "Intact");
+  EXPECT_EQ(parts(file).size(), 2u);
+  std::set<std::string> names;
+  for (const json& node : file.document["nodes"]) EXPECT_TRUE(names.insert(node["name"]).second) << node;
+  for (const json& part : parts(file)) {
+    EXPECT_FALSE(part["extras"].contains("fracture")) << "readers know fragments by it";
+    for (const char* key : {"translation", "rotation", "scale", "matrix"}) EXPECT_FALSE(part.contains(key));
+  }
+}
+
+TEST(IntactScene, HasTheTrianglesOfTheSource) {
+  const Mesh mesh = sphere_and_frame();
+  const Glb file = written(made_of(mesh, true));
+  std::multiset<Triangle> given, found;
+  for (const auto& t : mesh.triangles) given.insert(triangle(mesh.positions, t[0], t[1], t[2]));
+  for (const json& part : parts(file)) found.merge(triangles_of(file, part));
+  EXPECT_EQ(given, found);
+}
+
+TEST(IntactScene, HasTheAttributesOfTheSource) {
+  const Mesh mesh = sphere_with_seams(8, 16);
+  ASSERT_FALSE(mesh.attributes.uvs.empty());
+  const Glb file = written(made_of(mesh, true));
+  ASSERT_EQ(parts(file).size(), 1u);
+  const json& p = file.document["meshes"].at(parts(file)[0]["mesh"].get<std::size_t>())["primitives"][0];
+  const auto sorted = [](const std::vector<Vec2f>& uvs) {
+    std::set<std::array<float, 2>> all;
+    for (const Vec2f& uv : uvs) all.insert({uv.x, uv.y});
+    return all;
+  };
+  EXPECT_EQ(sorted(file.read<Vec2f>(p["attributes"]["TEXCOORD_0"])), sorted(mesh.attributes.uvs[0]));
+}
+
+TEST(IntactScene, PartsHaveCollidersThatDoNotMove) {
+  GltfOptions options;
+  options.density = 500;
+  const Fractured made = made_of(sphere_and_frame(), true);
+  const Glb file = written(made, options);
+  const std::vector<json> nodes = parts(file);
+  ASSERT_EQ(nodes.size(), 2u);
+  EXPECT_FALSE(nodes[0].contains("children")) << "a sphere has one hull";
+  EXPECT_TRUE(nodes[0]["extensions"][kKhrName]["collider"]["geometry"]["convexHull"]);
+  ASSERT_EQ(nodes[1]["children"].size(), 4u) << "a frame has one for each bar";
+  std::set<std::size_t> meshes{nodes[0]["extensions"][kKhrName]["collider"]["geometry"]["mesh"]};
+  for (const json& child : nodes[1]["children"]) {
+    const json& node = file.document["nodes"].at(child.get<std::size_t>());
+    meshes.insert(node["extensions"][kKhrName]["collider"]["geometry"]["mesh"].get<std::size_t>());
+    EXPECT_FALSE(node["extensions"][kKhrName].contains("motion"));
+  }
+  EXPECT_EQ(meshes.size(), 5u);
+  for (const json& node : nodes) {
+    EXPECT_FALSE(node["extensions"].value(kKhrName, json::object()).contains("motion"));
+    EXPECT_NEAR(node["extras"]["intact"]["mass"].get<double>(),
+                500 * node["extras"]["intact"]["volume"].get<double>(), 1e-6);
+  }
+  EXPECT_NEAR(nodes[1]["extras"]["intact"]["volume"].get<double>(), 0.1 * 4 * 0.36, 1e-6);
+}
+
+TEST(IntactScene, TheOtherFormatsOfPhysicsHaveItsHullsToo) {
+  GltfOptions options;
+  options.physics = Physics::kOmi;
+  options.ue_collision = UeCollision::kUcx;
+  const Fractured made = made_of(sphere_and_frame(), true);
+  const Glb file = written(made, options);
+  const json& shapes = file.document["extensions"]["OMI_physics_shape"]["shapes"];
+  EXPECT_EQ(shapes.size(), made.report.hulls->hulls + 5);
+  const std::vector<json> nodes = parts(file);
+  ASSERT_EQ(nodes[1]["children"].size(), 8u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const json& collider = file.document["nodes"].at(nodes[1]["children"][k].get<std::size_t>());
+    const json& ucx = file.document["nodes"].at(nodes[1]["children"][k + 4].get<std::size_t>());
+    const std::size_t shape = collider["extensions"]["OMI_physics_body"]["collider"]["shape"];
+    EXPECT_EQ(shapes.at(shape)["convex"]["mesh"], ucx["mesh"]);
+    EXPECT_EQ(ucx["name"], "UCX_" + nodes[1]["name"].get<std::string>() + "_0" + std::to_string(k));
+  }
+  EXPECT_EQ(nodes[0]["children"].size(), 1u);
+}
+
+TEST(IntactScene, ChangesNothingOfTheFragments) {
+  const Mesh mesh = sphere_and_frame();
+  const Glb with = written(made_of(mesh, true)), without = written(made_of(mesh, false));
+  EXPECT_EQ(without.document["scenes"].size(), 1u);
+  for (const char* array : {"nodes", "meshes"})
+    for (std::size_t k = 0; k < without.document[array].size(); ++k)
+      EXPECT_EQ(with.document[array].at(k), without.document[array][k]) << array << " " << k;
+}
+
+TEST(IntactScene, ReadersOfTheDefaultSceneDoNotSeeIt) {
+  const Mesh mesh = sphere_and_frame();
+  const auto read = [&](bool intact) {
+    const std::vector<std::uint8_t> glb = write_glb(made_of(mesh, intact), {});
+    return import_mesh(std::as_bytes(std::span(glb)), MeshFormat::kGlb, {}).value();
+  };
+  const Mesh with = read(true), without = read(false);
+  EXPECT_EQ(with.positions, without.positions);
+  EXPECT_EQ(with.triangles, without.triangles);
+  EXPECT_EQ(with.material, without.material);
+  EXPECT_EQ(with.node_names, without.node_names);
+}
+
+TEST(IntactScene, WhatWasNotFracturedIsInBothScenes) {
+  auto rest = std::make_shared<Mesh>(translated(cube(), {0, 5, 0}));
+  rest->node.assign(rest->triangles.size(), 0);
+  rest->material.assign(rest->triangles.size(), kNoIndex);
+  rest->node_names = {"shelf"};
+  Mesh mesh = sphere_and_frame();
+  mesh.passed_through = rest;
+  const Glb file = written(made_of(mesh, true));
+  const std::vector<json> nodes = parts(file);
+  ASSERT_EQ(nodes.size(), 3u);
+  std::size_t drawn = 0;
+  for (const json& node : file.document["nodes"])
+    drawn += node.contains("mesh") && node["mesh"] == nodes[2]["mesh"];
+  EXPECT_EQ(drawn, 2u);
+  EXPECT_EQ(nodes[2]["name"], "shelf_intact");
+}
+
+}  // namespace
+}  // namespace fracture::test
