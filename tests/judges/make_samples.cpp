@@ -13,6 +13,7 @@
 #ifdef FRACTURE_HAS_PIPELINE
 #include "common/import/import.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "tests/import/make_files.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
@@ -60,6 +61,36 @@ std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters paramete
   return std::move(*made);
 }
 
+/// A source whose nodes are moved, turned and scaled, and its fragments with pivot=source and the unbroken mesh.
+bool write_pivot_samples(const std::filesystem::path& folder) {
+  Tetrahedron source;
+  source.json["nodes"] = {{{"name", "above"},
+                           {"children", {1}},
+                           {"translation", {3, -2, 5}},
+                           {"rotation", {0, 0.6, 0, 0.8}},
+                           {"scale", {2, 2, 2}}},
+                          {{"name", "tet"},
+                           {"mesh", 0},
+                           {"translation", {0.5, 0.25, -1}},
+                           {"rotation", {0.48, 0, 0.6, 0.64}},
+                           {"scale", {1, 0.5, 3}}}};
+  source.json["accessors"][0]["min"] = {0, 0, 0};
+  source.json["accessors"][0]["max"] = {1, 1, 1};
+  const std::string glb = source.glb();
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "source.glb", std::ios::binary) << glb;
+  Expected<Mesh> mesh = import_text(glb, MeshFormat::kGlb);
+  if (!mesh) return false;
+  FractureParameters parameters;
+  parameters.sites = 8;
+  parameters.pivot = Pivot::kSource;
+  parameters.intact = true;
+  GltfOptions options;
+  const std::optional<FracturedSolid> made = fracture_of(std::move(*mesh), parameters, options);
+  if (made) write(folder / "fragments.glb", *made, options);
+  return made.has_value();
+}
+
 bool fracture_to(const std::filesystem::path& path, Mesh mesh, std::uint32_t sites) {
   FractureParameters parameters;
   parameters.sites = sites;
@@ -94,12 +125,23 @@ int run(const std::filesystem::path& folder) {
   expect(fracture_to(folder / "torus.glb", torus(48, 24), 50), "torus");
   expect(fracture_to(folder / "seams.glb", sphere_with_seams(24, 48), 100), "sphere with seams");
   expect(fracture_to(folder / "one.glb", cube(), 1), "cube in one piece");
+  expect(write_pivot_samples(folder / "pivot"), "the tetrahedron of turned nodes");
   GltfOptions plain;
   if (const auto made = fracture_of(cube(), grouped(box_of(cube())), plain)) {
     write(folder / "compound.glb", *made);
     write_variants(folder, "compound", *made);
   } else {
     expect(false, "cube in groups");
+  }
+  FractureParameters unbroken;
+  unbroken.sites = 20;
+  unbroken.intact = true;
+  if (const auto made =
+          fracture_of(joined({torus(48, 24), box({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2})}), unbroken, plain)) {
+    write(folder / "intact.glb", *made);
+    write_variants(folder, "intact", *made);
+  } else {
+    expect(false, "a ring around a box, with the unbroken mesh");
   }
   FractureParameters rough;
   rough.sites = 30;
