@@ -22,9 +22,7 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
   ChangedFragments out{.set = before, .replaced = {}, .made = {}, .first_bond = before.bonds.size()};
   FragmentSet& set = out.set;
   std::unordered_map<std::uint64_t, std::uint32_t> number;  // used only for lookups
-  int systems = 0;
   for (std::uint32_t k = 0; k < set.fragments.size(); ++k) {
-    systems = std::max(systems, set.fragments[k].system + 1);
     if (!set.fragments[k].gone) number.emplace(set.fragments[k].id, k);
   }
   for (const auto* list : {&change.gone, &change.changed})
@@ -33,6 +31,11 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
       if (at == number.end()) return fail(ErrorCode::kMalformedMesh, no_such(id));
       out.replaced.push_back(at->second);
     }
+  // Pairs of a changed fragment come from the new answer.
+  for (const std::uint32_t replaced : out.replaced)
+    for (const std::uint64_t other : set.fragments[replaced].apart)
+      if (const auto at = number.find(other); at != number.end())
+        std::erase(set.fragments[at->second].apart, set.fragments[replaced].id);
   for (const std::uint64_t id : change.gone) {
     const auto at = number.find(id);
     if (at == number.end()) return fail(ErrorCode::kMalformedMesh, no_such(id));  // the file lists it twice
@@ -40,7 +43,6 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
     number.erase(at);
   }
   for (Fragment& fragment : change.fragments) {
-    if (fragment.system >= 0) fragment.system += systems;  // each file counts its systems from 0
     const auto at = number.find(fragment.id);
     const bool changed =
         std::find(change.changed.begin(), change.changed.end(), fragment.id) != change.changed.end();

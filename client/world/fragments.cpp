@@ -1,5 +1,6 @@
 #include "client/world/fragments.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -91,6 +92,7 @@ class FragmentReader {
 
   FragmentSet read() {
     const json& root = read_nodes();
+    read_filtered(root);
     std::vector<FragmentChange::End> ends;
     if (root.contains("bonds")) read_bonds(root["bonds"], set_.bonds, ends);
     for (std::size_t k = 0; k < ends.size(); ++k) {
@@ -103,6 +105,7 @@ class FragmentReader {
 
   FragmentChange read_change() {
     const json& root = read_nodes();
+    read_filtered(root);
     FragmentChange change;
     const json& delta = member(root, "delta", "extras.fracture");
     const auto ids = [&](const char* key) {
@@ -215,8 +218,6 @@ class FragmentReader {
     }
     if (hull.size() < 4) malformed("Hull " + std::to_string(mesh) + " has fewer than four points.");
     fragment.hulls.push_back(std::move(hull));
-    if (const json* system = find(*collider, "collisionFilter"))
-      fragment.system = static_cast<int>(whole(*system, "A collider's collisionFilter") & 0x7fffffff);
   }
 
   std::uint32_t index_of(std::uint64_t id) const {
@@ -224,6 +225,25 @@ class FragmentReader {
     if (it == index_.end())
       malformed("A bond or a hit refers to fragment " + std::to_string(id) + ", which does not exist.");
     return it->second;
+  }
+
+  /// In a delta one of the two may be a fragment of the earlier answer.
+  void read_filtered(const json& root) {
+    const json* filtered = find(root, "filtered");
+    if (filtered == nullptr) return;
+    const json &a = member(*filtered, "a", "filtered"), &b = member(*filtered, "b", "filtered");
+    if (!a.is_array() || !b.is_array() || a.size() != b.size())
+      malformed("The columns of extras.fracture.filtered must be arrays of the same length.");
+    const auto note = [&](std::uint64_t id, std::uint64_t other) {
+      if (const auto at = index_.find(id); at != index_.end())
+        set_.fragments[at->second].apart.push_back(other);
+    };
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      const std::uint64_t x = whole(a[k], "filtered.a"), y = whole(b[k], "filtered.b");
+      note(x, y);
+      note(y, x);
+    }
+    for (Fragment& fragment : set_.fragments) std::sort(fragment.apart.begin(), fragment.apart.end());
   }
 
   static void read_bonds(const json& bonds, std::vector<Bond>& read, std::vector<FragmentChange::End>& ends) {

@@ -22,7 +22,8 @@ struct Fragment {
   MassProperties mass;  ///< in the frame of the asset
   std::vector<Hull> hulls;
   bool anchored = false;
-  int system = -1;  ///< fragments of the same system do not collide with one another; -1: none
+  /// The ids of fragments that overlap it and must not collide with it, ascending.
+  std::vector<std::uint64_t> apart{};
   /// A later hit has replaced it by others (change.hpp). It stays in the set so that the others keep their
   /// numbers.
   bool gone = false;

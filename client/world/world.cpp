@@ -22,20 +22,24 @@ Pose inverse(const Pose& pose) {
 
 namespace {
 
-/// Pieces of one cell may overlap, so the file states which must not collide. Crumbs do not collide with one
-/// another.
-struct SystemFilter : btOverlapFilterCallback {
+/// Fragments may overlap, so the file states which must not collide. Crumbs do not collide with one another.
+struct ApartFilter : btOverlapFilterCallback {
   const std::vector<std::unique_ptr<Object>>& objects;
-  explicit SystemFilter(const std::vector<std::unique_ptr<Object>>& o) : objects(o) {}
+  explicit ApartFilter(const std::vector<std::unique_ptr<Object>>& o) : objects(o) {}
 
   const Body* body_of(const btBroadphaseProxy* proxy) const {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
     return object ? static_cast<const Body*>(object->getUserPointer()) : nullptr;
   }
-  int system(const Body& body) const {
+  /// Null: several fragments, or none.
+  const Fragment* fragment_of(const Body& body) const {
     return body.kind == Body::Kind::kGroup && body.members.size() == 1
-               ? objects[body.object]->fragments->set.fragments[body.members[0]].system
-               : -1;
+               ? &objects[body.object]->fragments->set.fragments[body.members[0]]
+               : nullptr;
+  }
+  /// After a hit only the newer fragment may name the other.
+  static bool names(const Fragment& a, const Fragment& b) {
+    return std::binary_search(a.apart.begin(), a.apart.end(), b.id);
   }
   bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
     if ((a->m_collisionFilterGroup & b->m_collisionFilterMask) == 0 ||
@@ -45,8 +49,9 @@ struct SystemFilter : btOverlapFilterCallback {
     if (first == nullptr || second == nullptr) return true;
     if (first->crumb && second->crumb) return false;
     if (first->object != second->object) return true;
-    const int s = system(*first);
-    return s < 0 || s != system(*second);
+    const Fragment *a_alone = fragment_of(*first), *b_alone = fragment_of(*second);
+    return a_alone == nullptr || b_alone == nullptr ||
+           (!names(*a_alone, *b_alone) && !names(*b_alone, *a_alone));
   }
 };
 
@@ -99,7 +104,7 @@ World::State::State(WorldSettings s)
   // Overlapping hulls of ragged pieces part slowly, because parting lifts them. Penetration of the ground is
   // corrected at once.
   bullet.getSolverInfo().m_erp2 = 0.2;
-  filter = std::make_unique<SystemFilter>(objects);
+  filter = std::make_unique<ApartFilter>(objects);
   bullet.when_contacts_are_found = [this] { rouse(); };
   bullet.getPairCache()->setOverlapFilterCallback(filter.get());
   auto ground = std::make_unique<Body>();

@@ -14,9 +14,11 @@ namespace {
 /// Triangles whose normals have a larger cosine may coincide. Normals of slivers are unreliable, but slivers add almost
 /// no area.
 constexpr double kAlike = 0.99;
-/// A surface that coincides with another one is moved by so many roundings, so that all of it is on one side.
+/// A surface that coincides with another one is moved by this many roundings, so that all of it is on one
+/// side.
 constexpr double kMove = 2;
-/// Shares of a triangle's area: smaller ones are noise, and the largest difference between two equal sums.
+/// Shares of a triangle's area. Smaller areas than the first are noise. The second is the largest
+/// difference between two sums that count as equal.
 constexpr double kNothing = 1e-12, kSame = 1e-3;
 
 Vec3f to_float(const Vec3d& p) {
@@ -29,7 +31,7 @@ void sort_by_triangle(std::vector<Item>& items) {
                    [](const Item& x, const Item& y) { return x.triangle < y.triangle; });
 }
 
-/// The items of triangle k from `first` on; moves `first` past them.
+/// Returns the items of triangle k, which begin at `first`, and moves `first` past them.
 template <class Item>
 std::span<const Item> of_triangle(const std::vector<Item>& items, std::size_t& first, std::size_t k) {
   const std::size_t begin = first;
@@ -89,8 +91,7 @@ void PieceMaker::add_common(const NearPair& pair, const Overlap& overlap, std::v
 std::vector<char> PieceMaker::move_off(NearPair& pair, bool of_b, std::vector<Corners>& exact) {
   std::vector<NearTriangle>& own = of_b ? pair.b : pair.a;
   const std::vector<NearTriangle>& others = of_b ? pair.a : pair.b;
-  std::vector<double>
-      on;  // m² that coincide with surface of the same outside, minus those that coincide with facing surface
+  std::vector<double> on;  // m² on surface facing the same way, minus m² on surface facing this one
   std::vector<char> moved;
   for (const auto& p : pair.pairs) {
     pacer_.step();
@@ -117,7 +118,7 @@ std::vector<char> PieceMaker::move_off(NearPair& pair, bool of_b, std::vector<Co
   return moved;
 }
 
-/// The winding numbers of a triangle that does not share corners with others.
+/// Returns the winding numbers at the corners of a triangle that shares no corners with others.
 std::array<int, 3> PieceMaker::windings_alone(const Corners& corners, const Crossed& crossed,
                                               std::uint32_t around, Owner owner) {
   const int first = winding_around(surfaces_, around, corners[0], owner, pacer_);

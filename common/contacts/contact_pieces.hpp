@@ -1,4 +1,4 @@
-// The surface that is a contact's area, as convex pieces.
+// The surface of a contact, divided into convex pieces.
 #pragma once
 
 #include <vector>
@@ -10,27 +10,28 @@
 
 namespace fracture::contacts_detail {
 
-/// Keeps its memory from pair to pair; borrows all.
+/// Makes contact pieces. Reuses its memory from pair to pair; borrows all.
 class PieceMaker {
  public:
   PieceMaker(const PartSurfaces& surfaces, Pacer& pacer)
       : surfaces_(surfaces), pacer_(pacer), sweep_(pacer) {}
 
-  /// Adds the pieces of a contact measured by facing: the polygons on its measured part.
+  /// Adds the pieces of a contact measured by facing, which are polygons on its measured part.
   void add_facing(const Contact& contact, const NearPair& pair, const FacingPolygons& polygons,
                   std::vector<ContactPiece>& pieces);
   /// Adds the pieces of a contact measured by common surface.
   void add_common(const NearPair& pair, const Overlap& overlap, std::vector<ContactPiece>& pieces);
-  /// Adds the pieces of a contact measured by the surface inside the other part. Triangles of the pair that coincide with the
-  /// other part's surface apart from rounding are moved to the side on which they are not inside, because otherwise
-  /// chance would decide.
+  /// Adds the pieces of a contact measured by the surface inside the other part. Some triangles of the pair
+  /// coincide with the other part's surface apart from rounding, so chance would decide whether they are
+  /// inside. They are moved to the side on which they are not inside.
   void add_inside(const Contact& contact, NearPair& pair, const Overlap& overlap,
                   std::vector<ContactPiece>& pieces);
 
  private:
   void add_polygon(std::span<const Vec3d> corners, double area, const Vec3d& normal, double height,
                    std::vector<ContactPiece>& pieces) const;
-  /// Returns for each triangle whether it was moved; empty if none coincides.
+  /// Moves triangles off the other part's surface. Returns, per triangle, whether it was moved; empty if
+  /// none coincides.
   std::vector<char> move_off(NearPair& pair, bool of_b, std::vector<Corners>& exact);
   std::array<int, 3> windings_alone(const Corners& corners, const Crossed& crossed, std::uint32_t around,
                                     Owner owner);

@@ -1,4 +1,4 @@
-// The contacts of a solid's parts, as statistics for a report.
+// Statistics about the contacts of a solid's parts, for a report.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct ContactReport {
   std::uint64_t pairs = 0;  ///< number of contacts
   std::uint64_t touching = 0, overlapping = 0;  ///< numbers of contacts of each kind
   double area = 0;                              ///< m², sum over all contacts
-  double volume = 0;  ///< m³ that pairs of parts have in common; space in three parts counts in three pairs
+  double volume = 0;  ///< m³ that pairs of parts have in common; space in three parts counts three times
   std::vector<Contact>
       listed{};  ///< the kMostListedContacts with the largest areas, largest first; ties by a and b
   bool operator==(const ContactReport&) const = default;
@@ -25,7 +25,8 @@ struct ContactReport {
 
 inline constexpr std::size_t kMostListedContacts = 100;
 
-/// Nothing if the solid has only one part, or if its contacts were not searched for.
+/// Returns the statistics; nothing if the solid has only one part, or if its contacts were not searched
+/// for.
 std::optional<ContactReport> contact_report(const Solid& solid);
 
 }  // namespace fracture

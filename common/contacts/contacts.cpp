@@ -54,7 +54,7 @@ ContactGraph find_contacts(const Solid& solid, double gap, const Execution& exec
       }
       execution.made(Product::kContacts, here.contacts.size() - before);
       execution.made(Product::kPolygons,
-                     (here.pieces.size() - all_before + 3) / 4);  // a quarter of its bytes
+                     (here.pieces.size() - all_before + 3) / 4);  // a quarter of a polygon's bytes
     }
   });
   std::size_t contacts = 0, pieces = 0;

@@ -21,18 +21,22 @@
 
 namespace fracture {
 
-/// Default and maximum of the parameter contact_gap, as shares of the longest side of the solid's box. With larger gaps
-/// most parts would be in contact with most others, and the number of contacts would grow quadratically.
+/// Default and maximum of the parameter contact_gap, as fractions of the longest side of the solid's box.
+/// With larger gaps, most parts would be in contact with most others, and the number of contacts would grow
+/// quadratically.
 inline constexpr double kContactGap = 1e-3, kMostContactGap = 0.1;
 
-/// `gap`: m, finite, not negative. Parts may overlap, contain each other and have cavities. If a part overlaps
-/// itself, areas and volumes count as often as the part winds around them.
+/// Finds the contacts of all pairs of parts. `gap`: m, finite, not negative. Parts may overlap, contain
+/// each other and have cavities. If a part overlaps itself, areas and volumes count as often as the part
+/// winds around them.
 ///
-/// Near-linear in triangles, in pairs of parts whose boxes meet, and in pairs of triangles within the gap. The bytes do
-/// not depend on the number of threads. Throws Interrupted, also if the contacts need too much memory.
+/// Near-linear in triangles, in pairs of parts whose boxes meet, and in pairs of triangles within the gap.
+/// The bytes do not depend on the number of threads. Throws Interrupted, even if the contacts need too much
+/// memory.
 ContactGraph find_contacts(const Solid& solid, double gap, const Execution& execution);
 
-/// Stores the graph as Solid::contacts. `gap`: m, limited to kMostContactGap; if empty, kContactGap is used.
+/// Finds the contacts and stores them as Solid::contacts. `gap`: m, limited to kMostContactGap; if empty,
+/// kContactGap is used.
 void keep_contacts(Solid& solid, std::optional<double> gap, const Execution& execution);
 
 }  // namespace fracture

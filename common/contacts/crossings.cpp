@@ -23,8 +23,8 @@ Crossings::Crossings(const Solid& solid, const NearPair& pair, std::vector<Corne
   }
 }
 
-/// The place at which edge k of s meets the plane of t, and its parameter along the edge. Both triangles at the edge get
-/// the same place.
+/// Returns the place at which edge k of s meets the plane of t, and its parameter along the edge. Both
+/// triangles at the edge get the same place.
 std::pair<Vec3d, double> Crossings::place_on(const NearTriangle& s, std::size_t k,
                                              const NearTriangle& t) const {
   const auto& v = solid_.triangles[s.triangle];
@@ -36,8 +36,9 @@ std::pair<Vec3d, double> Crossings::place_on(const NearTriangle& s, std::size_t 
   return {p + x * (q - p), turned ? 1 - x : x};
 }
 
-/// Edge k of s passes t from outside to inside (jump 1) or back (-1). At this place, the region of s inside the other part
-/// continues along the edge: the segment of s ends here, and that of t begins.
+/// Adds a crossing: edge k of s passes through t, from outside to inside (jump 1) or back (-1). From this
+/// place, the region of s inside the other part continues along the edge: the segment of s ends here, and
+/// that of t begins.
 void Crossings::add_crossing(Owner owner, std::uint32_t i, std::size_t k, const NearTriangle& t, int jump,
                              Ends& of_s, Ends& of_t) {
   const bool is_a = owner == Owner::kA;
@@ -105,7 +106,8 @@ Patch inside_of(const NearTriangle& t, const Crossed& crossed, const std::array<
     const double area = windings[0] * t.area;
     return {area, area * (o + (1.0 / 3) * (e1 + e2))};
   }
-  // On edge 1, the winding number at x is that at the edge's end minus the jumps after x. Its integral, and that times 2 x:
+  // On edge 1, the winding number at x is that at the edge's end, minus the jumps after x. These are its
+  // integral, and its integral times 2 x:
   const double once = windings[2] - crossed.jumps_at, twice = windings[2] - crossed.jumps_at_squares;
   const double whole = 2 * t.area;
   const double area = 0.5 * (dot(t.normal, crossed.across) + whole * once);

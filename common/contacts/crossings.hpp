@@ -11,8 +11,8 @@
 
 namespace fracture::contacts_detail {
 
-/// Sums over the crossings of a triangle, in coordinates relative to its corner 0. There, the two edges at this corner
-/// contribute nothing to integrals.
+/// Sums over the crossings of a triangle, in coordinates relative to its corner 0, so that the two edges at
+/// this corner contribute nothing to integrals.
 struct Crossed {
   Vec3d across;  ///< Σ tail x head over the segments, m²
   Vec3d moment;  ///< Σ (normal · tail x head)(tail + head), m³
@@ -22,18 +22,19 @@ struct Crossed {
   bool crossed = false;
 };
 
-/// The end of a segment, m.
+/// The two ends of a segment, m.
 struct Ends {
   Vec3d tail, head;
   bool has_tail = false, has_head = false;
 };
 
-/// A segment in which a triangle crosses the other part, m. The side inside the other part is on its left.
+/// A segment along which a triangle crosses the other part, m. The side inside the other part is on its
+/// left.
 struct Segment {
   std::uint32_t triangle;  ///< in NearPair::a or b
   Vec3d tail, head;
 };
-/// By how much the winding number grows at a place on an edge.
+/// Change of the winding number at a place on an edge.
 struct EdgeJump {
   std::uint32_t triangle;
   std::uint32_t edge;
@@ -41,7 +42,7 @@ struct EdgeJump {
   double x;  ///< along the edge, 0 to 1
 };
 
-/// Borrows the solid and the pair.
+/// Finds all crossings of a pair. Borrows the solid and the pair.
 class Crossings {
  public:
   /// `a`, `b`: the exact corners of the pair's triangles, not relative to its middle. Throws Interrupted.
@@ -72,10 +73,10 @@ class Crossings {
   bool any_ = false;
 };
 
-/// The corners of each triangle as they are in the solid.
+/// Returns the corners of each triangle as they are in the solid.
 std::vector<Corners> exact_corners(const PartSurfaces& surfaces, const std::vector<NearTriangle>& triangles);
 
-/// The region of the triangle that is inside the other part.
+/// Returns the area and moment of the triangle's region inside the other part.
 Patch inside_of(const NearTriangle& t, const Crossed& crossed, const std::array<int, 3>& windings);
 
 }  // namespace fracture::contacts_detail

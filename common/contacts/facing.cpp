@@ -24,7 +24,7 @@ void cut(Polygon& polygon, const Height& height) {
     const int next = k + 1 < polygon.size ? k + 1 : 0;
     const double here = heights[static_cast<std::size_t>(k)], there = heights[static_cast<std::size_t>(next)];
     if (here >= 0) kept.push(polygon[k]);
-    // From the side that is kept, so that both directions give one point.
+    // Computed from the kept side, so that both directions give the same point.
     if (here >= 0 && there < 0)
       kept.push(polygon[k] + (here / (here - there)) * (polygon[next] - polygon[k]));
     else if (here < 0 && there >= 0)
@@ -60,7 +60,8 @@ Patch part_over(const NearTriangle& s, const NearTriangle& t, const Range& range
 
 namespace {
 
-/// Stores a polygon with its mean height over the plane through `foot`, onto which it is projected unless `is_on_plane`.
+/// Stores a polygon with its mean height over the plane through `foot`. Projects it onto this plane unless
+/// `is_on_plane`.
 void keep(const Polygon& polygon, std::uint32_t triangle, double area, const Vec3d& normal, const Vec3d& foot,
           bool is_on_plane, FacingPolygons& kept) {
   FacingPolygon made{triangle, static_cast<std::uint32_t>(kept.corners.size()),

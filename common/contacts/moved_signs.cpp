@@ -8,7 +8,7 @@
 namespace fracture::contacts_detail {
 namespace {
 
-/// Sign of u v' - v u', where u, v, u' and v' are differences of floats.
+/// Returns the sign of u v' - v u', where u, v, u' and v' are differences of floats.
 int cross_sign(double pu, double pv, double qu, double qv, double cu, double cv, double du, double dv) {
   const double left = (qu - pu) * (dv - cv), right = (qv - pv) * (du - cu);
   // Each product has three roundings, and the difference one more (as in solid/float_predicates.cpp).
@@ -22,7 +22,7 @@ int cross_sign(double pu, double pv, double qu, double qv, double cu, double cv,
   return sum.sign();
 }
 
-/// The first nonzero sign among the components y, z, x of (q - p) x (d - c).
+/// Returns the first nonzero sign among the components y, z, x of (q - p) x (d - c).
 int first_sign_of_cross(const Vec3d& p, const Vec3d& q, const Vec3d& c, const Vec3d& d) {
   if (const int y = cross_sign(p.z, p.x, q.z, q.x, c.z, c.x, d.z, d.x); y != 0) return y;
   if (const int z = cross_sign(p.x, p.y, q.x, q.y, c.x, c.y, d.x, d.y); z != 0) return z;

@@ -73,7 +73,7 @@ NearTriangle NearPair::made_of(const PartSurfaces& surfaces, std::uint32_t trian
   return made;
 }
 
-/// The triangles of the part that are within reach of the other part's box.
+/// Fills `near` with the triangles of the part that are within reach of the other part's box.
 void NearPair::gather_near(const PartSurfaces& surfaces, std::uint32_t part, std::uint32_t other,
                            std::vector<NearTriangle>& near, Pacer& pacer) const {
   near.clear();
@@ -83,7 +83,7 @@ void NearPair::gather_near(const PartSurfaces& surfaces, std::uint32_t part, std
 
 namespace {
 
-/// Whether t is more than `reach` away from the plane of s, on one side.
+/// Whether t is entirely on one side of the plane of s, farther from it than `reach`.
 bool is_beyond(const NearTriangle& s, const NearTriangle& t, double reach) {
   const double u = dot(s.normal, t.corners[0] - s.corners[0]), v = dot(s.normal, t.corners[1] - s.corners[0]),
                w = dot(s.normal, t.corners[2] - s.corners[0]);
@@ -121,7 +121,8 @@ void NearPair::gather(const PartSurfaces& surfaces, const Execution& execution, 
     gather_near(surfaces, part_b, part_a, b, pacer);
     return find_pairs(execution, pacer);
   }
-  // If both are large, the part with the smaller box is searched, because fewer triangles of the other are near its box.
+  // If both parts are large, the part with the smaller box is searched, because fewer triangles of the
+  // other part are near that box.
   const auto& parts = surfaces.solid().parts;
   const bool smaller_b = parts[part_b].box.longest_side() <= parts[part_a].box.longest_side();
   const bool search_b = surfaces.has_tree(part_b) && (smaller_b || !surfaces.has_tree(part_a));

@@ -27,7 +27,8 @@ struct Patch {
   }
 };
 
-/// In coordinates relative to the middle of a pair of parts, which avoids cancellation far from the origin.
+/// A triangle in coordinates relative to the middle of a pair of parts, which avoids cancellation far from
+/// the origin.
 struct NearTriangle {
   Corners corners;
   Vec3d normal;  ///< unit, outwards; 0 for a triangle without area
@@ -51,7 +52,8 @@ class PartSurfaces {
             to_double(solid_.positions[v[2]])};
   }
 
-  /// Calls visit(triangle) for each triangle of the part whose box meets this box, and for few others.
+  /// Calls visit(triangle) for each triangle of the part whose box meets this box, and possibly for a few
+  /// others.
   template <class Visit>
   void each_near(std::uint32_t part, const Box& box, Pacer& pacer, const Visit& visit) const {
     if (const BoxTree* tree = trees_[part].get()) {
@@ -69,24 +71,24 @@ class PartSurfaces {
   /// A part's surface, seen from the middle of the part's box.
   struct Core {
     Vec3d center;
-    double farthest = 0;  ///< m: largest distance of a vertex from there
-    double nearest = 0;   ///< m: smallest distance of the surface from there
-    int winding = 0;      ///< the part's winding number around all points nearer than that
+    double farthest = 0;  ///< m: largest distance of a vertex from the centre
+    double nearest = 0;   ///< m: smallest distance of the surface from the centre
+    int winding = 0;      ///< the part's winding number around all points nearer to the centre than `nearest`
   };
-  /// Computed on first use; thread-safe. Throws Interrupted.
+  /// Returns the core, which is computed on first use; thread-safe. Throws Interrupted.
   const Core& core(std::uint32_t part, Pacer& pacer) const;
 
   /// Whether a search costs less than examining all triangles of the part.
   bool has_tree(std::uint32_t part) const { return trees_[part] != nullptr; }
 
  private:
-  static constexpr std::uint32_t kSmallPart = 64;  ///< up to so many triangles are examined one by one
+  static constexpr std::uint32_t kSmallPart = 64;  ///< up to this number, triangles are examined one by one
 
   Box bounds_of(std::uint32_t triangle) const;
 
   const Solid& solid_;
-  std::vector<std::uint32_t> begin_;             ///< per part, and the end
-  std::vector<std::unique_ptr<BoxTree>> trees_;  ///< of parts that are not small
+  std::vector<std::uint32_t> begin_;             ///< per part, plus the end
+  std::vector<std::unique_ptr<BoxTree>> trees_;  ///< for parts that are not small
   struct LazyCore {
     std::once_flag once;
     Core core;
@@ -110,7 +112,7 @@ struct NearPair {
   double rounding = 0;  ///< m: smaller distances are noise
   double reach = 0;     ///< m: the gap and the rounding
   std::vector<NearTriangle> a, b;
-  std::vector<std::array<std::uint32_t, 2>> pairs;  ///< of a and b: all that are within reach, and others
+  std::vector<std::array<std::uint32_t, 2>> pairs;  ///< indices into a and b: all within reach, and others
   bool whole = false;  ///< a and b contain all triangles that meet the other part's box, widened by reach
 
   /// Finds all pairs and at least the triangles in them; for a part with a tree, only these triangles.

@@ -32,8 +32,8 @@ void take_common_surface(const NearPair& pair, Overlap& overlap, Pacer& pacer) {
       overlap.flush.add(common.area, common.moment);
       overlap.flush_pairs.push_back({i, k});
     }
-    // If both have the same outside, the triangle that is moved less far outwards is inside. If they face each other, both
-    // are inside, or neither.
+    // If both triangles face the same way, the one that is moved less far outwards is inside. If they face
+    // each other, both or neither are inside.
     if (cosine > 0 ? !outwards : outwards) overlap.a.take(common, s.normal);
     if (outwards) overlap.b.take(common, t.normal);
   }

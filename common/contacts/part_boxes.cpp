@@ -6,10 +6,10 @@
 namespace fracture::contacts_detail {
 namespace {
 
-/// Aligned boxes must be smaller by this factor to be worth their cost.
+/// Rotated boxes must be smaller by this factor to be worth their cost.
 constexpr double kWorthwhile = 0.75;
 
-/// Σ area · n nᵀ over the triangles, apart from a factor.
+/// Returns Σ area · n nᵀ over the triangles, up to a factor.
 Matrix3 spread_of_normals(const Solid& solid, Pacer& pacer) {
   Matrix3 spread{{Vec3d{}, Vec3d{}, Vec3d{}}};
   pacer.each(0, solid.triangles.size(), [&](std::size_t t) {
@@ -26,7 +26,8 @@ Matrix3 spread_of_normals(const Solid& solid, Pacer& pacer) {
   return spread;
 }
 
-/// Three directions at right angles: the one in which the least surface faces (along boards), and the one in which most does.
+/// Returns three orthogonal directions. The first is the one in which the least surface faces (along
+/// boards); the second is nearest to the one in which the most does.
 std::optional<Matrix3> frame_of(const Matrix3& spread) {
   const auto least = short_axis(spread);
   const auto most = long_axis(spread);
@@ -52,7 +53,7 @@ std::vector<Box> boxes_along(const Matrix3& frame, const Solid& solid, Pacer& pa
   return boxes;
 }
 
-/// Empty if these boxes are not smaller than axis-aligned ones.
+/// Returns boxes in the frame above; empty if these are not smaller than axis-aligned ones.
 std::vector<Box> turned_boxes(const Solid& solid, const Execution& execution) {
   Pacer pacer(execution);
   const auto frame = frame_of(spread_of_normals(solid, pacer));

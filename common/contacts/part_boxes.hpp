@@ -11,8 +11,9 @@
 
 namespace fracture::contacts_detail {
 
-/// A tree of the parts' boxes. The boxes are aligned with the axes, or with the directions in which most of the surface
-/// faces if that makes them smaller. Rotated boards next to each other have axis-aligned boxes that all meet.
+/// A tree of the parts' boxes. The boxes are aligned with the axes, or with the directions in which most of
+/// the surface faces if that makes them smaller. For example, rotated boards next to each other have
+/// axis-aligned boxes that all meet.
 class PartBoxes {
  public:
   /// Borrows the solid. `reach`: m, more than rounding. Throws Interrupted.

@@ -29,15 +29,15 @@ double rounding_of(const Box& box) {
   return 0x1p-22 * largest;
 }
 
-/// Whether the boxes have more in common than rounding can cause for boxes that touch.
+/// Whether the boxes have more in common than rounding can cause for boxes that only touch.
 bool PairMeasurer::overlap_shows(const Box& common) const {
   for (int axis = 0; axis < 3; ++axis)
     if (!(common.max[axis] - common.min[axis] > pair_.rounding)) return false;
   return true;
 }
 
-/// Whether a plane separates the parts, apart from rounding: then nothing overlaps. If the parts are small, the planes of the
-/// triangles that face the other part most are tried.
+/// Whether a plane separates the parts, apart from rounding, so that nothing overlaps. Only tried for small
+/// parts, with the plane of the triangle in each part that faces the other part most.
 bool PairMeasurer::parted_by_plane() const {
   constexpr std::uint32_t kSmall = 64;
   if (surfaces_.triangles_of(pair_.part_a) > kSmall || surfaces_.triangles_of(pair_.part_b) > kSmall)
@@ -78,7 +78,8 @@ bool PairMeasurer::within_reach() {
   return false;
 }
 
-/// Whether `inner` is inside an empty ball: one around the middle of `outer` that the surface and the inside of `outer` leave free.
+/// Whether `inner` lies in an empty ball: a ball around the middle of `outer` that neither meets the
+/// surface of `outer` nor lies inside it.
 bool PairMeasurer::is_in_hollow(std::uint32_t inner, std::uint32_t outer) {
   const auto& parts = surfaces_.solid().parts;
   if (!contains(parts[outer].box, parts[inner].box)) return false;

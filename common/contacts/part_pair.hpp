@@ -9,14 +9,14 @@
 
 namespace fracture::contacts_detail {
 
-/// Two steps of floats at the largest coordinate, m: the rounding error of distances in the box. Each of the two
-/// coordinates of a distance is off by at most half a step.
+/// Returns two float steps at the largest coordinate, m: the rounding error of distances in the box. Each
+/// of a distance's two coordinates is off by at most half a step.
 double rounding_of(const Box& box);
 
 /// Smaller shares are noise from sums that cancel.
 inline constexpr double kCancelled = 1e-9;
 
-/// Keeps its memory from pair to pair; one for each thread. Borrows all.
+/// Measures contacts. Reuses its memory from pair to pair; one object per thread. Borrows all.
 class PairMeasurer {
  public:
   PairMeasurer(const PartSurfaces& surfaces, double gap, const Execution& execution)
@@ -26,7 +26,8 @@ class PairMeasurer {
         pacer_(execution),
         piece_maker_(surfaces, pacer_) {}
 
-  /// Nothing if the parts are farther apart than the gap. a < b. Adds the pieces of the contact. Throws Interrupted.
+  /// Measures the contact of parts a < b and adds its pieces. Returns nothing if the parts are farther
+  /// apart than the gap. Throws Interrupted.
   std::optional<Contact> measure(std::uint32_t a, std::uint32_t b, std::vector<ContactPiece>& pieces);
 
  private:

@@ -53,8 +53,9 @@ double TrapezoidSweep::slope(std::uint32_t line) const {
   return (lines_[line].v1 - lines_[line].v0) / (lines_[line].u1 - lines_[line].u0);
 }
 
-/// Continues the chain from its line to the other line, which begins at the first line's end. Returns false if the region would
-/// not be convex. `outwards`: 1 if the region is below, -1 if it is above.
+/// Continues the chain from its line to another line, which must begin at the first line's end. Returns
+/// false if the region would not be convex. `outwards`: 1 if the region is below the chain, -1 if it is
+/// above.
 bool TrapezoidSweep::goes_on(Chain& chain, std::uint32_t line, double at, double outwards) const {
   if (chain.line == line) return true;
   const double v = height(chain.line, at);

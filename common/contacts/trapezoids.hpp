@@ -11,7 +11,7 @@
 
 namespace fracture::contacts_detail {
 
-/// Within the triangle. `winding`: the other part's winding number there, not 0.
+/// A convex region of the triangle. `winding`: the other part's winding number there, not 0.
 struct ConvexRegion {
   static constexpr std::size_t kMost = 12;
   std::array<Vec3d, kMost> corners;  ///< m
@@ -20,15 +20,16 @@ struct ConvexRegion {
   int winding;
 };
 
-/// Sweeps along the longest edge of a triangle (trapezoidal decomposition: Preparata & Shamos 1985, Computational
-/// Geometry, 2.2.2.4), from the winding number at the edge's beginning, over the segments in which the other part
-/// crosses the triangle. Adjacent trapezoids become one polygon if that is convex. Keeps its memory from triangle to
-/// triangle. Borrows the pacer.
+/// Sweeps along a triangle's longest edge (trapezoidal decomposition: Preparata & Shamos 1985,
+/// Computational Geometry, 2.2.2.4). It starts from the winding number at the edge's beginning and passes
+/// over the segments in which the other part crosses the triangle. Adjacent trapezoids are joined if the
+/// result is convex. Reuses its memory from triangle to triangle. Borrows the pacer.
 class TrapezoidSweep {
  public:
   explicit TrapezoidSweep(Pacer& pacer) : pacer_(pacer) {}
-  /// All regions of one triangle; `windings`: the other part's winding numbers at the corners. Valid until the next call.
-  /// The time is that of sorting the segments, and of examining the neighbouring segments at each end of one.
+  /// Returns all regions of one triangle, valid until the next call. `windings`: the other part's winding
+  /// numbers at the corners. Takes the time to sort the segments and to examine the neighbouring segments
+  /// at each segment's ends.
   const std::vector<ConvexRegion>& of(const NearTriangle& t, std::span<const Segment> segments,
                                       std::span<const EdgeJump> jumps, const std::array<int, 3>& windings);
 
@@ -36,10 +37,11 @@ class TrapezoidSweep {
   /// A segment in the plane of the triangle, u along the longest edge.
   struct Line {
     double u0, v0, u1, v1;  ///< u0 < u1
-    int step;               ///< of the winding number from below to above
+    int step;               ///< change of the winding number from below to above
     double at(double u) const { return v0 + (u - u0) / (u1 - u0) * (v1 - v0); }
   };
-  /// The corners of a region on one side, from left to right, and the line that the region follows now.
+  /// The corners of a region on one side, from left to right, and the line that the region currently
+  /// follows.
   struct Chain {
     std::uint32_t line;
     std::size_t size;
@@ -67,7 +69,7 @@ class TrapezoidSweep {
   std::vector<double> stops_;
   std::vector<std::uint32_t> active_;
   std::vector<Open> open_, next_;
-  std::vector<std::uint32_t> new_;  ///< those in next_ that do not continue a region in open_
+  std::vector<std::uint32_t> new_;  ///< regions in next_ that do not continue a region in open_
   std::vector<ConvexRegion> made_;
 };
 

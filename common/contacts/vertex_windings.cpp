@@ -7,7 +7,7 @@
 namespace fracture::contacts_detail {
 namespace {
 
-/// A float beyond the box along +x: a power of two, so that exact sums with it stay short.
+/// A float beyond the box along +x. It is a power of two, so that exact sums with it stay short.
 double beyond(const Box& box) {
   double x = 1;
   while (!(x > box.max.x)) x *= 2;
@@ -35,7 +35,7 @@ class Differences {
     }
     return m;
   }
-  /// The number of m minus that of find(m).
+  /// Returns the number of m minus that of find(m).
   int over_root(std::uint32_t m) const {
     int more = 0;
     for (; members_[m].up != m; m = members_[m].up) more += members_[m].more;

@@ -16,27 +16,27 @@
 namespace fracture {
 namespace {
 
-/// Where a vertex of the file gets its attributes. Faces that agree on them share the vertex.
+/// Source of a vertex's attributes. Faces whose sources are equal share the vertex.
 struct VertexSource {
   enum Kind : std::uint32_t {
-    kPlain,     ///< the source has no attributes: a position is all
-    kWedge,     ///< input vertex: the wedge (a)
-    kOnEdge,    ///< cut of an edge: the wedges at its ends (a lower vertex, b higher)
+    kPlain,     ///< the source has no attributes: the vertex has only a position
+    kWedge,     ///< an input vertex: wedge a
+    kOnEdge,    ///< a cut on an edge, between the wedges a (at its lower end vertex) and b (at the higher)
     kInside,    ///< in the interior of triangle a
-    kInterior,  ///< on face a: a cap's facet and side (rough: its corner b), or a filled triangle
+    kInterior,  ///< on face a: one side of a cap region (if rough: its corner b), or a filled triangle
   };
   Kind kind;
   std::uint32_t a, b;
   friend bool operator==(const VertexSource&, const VertexSource&) = default;
 };
 
-/// Consecutive faces of one material and, for cuts through several parts, of one part.
+/// Consecutive faces with the same material and, for cuts through several parts, the same part.
 struct Run {
   std::uint32_t material, part, begin, end;
 };
 
-/// What one fragment's assembly keeps in memory, kept from fragment to fragment by each thread: fresh memory
-/// costs more than the work done in it.
+/// Working memory for assembling a fragment. Each thread reuses it for all its fragments, because
+/// allocating it anew costs more than the work done in it.
 struct Scratch {
   StampedMap at_position;  // CutVertexId -> its first vertex in the fragment
   StampedMap of_wedge;     // wedge -> vertex
@@ -46,7 +46,7 @@ struct Scratch {
   std::vector<VertexSource> sources;
   std::vector<std::uint32_t> topology;
   std::vector<std::uint32_t>
-      next;  // another one at the same edge cut, of the same wedge, or of the same face
+      next;  // the next vertex at the same edge cut, of the same wedge or on the same face
   std::vector<Vec3d> points;
   std::vector<Run> runs;
   std::vector<IndexRange> caps;
@@ -86,14 +86,14 @@ class Assembler {
   }
 
  private:
-  // -- which vertices there are, and which triangles
+  // -- vertices and triangles
 
   std::uint32_t material_of(FaceSource source) const {
     if (!is_cap(source)) return d_.solid.material[source];
     return d_.is_joint(d_.caps.regions[cap_region(source)]) ? kMortarMaterial : kInteriorMaterial;
   }
 
-  /// The part that a cut or the wall of a cavity is in, if the piece has several parts; otherwise kNoIndex.
+  /// Returns the part of a cut or of a cavity's wall if the piece has several parts, otherwise kNoIndex.
   std::uint32_t part_of_cut(FaceSource source, std::uint32_t material) const {
     if (!several_parts_ || !(is_of_cuts(material) || material == kCavityMaterial)) return kNoIndex;
     const std::uint32_t part =
@@ -101,8 +101,8 @@ class Assembler {
     return d_.part_in_whole ? (*d_.part_in_whole)[part] : part;
   }
 
-  // Faces by material, in their order within each; cuts last, mortar after the others, "no material" just before them.
-  // Cuts are sorted by part, too.
+  // Sorts faces by material, and cuts also by part; otherwise keeps their order. Faces without a material
+  // come after those with one, then cuts, then mortar.
   void find_runs_by_material(const std::vector<Face>& faces) {
     std::vector<Run>& runs = s_.runs;
     runs.clear();
@@ -145,17 +145,17 @@ class Assembler {
       const Face *face = piece.faces.data() + run.begin, *end = piece.faces.data() + run.end;
       if (is_of_cuts(run.material)) {
         FaceSource flat = kNoIndex;
-        std::uint32_t nth = 0;  // triangle of the region
+        std::uint32_t nth = 0;  // number of the triangle in its region
         for (; face != end; ++face, ++nth) {
           pacer_.step();
-          // Cut faces of an earlier fracture come with the source, attributes and all; they precede the caps.
+          // Cut faces of an earlier fracture have the source's attributes and precede the caps.
           if (has_wedges(face->source)) {
             for (const CutVertexId v : face->v) *index++ = exterior_vertex(v, face->source);
             continue;
           }
           if (is_cap(face->source)) add_cap(static_cast<std::uint32_t>(index - out_.indices.data()));
-          // Regions of one facet share their plane, but not their vertices; the faces of one region follow
-          // one another, in the order of its triangles.
+          // Regions of one facet share their plane but not their vertices. The faces of a region are
+          // consecutive and in the order of its triangles.
           if (face->source != flat) {
             s_.on_face.next_epoch(d_.vertex_count());
             nth = 0;
@@ -179,7 +179,7 @@ class Assembler {
     out_.caps = s_.caps;
   }
 
-  /// The triangle whose indices begin there is one of a cap.
+  /// Notes that the triangle whose indices begin at `first` belongs to a cap.
   void add_cap(std::uint32_t first) {
     if (s_.caps.empty() || s_.caps.back().first + s_.caps.back().count != first)
       s_.caps.push_back({first, 0});
@@ -205,7 +205,7 @@ class Assembler {
     s_.next[fresh] = first;
   }
 
-  /// Vertices of one face are shared; on rough cuts by corners with the same normal.
+  /// Returns the vertex for v on an interior face; rough cuts have one for each normal.
   std::uint32_t interior_vertex(CutVertexId v, FaceSource face, std::uint32_t corner) {
     const bool by_normal = rough_ && is_cap(face);
     std::uint32_t& first = s_.on_face.slot(v);
@@ -216,14 +216,14 @@ class Assembler {
     return first = fresh;
   }
 
-  /// Where Caps::normals has corner k of the nth triangle of a cap region, as this side sees it.
+  /// Index into Caps::normals of corner k of the nth triangle of a cap region, as seen from this side.
   std::uint32_t corner_of(FaceSource face, std::uint32_t nth, std::uint32_t k) const {
     if (!is_cap(face)) return 0;
     const std::uint32_t triangle = d_.caps.regions[cap_region(face)].first_triangle + nth;
     return 3 * triangle + (cap_side(face) == 0 ? k : (3 - k) % 3);
   }
 
-  // The interior comes last: who is at a position before it is the exterior.
+  // The interior comes last, so a vertex that is already at this position is an exterior one.
   std::uint32_t plain_vertex(CutVertexId v) {
     const std::uint32_t vertex = s_.at_position.slot(v);
     return vertex != kNoIndex ? vertex : add(v, {VertexSource::kPlain, 0, 0});
@@ -234,8 +234,8 @@ class Assembler {
     const auto& wedges = d_.solid.wedges[triangle];
     if (v < d_.cuts.first_b()) {
       const std::uint32_t wedge = wedges[corners[0] == v ? 0 : corners[1] == v ? 1 : 2];
-      // Mostly a wedge is that of one vertex. Where fans of triangles share it, each has a vertex of its own;
-      // where a file has a sheet from both sides over the same wedges, its slab has them at front and back.
+      // Usually a wedge has one vertex. If several fans of triangles share it, each has its own. If both
+      // sides of a sheet share wedges in a file, the sheet's slab has them at its front and its back.
       std::uint32_t& first = s_.of_wedge.slot(wedge);
       for (std::uint32_t k = first; k != kNoIndex; k = k < s_.next.size() ? s_.next[k] : kNoIndex)
         if (ids_[k] == v) return k;
@@ -243,7 +243,7 @@ class Assembler {
       if (first != kNoIndex) put_before(fresh, first);
       return first = fresh;
     }
-    if (v >= d_.cuts.first_c()) {  // inside this triangle and no other
+    if (v >= d_.cuts.first_c()) {  // inside this triangle only
       const std::uint32_t vertex = s_.at_position.slot(v);
       return vertex != kNoIndex ? vertex : add(v, {VertexSource::kInside, triangle, 0});
     }
@@ -253,13 +253,13 @@ class Assembler {
       if (corners[k] == lo) source.a = wedges[k];
       if (corners[k] == hi) source.b = wedges[k];
     }
-    // The triangles of the edge may disagree about its wedges.
+    // The triangles at an edge may have different wedges there.
     std::uint32_t last = kNoIndex;
     for (std::uint32_t k = s_.at_position.slot(v); k != kNoIndex;
          last = k, k = k < s_.next.size() ? s_.next[k] : kNoIndex)
       if (sources_[k] == source) return k;
     const std::uint32_t fresh = add(v, source);
-    s_.next.resize(fresh + 1, kNoIndex);  // longer than `last`, too: that was there before
+    s_.next.resize(fresh + 1, kNoIndex);  // also covers `last`, which is an older vertex
     if (last != kNoIndex) s_.next[last] = fresh;
     return fresh;
   }
@@ -269,12 +269,12 @@ class Assembler {
     return {cut_vertex(ends[0]), cut_vertex(ends[1])};
   }
 
-  // -- their attributes
+  // -- attributes
 
   void write_attributes() {
     AttributeWriter writer(mesh_.attributes, out_.attributes, ids_.size());
     FlatFrame frame({0, 0, 1});
-    FaceSource frame_of = kNoIndex;  // the vertices of a flat face follow one another
+    FaceSource frame_of = kNoIndex;  // the vertices of a flat face are consecutive
     for (std::size_t k = 0; k < ids_.size(); ++k) {
       pacer_.step();
       const VertexSource& s = sources_[k];
@@ -326,7 +326,7 @@ class Assembler {
     return l > 0 ? (1 / l) * n : Vec3d{0, 0, 1};
   }
 
-  /// Parameter of x on the segment (a, b), from its longest axis.
+  /// Parameter of x on the segment (a, b), computed along the segment's longest axis.
   static double along(const Vec3d& a, const Vec3d& b, const Vec3d& x) {
     const Vec3d e = b - a;
     int axis = 0;
@@ -348,7 +348,7 @@ class Assembler {
     return w;
   }
 
-  // -- figures and final positions
+  // -- measurements and final positions
 
   void measure() {
     MassIntegral all(points_[out_.indices[0]]);
@@ -383,8 +383,7 @@ class Assembler {
     out_.mass.volume = certain_volume(out_.mass.volume, points_, box_, out_.indices, pacer_);
   }
 
-  /// The centre of mass on the seam lattice, inside the box even when rounding error throws the centre of a
-  /// sliver out of it.
+  /// Centre of mass on the seam lattice, in the box even if rounding moves a sliver's centre out of it.
   std::array<std::int32_t, 3> center_on_lattice(const Vec3d& step) const {
     std::array<std::int32_t, 3> center;
     for (int a = 0; a < 3; ++a)
@@ -418,7 +417,7 @@ class Assembler {
     }
   }
 
-  // The bodies of rough pieces are those of the flat ones: these lie in disjoint convex cells.
+  // Uses the points before roughening as bodies, because these lie in disjoint convex cells.
   void place_flat_bodies(const Piece& piece, const std::array<std::int32_t, 3>& pivot) {
     const Vec3d step = d_.positions.lattice.step();
     const auto& flat = d_.positions.flat_steps;
@@ -477,7 +476,7 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
   sort_with_polls(execution, out.part_cells.begin(), out.part_cells.end());
   out.node = diagram.solid.parts[piece.part].node;
   if (piece.faces.empty())
-    return out;  // united pieces whose surfaces cancel: there is nothing, and it is dropped
+    return out;  // the surfaces of the united pieces cancel: the fragment is empty and will be dropped
   Assembler(diagram, execution, out).run(piece, pivot);
   out.cap_sum = mirror_sum(out, execution);
   out.open_edges = open_edges(out, execution);

@@ -12,7 +12,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   Pacer pacer(execution);
   struct CapContact {
     std::uint32_t a, b, region;
-    bool reversed;  // the cap leads from b to a
+    bool reversed;  // the cap's normal points from b to a
   };
   std::vector<CapContact> contacts;
   contacts.reserve(d.caps.regions.size());
@@ -24,7 +24,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
     if (a == b || a == kNoIndex || b == kNoIndex) continue;
     contacts.push_back({std::min(a, b), std::max(a, b), r, a > b});
   }
-  // Mostly they are: regions stand in order of their cells, fragments too.
+  // Usually they are sorted already, because both regions and fragments are in the order of their cells.
   const auto before = [](const CapContact& x, const CapContact& y) {
     if (x.a != y.a) return x.a < y.a;
     if (x.b != y.b) return x.b < y.b;
@@ -33,7 +33,7 @@ std::vector<Bond> find_bonds(const RestrictedDiagram& d, const Pieces& pieces,
   if (!std::is_sorted(contacts.begin(), contacts.end(), before))
     sort_with_polls(execution, contacts.begin(), contacts.end(), before);
 
-  // The contacts of two groups follow one another; each such run is a bond.
+  // Contacts between the same two groups are consecutive; each such run becomes a bond.
   std::vector<std::size_t> begin;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     pacer.step();

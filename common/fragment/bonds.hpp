@@ -1,4 +1,4 @@
-// The shared caps of neighbouring pieces.
+// Bonds: the caps that neighbouring pieces share.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace fracture {
 
-/// The bonds between groups of pieces: `group_of_piece` maps a piece to its fragment (kNoIndex: to none).
-/// Ascending by (a, b); bonds without area are left out. Throws Interrupted.
+/// Returns the bonds between groups of pieces. `group_of_piece` maps each piece to its fragment, or to
+/// kNoIndex. Bonds ascend by (a, b); those without area are left out. Throws Interrupted.
 std::vector<Bond> find_bonds(const RestrictedDiagram& diagram, const Pieces& pieces,
                              const std::vector<std::uint32_t>& group_of_piece,
                              const Execution& execution = kUninterrupted);

@@ -1,4 +1,4 @@
-// How large a shared cap is, and whereto it faces.
+// Area and direction of a shared cap.
 #pragma once
 
 #include <cmath>
@@ -7,10 +7,10 @@
 
 namespace fracture {
 
-/// Measures the triangles of one region. The area of a flat cap is its own; that of a rough one is measured across the
-/// plane of its cut, so that relief does not make a bond stronger. Each triangle counts with its absolute area and
-/// faces from cell lo to cell hi: where a surface crosses itself, some triangles of a cap have the opposite sense, and
-/// signed areas of the same bond would take each other away.
+/// Measures the triangles of one region. The area of a flat cap is its own. The area of a rough cap is
+/// measured after projection onto the plane of the cut, so that relief does not make a bond stronger. Each
+/// triangle counts with its absolute area and faces from cell lo to cell hi. If a surface crosses itself,
+/// some triangles of a cap have the opposite orientation, and signed areas in the same bond would cancel.
 class CapArea {
  public:
   CapArea(const RestrictedDiagram& diagram, const CapRegion& region)
@@ -22,7 +22,7 @@ class CapArea {
   struct Measured {
     double area;        ///< m²
     Vec3d normal;       ///< its length is the area of the triangle itself
-    Vec3d corners_sum;  ///< three times its middle
+    Vec3d corners_sum;  ///< three times its centroid
   };
   Measured of(std::uint32_t triangle) const {
     const auto& v = d_.caps.triangles[triangle];

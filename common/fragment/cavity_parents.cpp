@@ -13,22 +13,23 @@ namespace {
 using solid_detail::Slabs;
 using solid_detail::StabbingTree;
 
-/// Along the axes and the diagonals of their planes, so that what is long and lies askew is told apart too.
+/// Coordinates along the axes and along the diagonals of their planes. The diagonals also separate long
+/// pieces that lie obliquely.
 constexpr int kDirections = 9;
 std::array<double, kDirections> along_directions(const Vec3d& p) {
   return {p.x, p.y, p.z, p.x + p.y, p.x - p.y, p.y + p.z, p.y - p.z, p.z + p.x, p.z - p.x};
 }
 
-/// The components of one part that have a volume.
+/// The components of one part that have a positive volume.
 class Surroundings {
  public:
   Surroundings(const RestrictedDiagram& diagram, const std::vector<Component>& components,
                std::vector<std::uint32_t> members, Pacer& pacer)
       : d_(diagram), components_(components), members_(std::move(members)), pacer_(pacer) {}
 
-  /// The one that takes a cavity in which q lies; kNoIndex where none does.
+  /// Returns the component that takes a cavity with the vertex q, or kNoIndex.
   std::uint32_t parent_of(const Vec3d& q) {
-    // Those that took larger cavities than they are have no volume any more.
+    // A component that took cavities larger than itself has no volume left.
     std::erase_if(members_, [&](std::uint32_t p) { return components_[p].volume <= 0; });
     if (members_.empty()) return kNoIndex;
     if (members_.size() == 1) return members_[0];
@@ -73,8 +74,8 @@ class Surroundings {
         members_, [&](std::uint32_t p) { return slabs_[p]; }, pacer_);
   }
 
-  /// By the faces that the ray from q towards +x may meet; those of cavities that the piece took since do not
-  /// count.
+  /// Winding number of component p around q, from the faces that the ray from q towards +x may meet. Faces
+  /// of cavities that p has taken do not count.
   int winding_of(std::uint32_t p, const Vec3d& q) {
     const std::vector<Face>& faces = components_[p].faces;
     int winding = 0;
@@ -107,11 +108,11 @@ class Surroundings {
     return slabs;
   }
 
-  static constexpr std::uint32_t kFew = 64;  // faces, all of which are asked
-  /// What a component had at first.
+  static constexpr std::uint32_t kFew = 64;  // up to this number, faces are tested one by one
+  /// A component before it took cavities.
   struct Own {
     std::uint32_t faces = 0;
-    std::unique_ptr<StabbingTree<2>> tree{};  // of its faces, where it was asked for
+    std::unique_ptr<StabbingTree<2>> tree{};  // of its faces; built on first use
   };
   const RestrictedDiagram& d_;
   const std::vector<Component>& components_;

@@ -1,5 +1,5 @@
-// Which of a cell's pieces hold its uncut cavities: the stated exception of invariant I5, on which only the
-// shape of pieces hangs, never closedness.
+// Assigns uncut cavities to the pieces of a cell that contain them. This is the stated exception to
+// invariant I5. Only the shape of pieces depends on it, never their closedness.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,11 @@
 
 namespace fracture {
 
-/// A component without caps is a whole shell; one without positive volume bounds a cavity of the smallest
-/// piece of its part that winds around it, or of the only piece of its part, and its faces go there. Where
-/// there is no such piece it stays. Pieces are found by a tree of their bounds and wound by a tree of their
-/// faces, so that thousands of cavities among thousands of islands are no more than each with its own.
+/// Adds the faces of cavities to the pieces around them. A component without caps is a whole shell; if its
+/// volume is not positive, it bounds a cavity. The cavity goes to the smallest piece of its part that winds
+/// around it, or to the only piece of its part. If there is no such piece, it remains a component. A tree
+/// of bounds finds candidate pieces, and a tree of faces computes winding numbers. So thousands of cavities
+/// among thousands of islands take near-linear time.
 void give_cavities_to_parents(const RestrictedDiagram& diagram, std::vector<Component>& components,
                               Pacer& pacer);
 

@@ -8,7 +8,8 @@ namespace fracture {
 
 double certain_volume(double volume, std::span<const Vec3d> points, const Box& box,
                       std::span<const std::uint32_t> triangles, Pacer& pacer) {
-  // Mostly the box tells: no edge is longer than its longest side. (A thousandth is far more than rounding.)
+  // Usually the box is enough to decide: in the maximum norm, no edge is longer than its longest side. (A
+  // thousandth more is far more than any rounding error.)
   const double side = 1.001 * box.longest_side();
   const std::size_t count = triangles.size() / 3;
   if (!exact::cancels(volume, static_cast<double>(count) * side * side, side)) return volume;

@@ -1,4 +1,4 @@
-// The volume of a fragment where the sum in doubles cancels.
+// Accurate volume of a fragment, even if the sum in doubles cancels.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,10 @@
 
 namespace fracture {
 
-/// `volume` as MassIntegral found it, m³, from the first point of the first triangle; where that may be off by more
-/// than 1e-10 of itself (exact::cancels), what VolumeSum finds. `box`: of the points, all of them in some of the
-/// triangles (three indices each, counter-clockwise from outside). Throws Interrupted.
+/// Returns `volume` (m³, computed by MassIntegral with the first point of the first triangle as origin) if
+/// it is off by at most 1e-10 of itself (exact::cancels). Otherwise returns the volume computed by
+/// VolumeSum. `box`: bounding box of the points. `triangles`: three indices each, counter-clockwise from
+/// outside; every point is a corner of a triangle. Throws Interrupted.
 double certain_volume(double volume, std::span<const Vec3d> points, const Box& box,
                       std::span<const std::uint32_t> triangles, Pacer& pacer);
 

@@ -11,7 +11,7 @@
 namespace fracture {
 namespace {
 
-/// Open addressing over positions: per vertex the first one at the same place.
+/// Returns, for each vertex, the first vertex at the same position. Uses a hash table with open addressing.
 std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pacer) {
   const std::size_t size = std::bit_ceil(2 * positions.size() + 1);
   std::vector<std::uint32_t> table(size, kNoIndex), first(positions.size());
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions, Pacer& pace
   return first;
 }
 
-/// Counts edges between `at`, the vertex that stands for each vertex.
+/// Counts edges between the vertices that `at` assigns to each vertex.
 Closedness count_edges(const Fragment& f, const std::vector<std::uint32_t>& at, Pacer& pacer) {
   // Undirected edge -> uses, and uses forwards minus backwards.
   struct Entry {
@@ -59,11 +59,11 @@ Closedness count_edges(const Fragment& f, const std::vector<std::uint32_t>& at, 
   return c;
 }
 
-/// Edges by their lower vertex.
+/// Edges grouped by their lower vertex.
 struct EdgesByVertex {
   std::vector<std::uint32_t> begin;  // per vertex
   std::vector<std::uint32_t> higher;
-  std::vector<std::uint32_t> last;  // per vertex: the lower end of the last edge that was seen at it
+  std::vector<std::uint32_t> last;  // per vertex: lower end of the last edge found that has this higher end
   std::size_t bytes() const { return bytes_of_vectors(begin, higher, last); }
   void release() { release_vectors(begin, higher, last); }
 };
@@ -77,13 +77,14 @@ struct VertexHashes {
   void release() { release_vectors(at); }
 };
 
-/// Uses of directed edges of a closed fragment that are not the first of their edge and direction, and triangles with two
+/// Counts, in a closed fragment, the repeated uses of edges in one direction, and the triangles with two
 /// corners at one vertex.
 std::uint64_t count_repeated(const Fragment& f, Pacer& pacer) {
   EdgesByVertex& edges = thread_scratch<EdgesByVertex>();
   const std::size_t vertices = f.positions.size(), triangles = f.indices.size() / 3;
   std::uint64_t repeated = 0;
-  // Of a closed fragment the uses from a lower to a higher vertex are as many as those back: these alone are looked at.
+  // In a closed fragment, every edge is used equally often in both directions, so only uses from the lower
+  // to the higher vertex are visited.
   const auto each_edge = [&](const auto& visit) {
     pacer.each(0, triangles, [&](std::size_t t) {
       const std::uint32_t* const k = f.indices.data() + 3 * t;
@@ -125,8 +126,8 @@ Closedness closedness(const Fragment& f, const Execution& execution) {
 
 std::uint64_t open_edges(const Fragment& f, const Execution& execution) {
   Pacer pacer(execution);
-  // Two hashes of each vertex's topological vertex. A directed edge a -> b counts u_a w_b - u_b w_a, so that
-  // it cancels its opposite; around a triangle the three terms are one cross product.
+  // Two hashes, u and w, of each vertex's topological vertex. A directed edge a -> b contributes u_a w_b -
+  // u_b w_a, so it cancels its opposite. Around a triangle, the three terms form one cross product.
   std::vector<VertexHash>& at = thread_scratch<VertexHashes>().at;
   at.resize(f.positions.size());
   std::uint64_t misplaced = 0;

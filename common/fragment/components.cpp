@@ -10,7 +10,7 @@
 namespace fracture {
 namespace {
 
-/// Kept from owner to owner by each thread.
+/// Working memory that each thread reuses for all its owners.
 struct ComponentScratch {
   DisjointSets sets;
   std::vector<std::uint32_t> component_of_root;
@@ -32,7 +32,7 @@ class ComponentFinder {
     sets_.clear();
     std::size_t count = share.surface.size();
     for (const FaceSource source : share.caps) count += d_.caps.regions[cap_region(source)].triangle_count;
-    // The surface's were counted when it was divided.
+    // The surface's triangles were counted when it was divided.
     execution_.made(Product::kFragmentTriangles, count - share.surface.size());
     faces_.clear();
     faces_.reserve(count);
@@ -49,7 +49,7 @@ class ComponentFinder {
           faces_.push_back(cap_side(source) == 0 ? Face{v, source} : Face{{v[0], v[2], v[1]}, source});
       });
     }
-    // Within a group the fused faces skip vertices; the cells' own polygons say what hangs together.
+    // Within a group, fused faces skip vertices, so the cells' own polygons decide what is connected.
     for (const std::uint32_t p : share.polygons) {
       const CutPolygon& polygon = d_.cuts.polygons[p];
       pacer_.step(polygon.count);
@@ -77,7 +77,7 @@ class ComponentFinder {
   std::vector<Component> collect() {
     std::vector<Component> components;
     if (faces_.empty()) return components;
-    // Mostly there is one component, and then nothing to sort or to measure.
+    // Usually there is one component, so nothing has to be sorted or measured.
     if (sets_.set_count() == 1) {
       Component& only = components.emplace_back();
       only.part = part_of(faces_[0]);
@@ -109,7 +109,7 @@ class ComponentFinder {
     return components;
   }
 
-  // Who lies where in a group: the vertices of every cell's faces, by the component they ended up in.
+  // Collects the vertices of every cell's faces in a group, by the component to which they belong.
   void collect_bodies(const OwnerShare& share, std::vector<Component>& components) {
     struct Share {
       std::uint32_t component;
@@ -118,13 +118,14 @@ class ComponentFinder {
       auto operator<=>(const Share&) const = default;
     };
     std::vector<std::uint32_t> component_of(sets_.size(),
-                                            kNoIndex);  // components were reordered: by root again
+                                            kNoIndex);  // per root, because components were reordered
     for (std::uint32_t c = 0; c < components.size(); ++c)
       for (const Face& f : components[c].faces) component_of[sets_.find(local_.slot(f.v[0]))] = c;
     std::vector<Share> shares;
-    // Most vertices of a cell stand in several of its faces: of the first cells, each is noted once.
+    // Most vertices of a cell belong to several of its faces. For the first 64 cells, each vertex is added
+    // only once.
     const std::vector<SiteId>& cells = ownership_.sites_of_owner[share.owner];
-    std::vector<std::uint64_t> noted(sets_.size(), 0);  // a bit for each of these cells
+    std::vector<std::uint64_t> noted(sets_.size(), 0);  // per vertex: a bit for each of these cells
     const auto number_of = [&](SiteId cell) {
       return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell) - cells.begin());
     };

@@ -68,13 +68,14 @@ std::size_t ContactTable::place(std::uint32_t a, std::uint32_t b) const {
   return at;
 }
 
-// What was put behind it because this place was taken moves up (Knuth, vol. 3, 6.4, algorithm R).
+// Removes the entry at `place`. Later entries that had to give way to it move up (Knuth, vol. 3, 6.4,
+// algorithm R).
 void ContactTable::forget(std::size_t place) {
   for (std::size_t at = place;;) {
     at = (at + 1) & mask_;
     if (table_[at] == kNone) break;
     const std::size_t wanted = home(node_[2 * table_[at]], node_[2 * table_[at] + 1]);
-    if (((at - wanted) & mask_) < ((at - place) & mask_)) continue;  // stands between its home and here
+    if (((at - wanted) & mask_) < ((at - place) & mask_)) continue;  // its home is behind `place`: it stays
     table_[place] = table_[at];
     place = at;
   }

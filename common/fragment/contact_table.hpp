@@ -1,4 +1,4 @@
-// The areas that pairs of sets share, while sets unite.
+// Contact areas between pairs of sets, while sets are united.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,19 @@
 
 namespace fracture {
 
-/// A graph with a weight on each edge whose nodes are merged: each edge stands in the lists of its two nodes
-/// and in a hash table by them (open addressing, linear probing). Flat arrays alone: millions of contacts are
-/// given back at once, also by an interruption. All borrow the caller's pacer and throw Interrupted.
+/// A graph with weighted edges whose nodes can be merged. Each edge is in the lists of its two nodes and in
+/// a hash table keyed by both nodes (open addressing, linear probing). Only flat arrays are used, so
+/// millions of contacts are freed at once, even after an interruption. All functions use the caller's pacer
+/// and throw Interrupted.
 class ContactTable {
  public:
-  /// For nodes 0 .. nodes - 1 and at most so many edges.
+  /// Creates a table for nodes 0 .. nodes - 1 and at most `edges` edges.
   ContactTable(std::uint32_t nodes, std::size_t edges, Pacer& pacer);
 
-  /// Adds to what a and b share; a != b.
+  /// Adds `area` to the area that a and b share; a != b.
   void add(std::uint32_t a, std::uint32_t b, double area);
   std::uint32_t degree(std::uint32_t node) const { return degree_[node]; }
-  /// Calls visit(other, area) for each node that touches this one, in an order that nothing may depend on.
+  /// Calls visit(other, area) for each node that touches this one. No result may depend on the order.
   template <class Visit>
   void visit(std::uint32_t node, const Visit& visit) const {
     for (Side s = first_[node]; s != kNone; s = next_[s]) {
@@ -27,8 +28,8 @@ class ContactTable {
       visit(node_[s ^ 1], area_[s / 2]);
     }
   }
-  /// What `gone` touches, `kept` touches instead; what they share is forgotten. The time is that of the
-  /// edges of `gone`.
+  /// Moves the contacts of `gone` to `kept` and removes the contact between the two. Takes time
+  /// proportional to the number of edges of `gone`.
   void merge(std::uint32_t kept, std::uint32_t gone);
 
  private:
@@ -36,7 +37,7 @@ class ContactTable {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   std::size_t home(std::uint32_t a, std::uint32_t b) const;
-  /// Where the edge of a and b stands in the table, or where it would.
+  /// Place of the edge between a and b in the table, or the free place for it.
   std::size_t place(std::uint32_t a, std::uint32_t b) const;
   void forget(std::size_t place);
   void link(Side side, std::uint32_t node);
@@ -46,10 +47,10 @@ class ContactTable {
   std::vector<Side> first_;            // per node
   std::vector<std::uint32_t> degree_;  // per node
   std::vector<std::uint32_t> node_;    // per side
-  std::vector<Side> next_, before_;    // per side: in the list of its node
+  std::vector<Side> next_, before_;    // per side: its neighbours in its node's list
   std::vector<double> area_;           // per edge
-  std::vector<std::uint32_t> table_;   // edges
-  std::size_t mask_ = 0;               // its size less one, a power of two
+  std::vector<std::uint32_t> table_;   // per place: its edge, or kNone
+  std::size_t mask_ = 0;               // the table's size minus 1; the size is a power of two
 };
 
 }  // namespace fracture

@@ -23,15 +23,15 @@ FileVolume file_volume(const Fragment& f, const Execution& execution) {
   };
   const std::size_t triangles = f.indices.size() / 3;
   pacer.each(0, triangles, [&](std::size_t t) { six += term(3 * t); });
-  // Floats are exact in double. A term is at most 6 r, r = reach.x reach.y reach.z, and off by fewer than 8
-  // roundings; the k-th partial sum is at most k times that and rounded once: together less than
-  // n (n + 16) 2^-53 times that. Fragments that are long but thin need no better sum.
+  // Floats are exact in double. A term is at most 6 r with r = reach.x reach.y reach.z, and is off by fewer
+  // than 8 roundings. The k-th partial sum is at most k times that and is rounded once. Together, the error
+  // is less than n (n + 16) 2^-53 times that. Long, thin fragments need no better sum.
   const auto n = static_cast<double>(triangles);
   const double r = reach.x * reach.y * reach.z;
   if (std::fabs(six) > n * (n + 16) * 0x1.0p-52 * 6 * r + 1e-300) return {six / 6, six > 0 ? 1 : -1};
 
-  // What the partial sums lost, added up beside (Neumaier 1974): the terms' errors remain, n 48 2^-53 r, and
-  // of second order less than as much again.
+  // Compensated summation (Neumaier 1974): `lost` sums up what rounding takes from the partial sums. The
+  // remaining error is that of the terms, n 48 2^-53 r, and less than as much again of second order.
   double sum = 0, lost = 0;
   for (std::size_t k = 0; k < f.indices.size(); k += 3) {
     const double t = term(k), next = sum + t;

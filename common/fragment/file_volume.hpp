@@ -1,4 +1,4 @@
-// The volume of a fragment as it stands in the file.
+// Volume of a fragment as written to the file.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -6,7 +6,8 @@
 
 namespace fracture {
 
-/// Volume enclosed by the final rounded positions (float32, local), m³, and its exact sign. The value has that sign, too.
+/// Volume enclosed by the final rounded positions (float32, local), m³, and its exact sign. `volume` has
+/// that sign, too.
 struct FileVolume {
   double volume = 0;
   int sign = 0;

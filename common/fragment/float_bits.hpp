@@ -1,4 +1,4 @@
-// Places that are equal as numbers are equal as bits.
+// Bits of floats such that equal numbers have equal bits.
 #pragma once
 
 #include <bit>
@@ -6,7 +6,7 @@
 
 namespace fracture {
 
-/// Of a float that is no NaN; -0 has the bits of 0.
+/// Returns the bits of a float that is not NaN; -0 has the bits of 0.
 inline std::uint32_t bits_of(float v) { return std::bit_cast<std::uint32_t>(v + 0.0f); }
 
 }  // namespace fracture

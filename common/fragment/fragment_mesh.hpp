@@ -1,4 +1,4 @@
-// A fragment as a mesh again, to be fractured further.
+// Converts a fragment back to a mesh, so that it can be fractured further.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace fracture {
 
-/// Fragment `index` in the frame of the source, with its attributes; interior triangles have the material
-/// kInteriorMaterial, which a solid and its fragments keep. The positions are those of the file where
-/// float32(local + pivot) is exact: always with Pivot::kSource, and then input vertices keep their bits.
-/// Throws Interrupted.
+/// Returns fragment `index` as a mesh in the source's frame, with its attributes. Interior triangles have
+/// the material kInteriorMaterial, which a solid and its fragments keep. The positions equal those of the
+/// file if float32(local + pivot) is exact. With Pivot::kSource it always is, and input vertices keep their
+/// bits. Throws Interrupted.
 Mesh fragment_mesh(const FragmentSet& set, std::size_t index, const Execution& execution = {});
 
 }  // namespace fracture

@@ -1,5 +1,5 @@
-// The pieces of a solid: closed fragments with attributes and figures, the bonds between them, and the
-// certificate. What else is known of them stands beside the set (pipeline/fractured_solid.hpp).
+// The pieces of a solid: closed fragments with attributes and mass properties, the bonds between them, and
+// the certificate. Other results are stored next to the set (pipeline/fractured_solid.hpp).
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct FragmentPrimitive {
       material;  ///< index into the source's materials, kNoIndex (none), or one of solid/cut_materials.hpp
   std::uint32_t first_index, index_count;
   std::uint32_t part =
-      kNoIndex;  ///< of cuts and cavities, if the fragment has pieces of several parts: their part
+      kNoIndex;  ///< part of this cut or cavity wall, if the fragment has pieces of several parts
 };
 
 /// A cell, restricted to a part of the solid.
@@ -31,13 +31,13 @@ struct PartCell {
   SiteId site;
   auto operator<=>(const PartCell&) const = default;
 };
-/// The volume of a fragment's pieces of one part.
+/// Volume of a fragment's pieces that belong to one part.
 struct PartVolume {
   std::uint32_t part;
   double volume;  ///< m³
 };
 
-/// A range of Fragment::indices, whole triangles.
+/// A range of Fragment::indices that consists of whole triangles.
 struct IndexRange {
   std::uint32_t first = 0, count = 0;
 };
@@ -50,25 +50,25 @@ struct MassProperties {
   std::array<double, 6> inertia{};  ///< kg·m² per kg/m³: xx, yy, zz, xy, xz, yz of the inertia tensor
 };
 
-/// Where the origin of a fragment's local frame is.
+/// Origin of a fragment's local frame.
 enum class Pivot {
   kCenterOfMass,  ///< at the centre of mass, rounded to the seam lattice
   kSource,        ///< at the origin of the source: local positions are world positions
 };
 
 struct Fragment {
-  std::uint64_t id = 0;       ///< function of its sites and part only (at most 2^53 - 1: exact in JSON)
+  std::uint64_t id = 0;       ///< depends only on sites, part and island (at most 2^53 - 1: exact in JSON)
   std::vector<SiteId> sites;  ///< of its cells, ascending
   std::uint32_t part =
       0;  ///< index into Solid::parts; if pieces of several parts were joined, of the first piece
-  /// If pieces of several parts were joined: the cells of each part in the fragment, ascending. Otherwise empty: all
-  /// cells are of `part`.
+  /// The fragment's cells in each part, ascending, if pieces of several parts were joined. Otherwise empty:
+  /// all cells belong to `part`.
   std::vector<PartCell> part_cells{};
   std::vector<PartVolume> part_volumes{};  ///< ascending by part; empty if `part_cells` is
-  /// Mass per volume, as a share of the material's density. Less than 1 if the fragment's parts overlap others, so that
-  /// the masses of all fragments count overlaps once (pipeline/overlaps.hpp).
+  /// Density as a share of the material's density. Less than 1 if the fragment's parts overlap others, so
+  /// that the masses of all fragments count overlaps once (pipeline/overlaps.hpp).
   double density_share = 1;
-  std::uint32_t source_part = 0;  ///< the same; of pieces of a fragment the part of that fragment
+  std::uint32_t source_part = 0;  ///< equal to `part`; after refracture, the part of the broken fragment
   std::uint32_t node = 0;         ///< index into Mesh::node_names
   Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
   std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
@@ -77,67 +77,71 @@ struct Fragment {
   std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside
   std::vector<FragmentPrimitive>
       primitives;  ///< exterior ones in material order, then the interior, then the mortar
-  /// Per vertex: the index of the first vertex with the same position key (topology across attribute seams), or of the same
-  /// copy of it (repeated_edges.hpp). Between them each edge is used exactly once in each direction.
+  /// Per vertex: index of the first vertex with the same position key, or with the same copy of it
+  /// (repeated_edges.hpp). It connects vertices across attribute seams. Between these vertices, each edge
+  /// is used exactly once in each direction.
   std::vector<std::uint32_t> topology;
   MassProperties mass;  ///< from the unrounded positions
-  /// Local points of each member cell's share, for fragments of several cells; empty when the fragment lies
-  /// in one convex cell (then its own positions serve). Of rough fragments always: as they are with flat
-  /// cuts, in their convex cells.
+  /// Local points of each member cell's share, if the fragment has several cells. Empty if the fragment
+  /// lies in one convex cell: then its own positions serve. Rough fragments always have bodies: their
+  /// points before roughening, which lie in convex cells.
   std::vector<std::vector<Vec3f>> bodies;
-  double exterior_area = 0;  ///< m², of the primitives with a material of the source
-  /// What proves the answer (pipeline/soundness.hpp).
-  std::vector<IndexRange> caps;  ///< of the interior triangles those that another fragment has mirrored
-  double surface_area = 0;       ///< m², of all that is no cap: exterior_area and what repairs filled
+  double exterior_area = 0;  ///< m², of all primitives except cuts
+  /// Data that proves the result (pipeline/soundness.hpp).
+  std::vector<IndexRange> caps;  ///< interior triangles that another fragment has mirrored
+  double surface_area = 0;       ///< m², of all triangles except caps
   std::uint64_t cap_sum = 0;     ///< mirror_sum()
   std::uint64_t open_edges = 0;  ///< open_edges()
 };
 
-/// Two fragments that hold together: by their shared caps, or by their share in the contact of two parts
-/// (structure/contact_bonds.hpp). Fragments with pieces of several parts can have a bond of each kind.
+/// Two fragments that hold together through shared caps, or through their share of the contact between two
+/// parts (structure/contact_bonds.hpp). Fragments with pieces of several parts can have one bond of each
+/// kind.
 struct Bond {
   std::uint32_t a, b;  ///< indices into FragmentSet::fragments, a < b
-  double area = 0;  ///< m², > 0; of rough caps across their cuts' planes, which is what strength refers to
-  Vec3d centroid;   ///< m; the mean of the caps, by that area
-  Vec3d normal;     ///< unit, from a to b, the mean of the caps by their own area
+  double area = 0;  ///< m², > 0; rough caps are projected onto their cuts' planes, to which strength refers
+  Vec3d centroid;   ///< m; mean of the caps, weighted by that area
+  Vec3d normal;     ///< unit, from a to b; mean of the caps, weighted by their unprojected area
   double strength = 1;        ///< per area, as a multiple of the material's strength
-  bool across_parts = false;  ///< the contact of two parts, not shared caps
+  bool across_parts = false;  ///< from the contact of two parts, not from shared caps
 };
 
-/// Proof of the invariants, checked on every answer (pipeline/soundness.hpp): one that does not hold is not
-/// given.
+/// Proof of the invariants, checked for every result (pipeline/soundness.hpp). A result that violates one
+/// is not returned.
 struct Certificate {
-  std::uint64_t open_edges = 0;  ///< over all fragments, in their topology and welded (closedness.hpp): 0
+  std::uint64_t open_edges = 0;  ///< over all fragments, in topology and after welding (closedness.hpp): 0
   double volume_in = 0;          ///< m³, of the solid
-  double volume_once = 0;        ///< m³: volume_in, if overlaps of parts count once (pipeline/overlaps.hpp)
+  double volume_once = 0;        ///< m³: volume_in, but overlaps of parts count once (pipeline/overlaps.hpp)
   double volume_out = 0;         ///< m³, of all fragments, from the unrounded positions
   double volume_file = 0;        ///< m³, of all fragments, from the final rounded positions
   double relative_error = 0;     ///< |volume_out - volume_in| / volume_in
-  /// Pockets of negative winding that no positive piece contains (the surface turned inside out by crossing
-  /// itself) are not emitted; their signed volume, m³, is part of volume_out, and their area, m², is stated.
-  /// 0 for clean solids.
+  /// A pocket is a region of negative winding that no positive piece contains: the surface crosses itself
+  /// and turns inside out. Pockets are not emitted. Their signed volume, m³, is part of volume_out, and
+  /// their area, m², is part of area_out. 0 for clean solids.
   double pocket_volume = 0, pocket_area = 0;
-  /// Cap triangles without a mirror image in another fragment, bit for bit in world space: 0. (1 stands for
-  /// any number; only where the answer is refused, all are looked for.)
+  /// Number of cap triangles without a mirror image in another fragment, bit for bit in world space; must
+  /// be 0. (1 stands for any number, because they are counted only if the result is refused.)
   std::uint64_t unmirrored_caps = 0;
-  /// m², of the solid's surface, and of what covers it in the fragments: pocket_area, too.
+  /// m², of the solid's surface, and of the triangles that cover it in the fragments, including
+  /// pocket_area.
   double area_in = 0, area_out = 0;
-  /// fragments = cells + islands - united - dropped: cells (or groups) that meet the solid, further pieces of
-  /// them, pieces united with a neighbour (without volume, or because of a limit of size), pieces without
-  /// volume or neighbour.
+  /// The counts satisfy fragments = cells + islands - united - dropped.
+  /// Cells (or groups of cells) count if they meet the solid. Islands are their further pieces. United
+  /// pieces were united with a neighbour, because they have no volume or because of a size limit. Dropped
+  /// pieces have neither volume nor a neighbour.
   std::uint32_t sites_asked = 0, cells = 0, islands = 0, united = 0, dropped = 0, fragments = 0;
-  std::uint64_t crossing_caps = 0;  ///< caps whose loops crossed: 0 on every embedded input
+  std::uint64_t crossing_caps = 0;  ///< caps whose loops cross: 0 for every embedded input
 };
 
-/// Geometry alone: a partition of the solid, or of what is asked of it.
+/// Geometry only: a partition of the solid, or of the requested part of it.
 struct FragmentSet {
   std::shared_ptr<const Mesh> source;
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Certificate certificate;
-  SizeFigures size;          ///< what the limits of size did
-  Vec3d lattice_step;        ///< h_a: the seam lattice, m
-  double lattice_ratio = 0;  ///< max over axes of h/size; above 1e-5 a warning
+  SizeFigures size;          ///< effect of the size limits
+  Vec3d lattice_step;        ///< h_a: step of the seam lattice, m
+  double lattice_ratio = 0;  ///< max over axes of h/size; a value above 1e-5 causes a warning
 };
 
 }  // namespace fracture

@@ -11,7 +11,7 @@ GroupContacts::GroupContacts(const RestrictedDiagram& diagram, const Pieces& pie
                              const Execution& execution)
     : d_(diagram), pieces_(pieces), groups_(groups), execution_(execution), pacer_(execution) {}
 
-// As find_bonds() sums a bond's area, term by term: what is chosen by it must not hang on the last bit.
+// Sums in the same order as find_bonds(), because choices made by area must not depend on the last bit.
 double GroupContacts::area_of(const std::vector<std::uint32_t>& regions) {
   double area = 0;
   for (const std::uint32_t region : regions) {
@@ -32,7 +32,7 @@ GroupContacts::Neighbors& GroupContacts::known(std::uint32_t set) {
     FaceSource last = kNoIndex;
     for (const Face& face : pieces_.pieces[member].faces) {
       pacer_.step();
-      if (!is_cap(face.source) || face.source == last) continue;  // the faces of a region stand together
+      if (!is_cap(face.source) || face.source == last) continue;  // the faces of a region are consecutive
       last = face.source;
       const std::uint32_t other = pieces_.piece_of_cap[(face.source ^ 1) & ~kCapFace];
       if (other == kNoIndex || groups_.set_of(other) == set) continue;
@@ -60,7 +60,7 @@ std::vector<Neighbor> GroupContacts::neighbors(std::uint32_t group) {
 }
 
 void GroupContacts::unite(std::uint32_t a, std::uint32_t b) {
-  // Both sides have to be known before they are one.
+  // Both groups must be known before they are united.
   if (groups_.of(a) == groups_.of(b)) return;
   known(groups_.set_of(a));
   known(groups_.set_of(b));

@@ -1,4 +1,4 @@
-// Who touches a group of pieces, and by how much, while groups grow.
+// Neighbours of a group of pieces and their contact areas, while groups grow.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +13,23 @@ namespace fracture {
 
 struct Neighbor {
   std::uint32_t group;
-  double area;  ///< m², of the caps between them, summed in their order (cap_area.hpp)
+  double area;  ///< m², of the caps between them, summed in region order (cap_area.hpp)
 };
 
-/// Knows the caps between groups for the groups that were asked about, and keeps them up to date: a union
-/// moves the caps of the smaller set (piece_groups.hpp), so that a group that grows piece by piece costs its
-/// caps and not its caps as often as it grows.
+/// Keeps the caps between groups up to date, for groups that were asked about. A union moves only the caps
+/// of the smaller set (piece_groups.hpp). So if a group grows piece by piece, its caps are not visited
+/// again at each step.
 class GroupContacts {
  public:
-  /// All are borrowed; `groups` changes by unite() alone from now on.
+  /// All arguments are borrowed. From now on, only unite() may change `groups`.
   GroupContacts(const RestrictedDiagram& diagram, const Pieces& pieces, PieceGroups& groups,
                 const Execution& execution);
 
-  /// Largest area first, ties by the lowest name. Throws Interrupted.
+  /// Returns the neighbours of a group, largest area first; ties by the lowest name. Throws Interrupted.
   std::vector<Neighbor> neighbors(std::uint32_t group);
   /// Unites the groups of these pieces, here and in `groups`. Throws Interrupted.
   void unite(std::uint32_t a, std::uint32_t b);
-  /// Gives the memory back. Nothing may follow. Throws Interrupted.
+  /// Frees the memory. No other call may follow. Throws Interrupted.
   void release();
 
  private:
@@ -37,7 +37,7 @@ class GroupContacts {
     std::vector<std::uint32_t> regions;  ///< ascending
     double area = 0;
   };
-  using Neighbors = std::unordered_map<std::uint32_t, Shared>;  ///< by set; order never shows
+  using Neighbors = std::unordered_map<std::uint32_t, Shared>;  ///< by set; no result depends on its order
 
   Neighbors& known(std::uint32_t set);
   double area_of(const std::vector<std::uint32_t>& regions);

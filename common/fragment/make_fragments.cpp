@@ -17,8 +17,8 @@
 namespace fracture {
 namespace {
 
-/// A function of the coordinates of the fragment's sites, the part and which island of them it is: local
-/// refracture keeps the ids of what it does not touch. At most 2^53 - 1: exact in JSON.
+/// Returns an id that depends only on the coordinates of the fragment's sites, its part and the number of
+/// its island. So local refracture keeps the ids of untouched fragments. At most 2^53 - 1: exact in JSON.
 std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std::uint32_t island,
                           const Execution& execution) {
   std::uint64_t h = 0x6672616374757265ull;
@@ -36,7 +36,7 @@ std::uint64_t fragment_id(const VoronoiDiagram& diagram, const Fragment& f, std:
   return mix64(mix64(h, f.part), island) >> 11;
 }
 
-/// The fragments of groups of pieces, by name.
+/// Fragments of groups of pieces, indexed by the group's name.
 struct Assembly {
   void make(const std::vector<std::uint32_t>& names) {
     parallel_for(execution, names.size(), 8, [&](std::size_t begin, std::size_t end) {
@@ -69,10 +69,10 @@ struct Assembly {
   std::vector<FileVolume> volumes = {};  ///< [number of pieces]
 };
 
-/// Groups whose volume is not positive unite with the neighbour of largest shared cap area, all of them round
-/// by round, until none is left; those without neighbours are dropped. Where a surface crosses itself a group
-/// may have to grow by thousands of pieces, one a round: so it is only joined and assembled where its sign
-/// hangs on rounding, and when it is done.
+/// Unites groups whose volume is not positive with the neighbour of largest shared cap area, all of them in
+/// each round, until none is left. Groups without neighbours are dropped. If a surface crosses itself, a
+/// group may have to grow by thousands of pieces, one per round. So its fragment is assembled only at the
+/// end, or when its sign depends on rounding.
 void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& all,
                           std::vector<bool>& dropped, Certificate& certificate) {
   PieceGroups& groups = assembly.groups;
@@ -83,16 +83,16 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
 
   GroupContacts contacts(assembly.d, assembly.pieces, groups, assembly.execution);
   VolumeSigns signs(assembly.d, assembly.pieces, assembly.execution);
-  std::vector<char> stale(groups.pieces(), 0);  // per name: its fragment is that of an earlier group
+  std::vector<char> stale(groups.pieces(), 0);  // per name: its fragment is out of date
   std::vector<std::uint32_t> grown;             // names that were stale once
   while (!bad.empty()) {
-    // Each chooses by whom it touches now, before any of them unites.
+    // Each group chooses a neighbour before any of them is united.
     std::vector<std::vector<Neighbor>> neighbors;
     for (const std::uint32_t g : bad) neighbors.push_back(contacts.neighbors(g));
     std::vector<std::uint32_t> changed;
     for (std::size_t k = 0; k < bad.size(); ++k) {
       const std::uint32_t g = bad[k];
-      if (!groups.is_group(g)) continue;  // swallowed meanwhile
+      if (!groups.is_group(g)) continue;  // already united with another group
       const auto best = std::find_if(neighbors[k].begin(), neighbors[k].end(),
                                      [&](const Neighbor& n) { return groups.of(n.group) != g; });
       if (best == neighbors[k].end()) {
@@ -150,8 +150,8 @@ bool touch_across(const PartContacts& across, const PieceGroups& groups) {
                      [&](const PieceContact& c) { return groups.of(c.of) != groups.of(c.with); });
 }
 
-/// Unites what was united before and what is too small; assembles; unites what has no volume; assembles again what
-/// changed. Returns, per name, what was dropped.
+/// Repeats earlier unions, unites groups that are too small, assembles all groups, unites those without
+/// volume, and assembles the changed groups again. Returns, per name, whether the group was dropped.
 std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, const PartContacts* across,
                                   const std::vector<Union>& before, PieceRecord* record, FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();
@@ -176,22 +176,22 @@ std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, 
   return dropped;
 }
 
-/// Moves what is left into the set, in order of the pieces, and gives each its id. Returns per piece the
-/// number of its fragment, kNoIndex where that was dropped.
+/// Moves the remaining fragments into the set, in the order of their pieces, and gives each its id.
+/// Returns, per piece, the number of its fragment, or kNoIndex if it was dropped.
 std::vector<std::uint32_t> take_fragments(Assembly& assembly, const std::vector<bool>& dropped,
                                           FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();
   std::vector<Fragment>& fragments = assembly.fragments;
   std::uint32_t count = 0;
   std::vector<std::uint32_t> fragment_of_piece(n, kNoIndex);
-  std::unordered_set<std::uint64_t> ids;  // only asked for membership
-  ids.reserve(n);                         // to move a million of them into a larger table takes a while
+  std::unordered_set<std::uint64_t> ids;  // used only for membership tests
+  ids.reserve(n);                         // moving a million of them into a larger table takes a while
   Pacer pacer(assembly.execution);
   for (std::uint32_t g = 0; g < n; ++g) {
     pacer.step(16);
     const std::uint32_t name = assembly.groups.of(g);
     if (dropped[name]) continue;
-    if (name != g) {  // its group has stood before it
+    if (name != g) {  // its group's fragment was taken before
       fragment_of_piece[g] = fragment_of_piece[name];
       continue;
     }
@@ -210,18 +210,18 @@ std::vector<std::uint32_t> take_fragments(Assembly& assembly, const std::vector<
   return fragment_of_piece;
 }
 
-/// What the certificate says beside sum_up(), once the fragments are there.
+/// Fills the counts of the certificate once the fragments exist.
 void count(const Pieces& pieces, const RestrictedDiagram& d, FragmentSet& out) {
   Certificate& certificate = out.certificate;
-  for (std::size_t k = 0; k < pieces.pieces.size(); ++k)  // pieces stand in the order of their owners
+  for (std::size_t k = 0; k < pieces.pieces.size(); ++k)  // pieces are in the order of their owners
     certificate.cells += k == 0 || pieces.pieces[k].owners[0] != pieces.pieces[k - 1].owners[0];
   certificate.islands = static_cast<std::uint32_t>(pieces.pieces.size()) - certificate.cells;
   certificate.fragments = static_cast<std::uint32_t>(out.fragments.size());
   certificate.crossing_caps = d.caps.crossing;
 }
 
-/// Owners that are not wanted, by their lowest cells, and touch a group of pieces that is smaller than `least`: without
-/// their pieces nobody knows with which neighbour it unites. Ascending.
+/// Returns the owners that are not wanted and touch a group of pieces smaller than `least`, by their lowest
+/// cells, ascending. Without their pieces, the neighbour that the group unites with cannot be chosen.
 std::vector<SiteId> beside_small_groups(const RestrictedDiagram& d, const Ownership& ownership,
                                         const Pieces& pieces, const PieceGroups& groups,
                                         const std::vector<SiteId>& lowest, double least,
@@ -304,7 +304,7 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
     out.volumes_file.push_back(assembly.volumes[g].volume);
   }
 
-  // Pieces stand in the order of their owners.
+  // Pieces are in the order of their owners.
   const std::size_t owners = ownership.sites_of_owner.size();
   out.first_of.assign(owners + 1, 0);
   out.pieces = pieces_of_owners(pieces, owners);
@@ -314,11 +314,11 @@ std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d,
   for (std::size_t o = 0; o < owners; ++o) out.first_of[o + 1] += out.first_of[o];
   std::vector<std::uint32_t> next(out.first_of.begin(), out.first_of.end() - 1);  // per owner
   std::vector<std::uint32_t> fragment_of_piece(n);
-  for (std::uint32_t p = 0; p < n; ++p)  // a group's name stands before its other pieces
+  for (std::uint32_t p = 0; p < n; ++p)  // a group's name is its first piece
     fragment_of_piece[p] =
         groups.is_group(p) ? next[pieces.pieces[p].owners[0]]++ : fragment_of_piece[groups.of(p)];
 
-  // The other sides of caps, whose pieces were not made, as further pieces.
+  // For the sides of caps whose pieces were not made, adds one piece per owner.
   std::vector<std::uint32_t> piece_of_owner(owners, kNoIndex);
   for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r)
     for (int side = 0; side < 2; ++side) {

@@ -1,5 +1,5 @@
-// The last stage: pieces are assembled, those without volume united with a neighbour, and the whole is
-// certified.
+// The last stage: assembles pieces, unites pieces without volume with a neighbour, and certifies the
+// result.
 #pragma once
 
 #include <optional>
@@ -14,61 +14,62 @@
 namespace fracture {
 
 struct PieceRecord {
-  std::vector<Union> united;          ///< before, or because of their size
-  std::vector<std::uint32_t> pieces;  ///< per owner
+  std::vector<Union> united;          ///< repeated unions and those made because of size
+  std::vector<std::uint32_t> pieces;  ///< per owner: number of pieces
   bool touch_across =
-      true;  ///< false: no two fragments touch across parts, because all such pieces were joined
+      true;  ///< false if no two fragments touch across parts, because all such pieces were joined
 };
 
-/// Fills everything of FragmentSet but sites_asked and report. A piece whose final rounded volume is not
-/// positive is united with the neighbour of largest shared cap area (ties: the lowest piece), their common
-/// caps disappearing on both sides, until none is left; a piece without any neighbour is dropped and counted,
-/// its volume in `pocket_volume`. Before that, pieces are united as `before` says, and then as the limits ask (unite.hpp).
-/// `record`, if not null, says how the fragments came about.
+/// Makes the fragments, their bonds and the certificate. First, pieces are united as `before` says, and
+/// then as the size limits ask (unite.hpp). Then each piece whose final rounded volume is not positive is
+/// united with the neighbour of largest shared cap area (ties: the lowest piece), until none is left; the
+/// caps between them disappear on both sides. If such a piece has no neighbour, it is dropped and counted,
+/// and its volume is added to `pocket_volume`. `record`, if not null, receives how the fragments were made.
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution,
                            const std::vector<Union>& before = {}, PieceRecord* record = nullptr);
-/// The same with the pieces that gather_pieces() has found. `across`: the contacts of pieces of different parts, which
-/// then join (unite.hpp); null: they stay apart.
+/// Like the above, with the pieces from gather_pieces(). `across`: contacts between pieces of different
+/// parts, which are then joined (unite.hpp). If null, pieces of different parts stay separate.
 FragmentSet make_fragments(const RestrictedDiagram& diagram, const Ownership& ownership, Pieces pieces,
                            Pivot pivot, const SizeLimits& limits, const Execution& execution,
                            const std::vector<Union>& before = {}, PieceRecord* record = nullptr,
                            const PartContacts* across = nullptr);
 
-/// What proves an answer, over all of its fragments.
+/// Sums over all fragments that prove a result.
 struct ProofSums {
   std::uint64_t open_edges = 0, caps = 0;
   double surface_area = 0;  ///< m²
 };
-/// The figures of the certificate that follow from these, and what the volumes (volume_out and pocket_area are
-/// there already) come to.
+/// Fills the values of the certificate that follow from these sums and from its volumes. volume_out and
+/// pocket_area must be set before.
 void sum_up(const Solid& solid, const ProofSums& sums, Certificate& certificate);
 void sum_up(const Solid& solid, const std::vector<Fragment>& fragments, Certificate& certificate);
 
-/// The lattice and how coarse it is.
+/// Fills lattice_step and lattice_ratio.
 void state_lattice(const Solid& solid, FragmentSet& out);
 
-/// Fragments of some owners, numbered as if those of all were there.
+/// Fragments of the wanted owners, numbered as if those of all owners existed.
 struct WantedFragments {
-  std::vector<Fragment> fragments;      ///< in their order
+  std::vector<Fragment> fragments;      ///< ascending by their numbers
   std::vector<double> volumes_file;     ///< m³, per fragment here
-  std::vector<std::uint32_t> first_of;  ///< per owner + 1: range of all fragments that begin there
-  std::vector<std::uint32_t> pieces;    ///< per owner: how many it has, united ones too
-  std::vector<Bond> bonds;              ///< of the fragments here, by numbers among all
-  std::vector<Union> late;              ///< what was united beyond `before`; ascending
+  std::vector<std::uint32_t> first_of;  ///< per owner, plus one entry: number of its first fragment
+  std::vector<std::uint32_t> pieces;    ///< per owner: number of pieces, including united ones
+  std::vector<Bond> bonds;              ///< of these fragments; a and b are numbers among all fragments
+  std::vector<Union> late;              ///< unions beyond `before`; ascending
   std::uint64_t crossing_caps = 0;
-  /// Owners that would have to be wanted, too, by their lowest cells: they touch what is too small. Where there are some,
-  /// nothing else is filled.
+  /// Other owners that must be wanted, too, by their lowest cells: they touch a group that is too small. If
+  /// there are any, no fragments are made.
   std::vector<SiteId> further;
 };
-/// The owners around what is wanted, as the whole has them.
+/// The same owners in the whole diagram.
 struct OwnersInWhole {
-  std::vector<SiteId> lowest;         ///< per owner: of its cells in the whole; ascending
-  std::vector<std::uint32_t> others;  ///< per owner that is not wanted: how many fragments it has
+  std::vector<SiteId> lowest;         ///< per owner: its lowest cell in the whole; ascending
+  std::vector<std::uint32_t> others;  ///< per owner that is not wanted: its number of fragments
 };
-/// The pieces of the wanted owners alone, united as `before` says, then where they are smaller than `least`, m³; nothing
-/// where a piece would have to be united or dropped for its sign. Bonds to an owner that is not wanted lead to its first
-/// fragment, whichever of several they belong to.
+/// Makes the fragments of the wanted owners only. Pieces are united as `before` says, then those smaller
+/// than `least`, m³. Returns nothing if a piece would have to be united or dropped because its volume is
+/// not positive. Bonds with an owner that is not wanted lead to its first fragment, even if they belong to
+/// another one.
 std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& diagram,
                                                      const Ownership& ownership, const OwnersInWhole& whole,
                                                      const std::vector<Union>& before, double least,

@@ -12,15 +12,16 @@ namespace fracture {
 
 class MassIntegral {
  public:
-  /// `origin` should lie near the surface: it cancels only algebraically.
+  /// `origin` should lie near the surface: it cancels algebraically, but rounding errors grow with its
+  /// distance.
   explicit MassIntegral(const Vec3d& origin) : origin_(origin) {}
 
-  /// A triangle, counter-clockwise from outside.
+  /// Adds a triangle, counter-clockwise from outside.
   void add(const Vec3d& p, const Vec3d& q, const Vec3d& r) {
     add_terms(terms<double>(p - origin_, q - origin_, r - origin_), [](double x) { return x; });
   }
 
-  /// The same as add() of each in turn, bit for bit, in little more than the time of one.
+  /// Adds two triangles: bit for bit the same as add() for each in turn, in little more time than one.
   void add_both(const std::array<const Vec3d*, 3>& s, const std::array<const Vec3d*, 3>& t) {
     const Terms<Two> both = terms<Two>(abreast(*s[0], *t[0]), abreast(*s[1], *t[1]), abreast(*s[2], *t[2]));
     add_terms(both, [](const Two& x) { return x[0]; });
@@ -30,7 +31,8 @@ class MassIntegral {
   double area() const { return 0.5 * twice_area_; }
   double volume() const { return six_volume_ / 6; }
 
-  /// About the centre of mass. A surface without volume has its centre at the origin given and no inertia.
+  /// Returns the properties about the centre of mass. For a surface without volume, the centre is the given
+  /// origin and the inertia is zero.
   MassProperties result() const {
     MassProperties m;
     m.volume = six_volume_ / 6;
@@ -39,7 +41,7 @@ class MassIntegral {
     if (!(m.volume > 0)) return m;
     const Vec3d c = (1.0 / (4 * six_volume_)) * moment_;
     m.center_of_mass = origin_ + c;
-    // Second moments about the centre of mass: integral of x_i x_j, less V c_i c_j.
+    // Second moments about the centre of mass: integral of x_i x_j, minus V c_i c_j.
     const double v = m.volume;
     const double xx = xx_ / 120 - v * c.x * c.x, yy = yy_ / 120 - v * c.y * c.y,
                  zz = zz_ / 120 - v * c.z * c.z;
@@ -53,7 +55,8 @@ class MassIntegral {
   }
 
  private:
-  /// Two numbers in one register: g++ and clang compute with both at once, each rounded as by itself.
+  /// Two numbers in one register. g++ and clang compute with both at once and round each as if it were
+  /// alone.
   using Two = double __attribute__((vector_size(2 * sizeof(double))));
   struct TwoPoints {
     Two x, y, z;
@@ -68,7 +71,7 @@ class MassIntegral {
     return {Two{p.x, q.x} - origin_.x, Two{p.y, q.y} - origin_.y, Two{p.z, q.z} - origin_.z};
   }
 
-  /// What a triangle (or each of two) adds to every sum.
+  /// Contributions of a triangle (or of each of two) to all sums.
   template <class Real>
   struct Terms {
     Real six_volume, moment_x, moment_y, moment_z, xx, yy, zz, xy, xz, yz, squared_twice_area;

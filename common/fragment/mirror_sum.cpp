@@ -13,7 +13,7 @@ namespace {
 
 using Place = std::array<std::uint32_t, 3>;  // the bits of a position in world space
 
-/// As a reader of the file computes it: local + translation, in float.
+/// World position as a reader of the file computes it: local + translation, in float.
 Place world(const Fragment& f, const Vec3f& pivot, std::uint32_t v) {
   const Vec3f& p = f.positions[v];
   return {bits_of(p.x + pivot.x), bits_of(p.y + pivot.y), bits_of(p.z + pivot.z)};
@@ -37,8 +37,9 @@ struct Hashes {
 
 }  // namespace
 
-// The determinant of the three rows (h, h², h³): it changes its sign with the orientation and is no sum over
-// the edges, as a plain Vandermonde determinant would be, which any two closed surfaces cancel.
+// Adds up a determinant per triangle, with the rows (h, h², h³) for its three corners. It changes its sign
+// with the orientation. Unlike a plain Vandermonde determinant, it is not a sum over the edges, which would
+// cancel over any two closed surfaces.
 std::uint64_t mirror_sum(const Fragment& f, const Execution& execution) {
   Pacer pacer(execution);
   const Vec3f pivot = translation(f);
@@ -46,7 +47,7 @@ std::uint64_t mirror_sum(const Fragment& f, const Execution& execution) {
   for (const IndexRange& range : f.caps) {
     const std::uint32_t* const first = f.indices.data() + range.first;
     const std::uint32_t* const last = first + range.count;
-    // The vertices of a run of caps follow one another.
+    // The vertices of a range of caps are consecutive.
     const auto [low, high] = std::minmax_element(first, last);
     std::vector<std::uint64_t>& hashes = thread_scratch<Hashes>().of_vertices;
     hashes.clear();
@@ -64,7 +65,7 @@ std::uint64_t mirror_sum(const Fragment& f, const Execution& execution) {
 std::vector<std::uint32_t> unmirrored(const std::vector<Fragment>& fragments, std::uint64_t& count) {
   struct Entry {
     std::array<Place, 3>
-        corners;  // from the least on, the way round in which the second is less than the third
+        corners;  // starting at the least, in the direction in which the second is less than the third
     bool turned;
     std::uint32_t fragment;
   };

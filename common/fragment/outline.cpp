@@ -63,8 +63,8 @@ bool Outline::is_straight(CutVertexId before, CutVertexId v, CutVertexId after) 
   return lies_on(before, edge) && lies_on(after, edge);
 }
 
-// On the lattice, dropping the axis of the largest normal component: which triangulation is chosen may depend
-// on rounded positions, whether it closes cannot.
+// Projects onto the lattice and drops the axis of the largest normal component. The choice of triangulation
+// may depend on rounded positions; closedness does not.
 void Outline::project(std::uint32_t t) {
   const auto& v = d_.solid.triangles[t];
   const Vec3d a = to_double(d_.solid.positions[v[0]]), b = to_double(d_.solid.positions[v[1]]),

@@ -1,5 +1,5 @@
-// What several polygons of one input triangle cover together, as new triangles: the outline of their union,
-// triangulated, without the vertices that only separated them.
+// Replaces several polygons of one input triangle by new triangles: a triangulation of their union, without
+// the vertices that only separated them.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace fracture {
 
-/// Fuses within one triangle after the other; keeps its buffers between them.
+/// Fuses polygons in one triangle after another and reuses its buffers.
 class Outline {
  public:
   /// Both are borrowed.
@@ -18,13 +18,13 @@ class Outline {
       : d_(diagram), execution_(execution) {}
 
   void clear() { sides_.clear(); }
-  /// A directed side of the outline. In a generic diagram a vertex is left by one side.
+  /// Adds a directed side of the outline. In a generic diagram, one side starts at each vertex.
   void add(CutVertexId from, CutVertexId to) { sides_.push_back({from, to, false}); }
-  /// Appends the triangles of what the sides enclose in triangle t. A vertex between two sides along the same
-  /// edge of t is left out: the edge is not cut there any more. Both triangles at the edge agree about that,
-  /// because what lies on the two sides of such a vertex hangs together by volume around it. The whole
-  /// triangle comes back as it was. Throws Interrupted, and InternalError when the sides do not chain into
-  /// loops.
+  /// Appends triangles that cover the area enclosed by the sides in triangle t. A vertex between two sides
+  /// along the same edge of t is left out, because the edge is no longer cut there. Both triangles at the
+  /// edge agree on this, because the polygons on both sides of such a vertex are connected by volume around
+  /// it. If the sides enclose all of t, appends t unchanged. Throws Interrupted, and InternalError if the
+  /// sides do not form closed loops.
   void triangulate_into(std::uint32_t t, std::vector<Face>& out);
 
  private:

@@ -9,13 +9,13 @@
 namespace fracture {
 namespace {
 
-/// Per part: its share of each cell, added up.
+/// Returns, per part, the sum of its shares of all cells.
 std::vector<double> cells_in_parts(const Pieces& pieces,
                                    const std::function<std::uint32_t(std::uint32_t)>& part_of,
                                    const std::vector<double>& volumes, std::uint32_t parts, Pacer& pacer) {
   std::vector<double> cells(parts, 0);
   const std::vector<Piece>& all = pieces.pieces;
-  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {  // pieces stand by their owner
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {  // pieces are sorted by owner
     double whole = 0;
     for (end = begin; end < all.size() && all[end].owners[0] == all[begin].owners[0]; ++end)
       whole += std::max(volumes[end], 0.0);
@@ -38,7 +38,7 @@ PartQuotas::PartQuotas(const Pieces& pieces, const std::function<std::uint32_t(s
 
   const std::vector<double> cells = cells_in_parts(pieces, part_of, volumes, count, pacer);
   struct Claim {
-    double cells_for_each;  // of its fragments, had it one more
+    double cells_for_each;  // cells per fragment, if the part had one more
     std::uint32_t part;
     bool operator<(const Claim& other) const {
       return cells_for_each != other.cells_for_each ? cells_for_each < other.cells_for_each

@@ -1,4 +1,5 @@
-// How many fragments each part of a solid, or each group of parts, may have, so that all have as many as were asked for.
+// Number of fragments that each part of a solid, or each group of parts, may have, so that together they
+// have the requested number.
 #pragma once
 
 #include <cstdint>
@@ -10,31 +11,32 @@
 
 namespace fracture {
 
-/// Parts share the fragments in proportion to the cells in them, where a cell that lies in several counts in
-/// each by its volume there: for uniform sites that is the volume of the part, and where the pattern makes small
-/// cells (near a hit) it makes many. Each gets at least one, and no more than it has pieces, by the method of
-/// D'Hondt (1882): the next fragment goes to the part that has the most cells for each of its own, ties to the
-/// lowest part. Where there are as many parts as that, a quarter of what was asked is divided beyond one for
-/// each.
+/// Parts share the fragments in proportion to the cells in them. A cell that lies in several parts counts
+/// in each part by its share of volume there. For uniform sites, this is proportional to the part's volume.
+/// If the pattern makes small cells (near a hit), their part gets more fragments. Each part gets at least
+/// one fragment, and at most as many as it has pieces. The method is D'Hondt's (1882): the next fragment
+/// goes to the part that has the most cells per fragment; ties go to the lowest part. If there are at least
+/// as many parts as requested fragments, each part gets one, and a quarter of the requested number is
+/// distributed in addition.
 class PartQuotas {
  public:
-  /// `part_of`: the part, or group of parts, of a piece. `volumes`: of the pieces. `left`: per part, the number of pieces
-  /// after those united so far. Throws Interrupted.
+  /// `part_of`: the part, or group of parts, of a piece. `volumes`: per piece. `left`: per part, the number
+  /// of pieces that remain after the unions so far. Throws Interrupted.
   PartQuotas(const Pieces& pieces, const std::function<std::uint32_t(std::uint32_t)>& part_of,
              const std::vector<double>& volumes, std::vector<std::uint32_t> left, std::uint32_t wanted,
              const Execution& execution);
 
-  /// Does the part have more pieces than it may?
+  /// Whether the part has more pieces than it may.
   bool over(std::uint32_t part) const { return left_[part] > quota_[part]; }
-  /// Does any?
+  /// Whether any part has more pieces than it may.
   bool any_over() const { return over_ > 0; }
-  /// Two of its pieces are one now.
+  /// Notes that two pieces of the part were united.
   void unite(std::uint32_t part) { over_ -= left_[part]-- > quota_[part]; }
-  std::uint32_t parts() const { return parts_; }  ///< that have pieces
+  std::uint32_t parts() const { return parts_; }  ///< number of parts that have pieces
 
  private:
   std::vector<std::uint32_t> quota_, left_;  // per part
-  std::uint64_t over_ = 0;                   // pieces that are too many, of all parts
+  std::uint64_t over_ = 0;                   // number of pieces beyond the quotas, over all parts
   std::uint32_t parts_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace fracture {
 namespace {
 
-constexpr std::uint64_t kMissedCache = 8;  // steps: members of a group lie anywhere
+constexpr std::uint64_t kMissedCache = 8;  // steps, because the members of a group are far apart in memory
 
 }  // namespace
 

@@ -25,7 +25,7 @@ Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std
     return o;
   }
   std::vector<std::pair<std::uint32_t, SiteId>>
-      by_group;  // (group, site), so that the first of a group is its smallest
+      by_group;  // (group, site), so that a group's first site is its smallest
   for (const SiteId s : ids<SiteId>(site_count)) by_group.emplace_back(groups[s], s);
   sort_with_polls(execution, by_group.begin(), by_group.end());
   std::vector<SiteId> first_of(site_count);
@@ -62,14 +62,14 @@ double signed_volume(const RestrictedDiagram& d, const Face* faces, std::size_t 
 
 namespace {
 
-/// Notes that the caps among the faces are those of this piece. Each side of a region is of one owner.
+/// Notes that the caps among the faces belong to this piece. Each side of a region belongs to one owner.
 void note_caps(const std::vector<Face>& faces, std::uint32_t piece,
                std::vector<std::uint32_t>& piece_of_cap) {
-  FaceSource last = kNoIndex;  // the faces of one region follow one another
+  FaceSource last = kNoIndex;  // the faces of one region are consecutive
   for (const Face& f : faces) {
     if (!is_cap(f.source) || f.source == last) continue;
     last = f.source;
-    // Uniting two pieces takes a region away as a whole: a region of several pieces would leave them open.
+    // Uniting two pieces removes a region as a whole. A region with several pieces would leave them open.
     std::uint32_t& of_cap = piece_of_cap[f.source & ~kCapFace];
     if (of_cap != kNoIndex && of_cap != piece)
       throw InternalError("region " + std::to_string(cap_region(f.source)) +
@@ -85,7 +85,7 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
   const OwnedFaces surface = divide_surface(d, ownership, execution);
   const std::size_t owners = ownership.sites_of_owner.size();
 
-  // Cap sides by owner; inside a group a region is listed once, to hold its sides together.
+  // Cap sides by owner. A region inside a group is listed once, to connect its two sides.
   Pacer pacer(execution);
   const auto each_cap = [&](const auto& visit) {
     for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r) {
@@ -125,7 +125,7 @@ Pieces gather_pieces(const RestrictedDiagram& d, const Ownership& ownership, con
     }
   });
 
-  // Each owner's follow those of the one before.
+  // Each owner's pieces follow those of the previous owner.
   std::vector<std::size_t> begin(owners + 1, 0);
   for (std::size_t o = 0; o < owners; ++o) begin[o + 1] = begin[o] + found[o].size();
   Pieces out;
@@ -166,7 +166,7 @@ std::optional<Pieces> with_finer_caps(const Pieces& flat, const RestrictedDiagra
       const Piece& before = flat.pieces[k];
       Piece& now = out.pieces[k];
       now = {before.owners, before.part, before.island, {}, before.bodies};
-      // The faces of one region follow one another.
+      // The faces of one region are consecutive.
       std::size_t surface = 0, caps = 0;
       for (std::size_t f = 0; f < before.faces.size(); ++f) {
         const FaceSource source = before.faces[f].source;

@@ -1,8 +1,8 @@
-// Faces into pieces. Every face of the restricted diagram, piece of input triangle or cap, belongs to the
-// *owner* of its cell: the cell itself, or the group of cells that stay together (inside a group bisectors do
-// not exist: polygons are fused, caps are not emitted, an exact union at no cost). An owner's faces fall into
-// components; each is a piece, except a cavity's shell that no bisector cuts, which joins the piece around
-// it.
+// Collects faces into pieces. Every face of the restricted diagram, part of an input triangle or of a cap,
+// belongs to the *owner* of its cell: the cell itself, or the group of cells that stay together. Inside a
+// group, there are no bisectors: polygons are fused and caps are not emitted, which is an exact union at no
+// cost. An owner's faces form connected components. Each component is a piece, except the shell of a cavity
+// that no bisector cuts, which joins the piece around it.
 #pragma once
 
 #include <array>
@@ -15,20 +15,19 @@
 
 namespace fracture {
 
-/// Which cells stay together.
+/// Assigns cells to owners; the cells of one owner stay together.
 struct Ownership {
-  std::vector<std::uint32_t> owner_of_site;         ///< 0.., numbered by smallest member site
+  std::vector<std::uint32_t> owner_of_site;         ///< numbered from 0, by smallest member site
   std::vector<std::vector<SiteId>> sites_of_owner;  ///< ascending
-  bool grouped = false;                             ///< some owner has several cells
-  std::vector<bool> wanted;  ///< per owner; empty: all. Pieces of the others are not made.
-  /// Equal entries stay together; an empty vector means every cell for itself. One entry per site. Throws
-  /// Interrupted.
+  bool grouped = false;                             ///< whether some owner has several cells
+  std::vector<bool> wanted;  ///< per owner; if empty, all. Pieces of the other owners are not made.
+  /// Cells with equal entries in `groups` (one per site) stay together. If `groups` is empty, each cell is
+  /// an owner of its own. Throws Interrupted.
   static Ownership from_groups(std::uint32_t site_count, const std::vector<std::uint32_t>& groups,
                                const Execution& execution = {});
 };
 
-/// Where a face comes from: an input triangle (its index), or side 0 (cell lo) or 1 (cell hi) of a cap
-/// region.
+/// Source of a face: an input triangle (its index), or side 0 (cell lo) or 1 (cell hi) of a cap region.
 using FaceSource = std::uint32_t;
 inline constexpr FaceSource kCapFace = 0x80000000u;
 inline FaceSource cap_source(std::uint32_t region, int side) {
@@ -51,29 +50,31 @@ struct PartOwner {
 
 struct Piece {
   std::vector<std::uint32_t> owners;  ///< ascending; several after uniting
-  std::uint32_t part;                 ///< of several that were joined: of the first piece
-  /// 0 for the first piece of its owner and part, 1 for the next, …: whatever other cells there are.
+  std::uint32_t part;                 ///< if pieces of several parts were joined, that of the first piece
+  /// 0 for the first piece of its owner and part, 1 for the next, and so on. Does not depend on other
+  /// cells.
   std::uint32_t island;
   std::vector<Face> faces;
-  /// The vertices of each member cell's share (also those that fusing hides), for pieces of several cells;
-  /// else empty.
+  /// The vertices of each member cell's share, including those that fusing hides, for pieces of several
+  /// cells; otherwise empty.
   std::vector<std::vector<CutVertexId>> bodies{};
   std::vector<PartOwner>
       part_owners{};  ///< ascending, if pieces of several parts were joined; otherwise empty
 };
 
 struct Pieces {
-  std::vector<Piece> pieces;                ///< by owner, then part, then their first faces
+  std::vector<Piece> pieces;                ///< sorted by owner, then by part, then by their first faces
   std::vector<std::uint32_t> piece_of_cap;  ///< per 2 * region + side; kNoIndex inside a group
 };
 
-/// Throws Interrupted.
+/// Finds the pieces of the wanted owners. Throws Interrupted.
 Pieces gather_pieces(const RestrictedDiagram& diagram, const Ownership& ownership,
                      const Execution& execution);
 
-/// The pieces of the diagram that `flat` are of, after its caps were triangulated finer and moved (rough/refine.hpp): those that
-/// gather_pieces() would find, without a further search for what hangs together. Nothing where that may have changed: loops of
-/// caps cross, or a region of them has become several, or none. Throws Interrupted.
+/// Returns the pieces of a diagram after its caps were triangulated more finely and moved
+/// (rough/refine.hpp). `flat`: its pieces before. The result equals that of gather_pieces(), without
+/// another search for connected components. Returns nothing if the components may have changed: loops of
+/// caps cross, or a cap region split or vanished. Throws Interrupted.
 std::optional<Pieces> with_finer_caps(const Pieces& flat, const RestrictedDiagram& diagram,
                                       const Execution& execution);
 

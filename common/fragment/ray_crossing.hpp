@@ -1,13 +1,14 @@
-// Winding numbers of closed triangle surfaces by rays, in doubles: for what no closedness hangs on.
+// Winding numbers of closed triangle surfaces by rays, in doubles. Closedness must not depend on them.
 #pragma once
 
 #include "common/base/vec.hpp"
 
 namespace fracture {
 
-/// How the ray from the origin towards +x passes through the triangle (a, b, c): 1 outwards, -1 inwards, 0
-/// not at all. Summed over a closed surface: its winding number around the origin. In the yz-plane each edge
-/// counts for one of its two sides only (half-open), so that a ray through an edge is counted once.
+/// Returns how the ray from the origin towards +x passes through the triangle (a, b, c): 1 outwards, -1
+/// inwards, 0 not at all. The sum over a closed surface is its winding number around the origin. In the
+/// yz-plane, each edge counts for only one of its two sides (half-open), so a ray through an edge is
+/// counted once.
 inline int ray_crossing(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d corners[3] = {a, b, c};
   int crossings = 0;

@@ -31,7 +31,7 @@ class Splitter {
   }
 
  private:
-  /// A range of uses_: all of one edge, those of one direction first.
+  /// A range of uses_: all uses of one edge, sorted by direction.
   struct Edge {
     std::size_t first, last;
   };
@@ -44,10 +44,11 @@ class Splitter {
 
   std::uint32_t from(HalfEdge h) const { return f_.topology[f_.indices[h]]; }
 
-  /// Triangles with two corners at one vertex: two of their edges are each other's opposites, the third has no length.
+  /// Drops triangles with two corners at one vertex: two of their edges are each other's opposites, and the
+  /// third has no length. Returns whether there were any.
   bool drop_degenerate() {
     const std::size_t count = f_.indices.size() / 3;
-    std::vector<std::uint32_t> kept_before{0};  // per triangle: how many before it are kept
+    std::vector<std::uint32_t> kept_before{0};  // per triangle: number of triangles before it that are kept
     kept_before.reserve(count + 1);
     for (std::size_t t = 0; t < count; ++t) {
       pacer_.step();
@@ -72,7 +73,8 @@ class Splitter {
     return true;
   }
 
-  /// Gives each half-edge an opposite one, and lists the edges that have several pairs. False if there is none.
+  /// Gives each half-edge an opposite, and lists the edges that have several pairs. Returns false if a
+  /// half-edge has no opposite.
   bool pair_all() {
     const auto count = static_cast<HalfEdge>(f_.indices.size());
     uses_.reserve(count);
@@ -106,10 +108,11 @@ class Splitter {
     twin_[g] = h;
   }
 
-  /// The corner that follows in the fan around the vertex that h leaves.
+  /// The next half-edge in the fan around the vertex at which h starts.
   HalfEdge turn(HalfEdge h) const { return twin_[previous(h)]; }
 
-  /// A number for each fan around the vertices at which something is repeated, at the half-edges that leave them.
+  /// Numbers the fans around the ends of repeated edges. Each half-edge that starts there gets its fan's
+  /// number.
   void label_fans() {
     fan_.assign(f_.indices.size(), kNoIndex);
     for (HalfEdge start = 0; start < fan_.size(); ++start) {
@@ -122,8 +125,8 @@ class Splitter {
     }
   }
 
-  /// Until no two pairs of the edge are in the same fan at both of its ends. Each exchange makes two fans more, and none
-  /// of them ever unites with another: it ends.
+  /// Exchanges opposites until no two pairs of the edge are in the same fan at both of its ends. This ends,
+  /// because each exchange makes two more fans, and fans never unite.
   void part(const Edge& edge) {
     const auto pairs = static_cast<std::ptrdiff_t>((edge.last - edge.first) / 2);
     const auto begin = uses_.begin() + static_cast<std::ptrdiff_t>(edge.first), end = begin + pairs;
@@ -146,7 +149,8 @@ class Splitter {
     }
   }
 
-  /// Of the two fans that one became: around the vertex that both half-edges leave.
+  /// Renumbers the smaller of the two fans that one fan was split into. h and g start at the fan's vertex,
+  /// one in each of the two.
   void renumber_smaller(HalfEdge h, HalfEdge g) {
     HalfEdge x = turn(h), y = turn(g);
     for (; x != h && y != g; x = turn(x), y = turn(y)) pacer_.step();
@@ -160,10 +164,10 @@ class Splitter {
     ++fans_;
   }
 
-  /// Each fan gets vertices of its own: those of the first fan at a vertex keep it, others get a copy.
+  /// Gives each fan its own vertices: the first fan at a vertex keeps it, and the others get a copy.
   void rename() {
-    std::vector<std::uint32_t> first_of_fan(fans_, kNoIndex);  // the first vertex of each
-    std::vector<std::array<std::uint32_t, 3>> corners;         // vertex, fan, where in the indices
+    std::vector<std::uint32_t> first_of_fan(fans_, kNoIndex);  // the first vertex of each fan
+    std::vector<std::array<std::uint32_t, 3>> corners;         // vertex, fan, position in the indices
     for (HalfEdge h = 0; h < fan_.size(); ++h) {
       pacer_.step();
       if (fan_[h] != kNoIndex) corners.push_back({f_.indices[h], fan_[h], h});
@@ -205,7 +209,7 @@ class Splitter {
   std::vector<Edge> repeated_;
   std::vector<HalfEdge> twin_;
   std::vector<std::uint8_t> touched_;  // per vertex of the topology
-  std::vector<std::uint32_t> fan_;     // per half-edge: of the vertex that it leaves
+  std::vector<std::uint32_t> fan_;     // per half-edge: the fan at its start
   std::uint32_t fans_ = 0;
 };
 

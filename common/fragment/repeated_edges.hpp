@@ -1,5 +1,6 @@
-// How the edges that a fragment's topology uses more than once in the same direction come apart. They occur if two faces
-// have a diagonal between the same two vertices: in triangles without area, or if the solid touches itself.
+// Separates edges that a fragment's topology uses more than once in the same direction. Such edges occur if
+// two faces have a diagonal between the same two vertices: in triangles without area, or if the solid
+// touches itself.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -15,8 +16,10 @@ namespace fracture {
 ///        \  /             \  /       vertex of its own. All copies are at the same position, with the same attributes.
 ///         y1               y2
 ///
-/// Triangles with two corners at one vertex are dropped first. No other triangle moves, so that volumes, areas and mirror images stay as they are. Vertices are appended; the others keep
-/// their numbers. n log n in the triangles. False if nothing was to be done, or an edge has no opposite. Throws Interrupted.
+/// Triangles with two corners at one vertex are dropped first. No other triangle moves, so volumes, areas and
+/// mirror images do not change. New vertices are appended; the others keep their numbers. Takes n log n in the
+/// number of triangles. Returns false if nothing changed. If an edge has no opposite, nothing is split. Throws
+/// Interrupted.
 bool split_repeated_edges(Fragment& fragment, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

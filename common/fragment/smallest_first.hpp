@@ -1,4 +1,4 @@
-// Groups of pieces in order of their volumes, and what each of them touches, while the smallest ones are merged.
+// Groups of pieces in order of their volumes, and their contacts, while the smallest groups are merged.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,14 @@
 
 namespace fracture {
 
-/// A heap of the groups, and tables of the area that each pair shares. When two groups merge, the one with fewer contacts
-/// moves these to the other, so each contact moves at most log2 of their number times. That is why a group has a seat in
-/// the tables besides its name, which is always that of its smallest piece. Every operation may throw Interrupted.
+/// A heap of the groups, and tables of the area that each pair shares. When two groups merge, the contacts
+/// of the group with fewer contacts move to the other, so a contact moves at most log2(n) times for n
+/// contacts. So a group's entry in the tables (its seat) can differ from its name, which is always its
+/// smallest piece. Every operation may throw Interrupted.
 class SmallestFirst {
  public:
-  /// `volumes`: per group, m³, by its name. `across`: contacts of pieces of different parts; null: such pieces do not merge.
+  /// `volumes`: per group, m³, indexed by its name. `across`: contacts between pieces of different parts;
+  /// if null, such pieces do not merge.
   SmallestFirst(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                 const std::vector<double>& volumes, const PartContacts* across, const Execution& execution);
   SmallestFirst(const SmallestFirst&) = delete;  // its tables borrow its pacer
@@ -60,10 +62,10 @@ class SmallestFirst {
   std::vector<double> volume_;              // per group
   std::vector<std::uint32_t> name_, seat_;  // per seat: its group; per group: its seat
   std::vector<std::uint32_t> changes_;      // per group
-  ContactTable caps_;                       // of seats
-  std::optional<ContactTable> across_;      // of seats
+  ContactTable caps_;                       // between seats
+  std::optional<ContactTable> across_;      // between seats
   std::vector<Entry> order_;                // a heap
-  std::vector<Entry> left_;                 // out of it
+  std::vector<Entry> left_;                 // taken out of the heap
   std::uint32_t count_ = 0;
 };
 

@@ -24,7 +24,7 @@ struct CutTriangle {
   std::size_t first, last;
 };
 
-/// The faces of a block of cut triangles that several owners share, by input triangle.
+/// Faces of a block of cut triangles that several owners share, in the order of the input triangles.
 struct SharedFaces {
   std::vector<Face> faces;
   std::vector<std::uint32_t> owner;  // per face
@@ -41,8 +41,8 @@ class SurfaceDivider {
         outline_(diagram, execution),
         out_(out) {}
 
-  /// The owner of the whole triangle; kNoIndex where several share it, and then each one's faces are
-  /// appended, or where it is not wanted.
+  /// Returns the owner of the whole triangle. Returns kNoIndex if that owner is not wanted. Also returns
+  /// kNoIndex if several owners share the triangle; then the faces of each wanted owner are appended.
   std::uint32_t divide(const CutTriangle& cut) {
     const std::uint32_t owner = ownership_.grouped ? divide_among_groups(cut) : divide_among_cells(cut);
     if (out_.faces.size() - counted_ >= kCountedTogether) count_faces();
@@ -100,7 +100,7 @@ class SurfaceDivider {
     out_.owner.resize(out_.faces.size(), o);
   }
 
-  /// The polygons of one owner as one: the sides that remain are those that do not face a cell of the same
+  /// Fuses the polygons of one owner. The remaining sides are those that do not face a cell of the same
   /// owner.
   void fuse(std::uint32_t owner, std::size_t begin, std::size_t end) {
     const auto& cuts = d_.cuts;
@@ -124,7 +124,7 @@ class SurfaceDivider {
   Pacer pacer_;
   Outline outline_;
   SharedFaces& out_;
-  std::size_t counted_ = 0;            // faces
+  std::size_t counted_ = 0;            // number of faces already counted
   std::vector<std::size_t> by_owner_;  // polygons
 };
 

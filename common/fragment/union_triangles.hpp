@@ -1,4 +1,4 @@
-// How many triangles the fragments have after some of a sequence of unions.
+// Number of triangles in all fragments after the first unions of a sequence.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace fracture {
 
-/// The group that a union makes is always the same pieces, whichever number of unions is asked about, and its faces
-/// are joined once.
+/// Counts triangles. A union always makes a group of the same pieces, whichever number of unions is asked
+/// about, so its faces are joined only once.
 class UnionTriangles {
  public:
-  /// All are borrowed. `unions`: pairs of groups by their names, each as they are after those before it.
+  /// All arguments are borrowed. `unions`: pairs of group names, as they are after the unions before.
   UnionTriangles(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                  const std::vector<std::pair<std::uint32_t, std::uint32_t>>& unions,
                  const Execution& execution)
@@ -27,7 +27,7 @@ class UnionTriangles {
         of_union_(unions.size(), kUnknown),
         of_group_before_(pieces.pieces.size(), kUnknown) {}
 
-  /// Triangles of all groups after the first `count` unions. Throws Interrupted.
+  /// Returns the number of triangles in all groups after the first `count` unions. Throws Interrupted.
   std::uint64_t after(std::size_t count);
 
  private:
@@ -38,7 +38,7 @@ class UnionTriangles {
   const PieceGroups& before_;
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& unions_;
   const Execution& execution_;
-  std::vector<std::uint64_t> of_union_, of_group_before_;  // triangles of what that made, when counted
+  std::vector<std::uint64_t> of_union_, of_group_before_;  // triangles in that group, once counted
 };
 
 }  // namespace fracture

@@ -9,7 +9,7 @@
 namespace fracture {
 namespace {
 
-/// kNoIndex: that cell is no owner's lowest.
+/// Returns the owner whose lowest cell this is, or kNoIndex.
 std::uint32_t owner_of(SiteId cell, const std::vector<SiteId>& lowest) {
   const auto at = std::lower_bound(lowest.begin(), lowest.end(), cell);
   if (at == lowest.end() || *at != cell) return kNoIndex;
@@ -26,7 +26,7 @@ std::vector<Union> name_unions(const RestrictedDiagram& diagram, const Pieces& p
                                const PieceGroups& groups, const std::vector<SiteId>& lowest,
                                const Execution& execution) {
   Pacer pacer(execution);
-  std::vector<std::uint32_t> islands(pieces.pieces.size());  // of their owner and part
+  std::vector<std::uint32_t> islands(pieces.pieces.size());  // of the piece's owner and part
   for (std::size_t p = pieces.pieces.size(); p-- > 0;) {
     pacer.step();
     const Piece& piece = pieces.pieces[p];
@@ -80,7 +80,7 @@ std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiag
                           const Execution& execution) {
   Pacer pacer(execution);
   const auto all = pieces.pieces.begin();
-  // kNoIndex: there are more islands or fewer than when it was named.
+  // Returns kNoIndex if the number of islands has changed since the piece was named.
   const auto number = [&](const PieceName& name) {
     pacer.step(64);
     const std::uint32_t owner = owner_of(name.lowest, lowest);

@@ -11,7 +11,7 @@ namespace fracture {
 std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& d, const Pieces& pieces,
                                               const std::vector<std::uint32_t>& group_of_piece,
                                               const Execution& execution) {
-  // Every touching pair is a contact, even without area: it counts if there is nothing better.
+  // Every touching pair is a contact, even without area: it is used if there is nothing better.
   std::vector<PieceContact> all;
   for (const Bond& b : find_bonds(d, pieces, group_of_piece, execution)) {
     all.push_back({b.a, b.b, b.area});
@@ -34,14 +34,15 @@ std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& d, const 
 
 namespace {
 
-/// The outer faces of a group, by input triangle: those of one piece as they are, those of several fused.
+/// Appends the outer faces of a group, by input triangle. Faces of one piece are copied, and faces of
+/// several pieces are fused.
 void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
                    const std::vector<std::uint32_t>& members, std::vector<Face>& out,
                    const Execution& execution) {
   struct Owned {
     Face face;
     std::uint32_t piece;
-    std::uint32_t number;  // in the order of the members and their faces, which triangles keep
+    std::uint32_t number;  // in the order of the members and their faces; kept within a triangle
   };
   Pacer pacer(execution);
   std::vector<Owned> faces;
@@ -70,7 +71,7 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
       for (std::size_t k = begin; k < end; ++k) out.push_back(faces[k].face);
       continue;
     }
-    // What is left of the edges when those used both ways are taken out is the outline.
+    // The edges that are not used in both directions form the outline.
     edges.clear();
     for (std::size_t k = begin; k < end; ++k)
       for (int c = 0; c < 3; ++c) {

@@ -1,6 +1,7 @@
-// Pieces that become one fragment: which pieces touch, which are too small to stay alone, and the faces of joined pieces.
-// Pieces of one part become an exact union: the caps between them disappear on both sides, and so do the cuts between
-// them in the outer surface. Pieces of different parts stay closed shells of their own within the fragment.
+// Unites pieces into one fragment: finds pieces that touch, picks those that are too small, and joins
+// faces. Pieces of one part become an exact union: the caps between them disappear on both sides, and so do
+// the cuts between them in the outer surface. Pieces of different parts stay separate closed shells within
+// the fragment.
 #pragma once
 
 #include <cstdint>
@@ -27,30 +28,33 @@ struct PartContacts {
       group_of_part;  ///< per part: the group of parts that hold together, numbered from 0
 };
 
-/// Groups that share caps. Both directions of each pair; by `of`, then the largest area first, ties by `with`. Throws
-/// Interrupted.
+/// Finds groups that share caps. Each pair is listed in both directions, sorted by `of`, then by largest
+/// area, ties by `with`. Throws Interrupted.
 std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& diagram, const Pieces& pieces,
                                               const std::vector<std::uint32_t>& group_of_piece,
                                               const Execution& execution);
 
-/// m³, per group of pieces, by its name; 0 if there is no group of that name. Throws Interrupted.
+/// Returns the volume of each group of pieces, m³, indexed by its name; 0 if there is no group of that
+/// name. Throws Interrupted.
 std::vector<double> volumes_of_groups(const RestrictedDiagram& diagram, const Pieces& pieces,
                                       const PieceGroups& groups, const Execution& execution);
 
-/// The volumes of the parts that some pieces are of, ascending by part in the whole. Throws Interrupted.
+/// Returns the total volume of the member pieces in each part, ascending by part in the whole. Throws
+/// Interrupted.
 std::vector<PartVolume> volumes_of_parts(const RestrictedDiagram& diagram, const Pieces& pieces,
                                          const std::vector<std::uint32_t>& members,
                                          const Execution& execution);
 
-/// The faces of a group of pieces as one piece. Throws Interrupted.
+/// Returns a group of pieces as one piece. Throws Interrupted.
 Piece join_pieces(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                   std::uint32_t group, const Execution& execution);
 
-/// First joins the pieces of different parts that touch in one cell, if `across` is not null. Then merges the smallest group
-/// of pieces with the neighbour of largest shared cap area (ties: the lowest piece), again and again, as long as the
-/// limits ask for it. A group without caps merges with the neighbour of its largest contact in `across`. Which pieces
-/// these are is a function of the unrounded volumes. `groups`: what is united already; nothing if SizeLimits::fragments
-/// is set. Near-linear in pieces and contacts, and for a budget of triangles in these. Throws Interrupted.
+/// First joins the pieces of different parts that touch in one cell, if `across` is not null. Then
+/// repeatedly merges the smallest group of pieces with the neighbour of largest shared cap area (ties: the
+/// lowest piece), as long as the limits ask for it. A group without caps merges with the neighbour of its
+/// largest contact in `across`. The choice depends only on the unrounded volumes. `groups`: pieces that are
+/// united already; none if SizeLimits::fragments is set. Near-linear in pieces and contacts; with a
+/// triangle budget, near-linear in triangles, too. Throws Interrupted.
 SizeFigures unite_by_size(const RestrictedDiagram& diagram, const Pieces& pieces, const SizeLimits& limits,
                           const PartContacts* across, PieceGroups& groups, const Execution& execution);
 

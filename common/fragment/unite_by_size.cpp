@@ -26,7 +26,7 @@ std::uint32_t join_in_cells(const Pieces& pieces, const PartContacts& across, Pi
   return joined;
 }
 
-/// Merges the smallest group of pieces with a neighbour, again and again, and notes which groups these were.
+/// Repeatedly merges the smallest group of pieces with a neighbour and records the merged groups.
 class Merging {
  public:
   Merging(const RestrictedDiagram& d, const Pieces& pieces, const SizeLimits& limits,
@@ -73,7 +73,8 @@ class Merging {
   void merge_rest() {
     while (is_too_small() || are_too_many()) unite_smallest();
   }
-  /// Merges everything that has a neighbour. Returns the numbers of unions after which no group is too small, ascending.
+  /// Merges all groups that have a neighbour. Returns the numbers of unions after which no group is too
+  /// small, ascending.
   std::vector<std::size_t> merge_all() {
     std::vector<std::size_t> ends;
     while (!order_.done()) {
@@ -85,7 +86,8 @@ class Merging {
   }
 
  private:
-  /// Parts share the fragments; if parts hold together, groups of parts that do.
+  /// Returns the family of a piece: its part, or its group of parts if parts hold together. Families share
+  /// the fragments.
   std::uint32_t family_of(std::uint32_t piece) const {
     const std::uint32_t part = pieces_.pieces[piece].part;
     return across_ != nullptr ? across_->group_of_part[part] : part;
@@ -140,9 +142,9 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
     return figures;
   }
 
-  // Always the smallest group merges with a neighbour: first groups that are too small, then groups beyond the share of their
-  // family, then groups that are too many or too small compared with the mean of the rest. A budget of triangles takes as
-  // many of the unions that would follow as it needs.
+  // In every step, the smallest group merges with a neighbour: first groups that are too small, then groups
+  // beyond their family's share, then groups that are too many or too small compared with the mean of the
+  // rest. To meet a triangle budget, as many further unions follow as are needed.
   Merging merging(d, pieces, limits, across, groups, volumes, execution);
   merging.merge_small();
   if (limits.fragments > 0) figures.parts = merging.merge_to_quotas();

@@ -27,14 +27,15 @@ std::array<double, 4> mix(const std::vector<V>& values, const std::array<std::ui
   return sum;
 }
 
-/// Unit length in float; `fallback` where the mean of opposite directions vanishes.
+/// Returns v scaled to unit length, in float, or `fallback` if v vanishes (a mean of opposite directions).
 Vec3f unit(const Vec3d& v, const Vec3f& fallback) {
   const double l = length(v);
   if (!(l > 1e-12)) return fallback;
   return {static_cast<float>(v.x / l), static_cast<float>(v.y / l), static_cast<float>(v.z / l)};
 }
 
-/// A direction in the plane of n that depends on n alone: the axis least aligned with n, made orthogonal.
+/// Returns a direction orthogonal to n that depends only on n: the axis least aligned with n, made
+/// orthogonal.
 Vec3d tangent_of(const Vec3d& n) {
   int axis = 0;
   for (int a = 1; a < 3; ++a)
@@ -49,7 +50,7 @@ Vec3d tangent_of(const Vec3d& n) {
 
 FlatFrame::FlatFrame(const Vec3d& unit_normal, const std::optional<Vec3d>& grain) : normal(unit_normal) {
   constexpr double kAcross =
-      0.3;  // the sine of the angle between grain and normal, below which the face is across
+      0.3;  // sine of the angle between grain and normal; below it, the face is across the grain
   const Vec3d along = grain ? *grain - dot(*grain, normal) * normal : Vec3d{};
   if (const double size = length(along); size > kAcross) {
     bitangent = (1 / size) * along;

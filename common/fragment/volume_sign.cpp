@@ -4,9 +4,9 @@
 
 namespace fracture {
 
-// Constructed vertices are rounded to the lattice (half a step on each axis), input vertices to float in the
-// fragment's frame (2^-24 of at most the extent: less). Four steps leave room for what the doubles before
-// rounding are off, and for the fused outer faces, which leave out vertices that lie on their sides.
+// Constructed vertices are rounded to the lattice (half a step on each axis), input vertices to float in
+// the fragment's frame (2^-24 of at most the extent, which is less). Four steps also cover the rounding
+// errors before that, and the fused outer faces, which leave out vertices that lie on their sides.
 VolumeSigns::VolumeSigns(const RestrictedDiagram& diagram, const Pieces& pieces, const Execution& execution)
     : d_(diagram),
       pieces_(pieces),
@@ -15,10 +15,10 @@ VolumeSigns::VolumeSigns(const RestrictedDiagram& diagram, const Pieces& pieces,
       off_(4 * length(diagram.positions.lattice.step())),
       measures_(pieces.pieces.size()) {}
 
-// Moving the vertices of a closed surface by at most `off`, at even speed, sweeps at each moment at most
-// `off` times the area that the surface has by then, and a triangle's area grows by at most its perimeter
-// times `off` plus 2 off². The sum of n terms, each off by a few roundings, is off by less than (n + 16)
-// 2^-52 times the sum of what bounds the terms.
+// If the vertices of a closed surface move by at most `off` at constant speed, the volume swept at each
+// moment is at most `off` times the current area. A triangle's area grows by at most its perimeter times
+// `off` plus 2 off². A sum of n terms, each off by a few roundings, is off by less than (n + 16) 2^-52
+// times the sum of the terms' bounds.
 void VolumeSigns::add(const Piece& piece, Measure& to) {
   const Vec3d origin = d_.point(piece.faces[0].v[0]);
   double six = 0, terms = 0, two_areas = 0, perimeter = 0;

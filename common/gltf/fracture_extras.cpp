@@ -101,12 +101,23 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
     json.value(set.source->library->materials.size() + k);
   json.end_array();
   json.key("certificate");
-  write_certificate(json, set.certificate);
+  write_certificate(json, set.certificate, fractured.rest);
   json.key("bonds");
   write_bonds(json, set.bonds, options, [&](std::uint32_t index) {
     return index < set.fragments.size() ? set.fragments[index].id
                                         : delta.value().neighbors.at(index - set.fragments.size());
   });
+  if (fractured.rest && !fractured.rest->filtered.empty()) {
+    const auto column = [&](const char* name, std::size_t which) {
+      json.key(name).begin_array();
+      for (const auto& pair : fractured.rest->filtered) json.value(pair[which]);
+      json.end_array();
+    };
+    json.key("filtered").begin_object();
+    column("a", 0);
+    column("b", 1);
+    json.end_object();
+  }
   if (delta) {
     const auto ids = [&](const char* name, const std::vector<std::uint64_t>& list) {
       json.key(name).begin_array();

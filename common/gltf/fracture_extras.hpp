@@ -11,9 +11,10 @@
 namespace fracture {
 
 /// {version, algorithm, mesh, parameters, report, certificate, lattice, bonds {a, b, area, centroid, normal,
-/// strength (N)}, levels}: one entry for each level above the fragments, coarsest first, {level, id, parent,
-/// fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy; with
-/// a delta `delta {new, changed, gone}`, ids.
+/// strength (N)}, filtered {a, b}, levels}: one entry for each level above the fragments, coarsest first, {level, id,
+/// parent, fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy; with
+/// a delta `delta {new, changed, gone}`, ids. `filtered` has the ids of the two fragments of each pair that the collision
+/// filters exclude, in a delta of pairs with a new or changed fragment; absent if there are none.
 void write_root_extras(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options);
 
 /// {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, sites}

@@ -7,16 +7,32 @@ namespace {
 
 constexpr const char* kName = "KHR_physics_rigid_bodies";
 
-void write_collider(JsonText& json, std::size_t mesh, std::uint32_t system) {
+/// Index of the fragment's filter; kNoIndex if it collides with all others.
+std::uint32_t filter_of(const SceneLayout& layout, std::size_t fragment) {
+  const CollisionFilters* const filters = layout.filters();
+  return filters != nullptr && !filters->of_body.empty() ? filters->of_body[fragment] : kNoIndex;
+}
+
+void write_collider(JsonText& json, std::size_t mesh, std::uint32_t filter) {
   json.key("collider").begin_object().key("geometry").begin_object();
   json.member("mesh", mesh).member("convexHull", true).end_object();
   json.member("physicsMaterial", 0);
-  if (system != kNoIndex) json.member("collisionFilter", system);
+  if (filter != kNoIndex) json.member("collisionFilter", filter);
+  json.end_object();
+}
+
+void write_filter(JsonText& json, const CollisionFilters::Filter& filter) {
+  json.begin_object().key("collisionSystems").begin_array().value(std::to_string(filter.system)).end_array();
+  if (!filter.excluded.empty()) {
+    json.key("notCollideWithSystems").begin_array();
+    for (const std::uint32_t system : filter.excluded) json.value(std::to_string(system));
+    json.end_array();
+  }
   json.end_object();
 }
 
 void write_collider(JsonText& json, std::size_t fragment, std::size_t hull, const SceneLayout& layout) {
-  write_collider(json, layout.hull_mesh(fragment, hull), layout.systems().of_fragment[fragment]);
+  write_collider(json, layout.hull_mesh(fragment, hull), filter_of(layout, fragment));
 }
 
 }  // namespace
@@ -25,13 +41,9 @@ void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const
   json.key(kName).begin_object().key("physicsMaterials").begin_array().begin_object();
   json.member("staticFriction", options.friction).member("dynamicFriction", options.friction);
   json.member("restitution", options.restitution).end_object().end_array();
-  if (const std::size_t systems = layout.systems().count; systems > 0) {
+  if (const CollisionFilters* const filters = layout.filters(); filters && !filters->filters.empty()) {
     json.key("collisionFilters").begin_array();
-    for (std::size_t k = 0; k < systems; ++k) {
-      const std::string name = std::to_string(k);
-      json.begin_object().key("collisionSystems").begin_array().value(name).end_array();
-      json.key("notCollideWithSystems").begin_array().value(name).end_array().end_object();
-    }
+    for (const CollisionFilters::Filter& filter : filters->filters) write_filter(json, filter);
     json.end_array();
   }
   json.end_object();

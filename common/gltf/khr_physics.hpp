@@ -9,8 +9,8 @@
 namespace fracture {
 
 /// The document's member "KHR_physics_rigid_bodies": one physics material (always there, because Babylon's
-/// loader refuses the asset without it), and a collision filter for each system of fragments that must not
-/// collide with one another (collision_systems.hpp).
+/// loader refuses the asset without it), and the collision filters of fragments whose hulls overlap
+/// (physics/collision_filters.hpp).
 void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const GltfOptions& options);
 
 /// The node's member "KHR_physics_rigid_bodies" of a fragment: motion with all four of mass, centerOfMass

@@ -9,7 +9,7 @@
 namespace fracture {
 
 /// The document's member "OMI_physics_shape": one convex shape for each hull mesh of the fragments, in the same order, then
-/// one for each of the intact solid. Nothing where there are no hulls.
+/// one for each of the intact solid. Nothing without hulls.
 void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout,
                                 const IntactScene& intact);
 

@@ -116,6 +116,41 @@ void write_solid(JsonText& json, const SolidReport& solid) {
   json.end_object();
 }
 
+void write_rest(JsonText& json, const RestFigures& rest) {
+  json.begin_object()
+      .member("pairs", rest.pairs)
+      .member("trimmed", rest.trimmed)
+      .member("filtered", rest.filtered)
+      .member("left", rest.left)
+      .member("deepest", rest.deepest)
+      .member("tolerance", rest.tolerance)
+      .member("least_share", rest.least_share)
+      .member("systems", rest.systems)
+      .end_object();
+}
+
+/// Members of an object.
+void write_proof(JsonText& json, const Certificate& c) {
+  json.member("open_edges", c.open_edges)
+      .member("volume_in", c.volume_in)
+      .member("volume_once", c.volume_once)
+      .member("volume_out", c.volume_out)
+      .member("volume_file", c.volume_file)
+      .member("relative_error", c.relative_error)
+      .member("pocket_volume", c.pocket_volume)
+      .member("pocket_area", c.pocket_area)
+      .member("unmirrored_caps", c.unmirrored_caps)
+      .member("area_in", c.area_in)
+      .member("area_out", c.area_out)
+      .member("sites_asked", c.sites_asked)
+      .member("cells", c.cells)
+      .member("islands", c.islands)
+      .member("united", c.united)
+      .member("dropped", c.dropped)
+      .member("fragments", c.fragments)
+      .member("crossing_caps", c.crossing_caps);
+}
+
 }  // namespace
 
 void write_report(JsonText& json, const FracturedSolid& fractured) {
@@ -210,27 +245,15 @@ void write_support(JsonText& json, const FragmentSet& set, const Support& suppor
   json.end_object().end_object();
 }
 
-void write_certificate(JsonText& json, const Certificate& c) {
-  json.begin_object()
-      .member("open_edges", c.open_edges)
-      .member("volume_in", c.volume_in)
-      .member("volume_once", c.volume_once)
-      .member("volume_out", c.volume_out)
-      .member("volume_file", c.volume_file)
-      .member("relative_error", c.relative_error)
-      .member("pocket_volume", c.pocket_volume)
-      .member("pocket_area", c.pocket_area)
-      .member("unmirrored_caps", c.unmirrored_caps)
-      .member("area_in", c.area_in)
-      .member("area_out", c.area_out)
-      .member("sites_asked", c.sites_asked)
-      .member("cells", c.cells)
-      .member("islands", c.islands)
-      .member("united", c.united)
-      .member("dropped", c.dropped)
-      .member("fragments", c.fragments)
-      .member("crossing_caps", c.crossing_caps)
-      .end_object();
+void write_certificate(JsonText& json, const Certificate& certificate, const std::optional<Rest>& rest) {
+  json.begin_object();
+  write_proof(json, certificate);
+  json.key("rest");
+  if (rest)
+    write_rest(json, rest->figures);
+  else
+    json.null();
+  json.end_object();
 }
 
 nlohmann::json contacts_document(const ContactReport& contacts) {
@@ -241,7 +264,9 @@ nlohmann::json contacts_document(const ContactReport& contacts) {
 
 nlohmann::json certificate_document(const Certificate& certificate) {
   JsonText json;
-  write_certificate(json, certificate);
+  json.begin_object();
+  write_proof(json, certificate);
+  json.end_object();
   return nlohmann::json::parse(json.text());
 }
 

@@ -25,8 +25,9 @@ void write_support(JsonText& json, const FragmentSet& set, const Support& suppor
 /// pairs, parts, touching, volume}. The columns of `listed` are in the order of ContactReport::listed.
 nlohmann::json contacts_document(const ContactReport& contacts);
 
-void write_certificate(JsonText& json, const Certificate& certificate);
-/// The same as a document, with its numbers as they stand in a file.
+/// Its member `rest` is {pairs, trimmed, filtered, left, deepest, tolerance, least_share, systems}, or null without hulls.
+void write_certificate(JsonText& json, const Certificate& certificate, const std::optional<Rest>& rest);
+/// The same without `rest`, as a document, with its numbers as they are in a file.
 nlohmann::json certificate_document(const Certificate& certificate);
 
 }  // namespace fracture

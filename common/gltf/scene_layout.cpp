@@ -39,7 +39,7 @@ SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& opt
     names_.push_back(fragment_name(base, k, count, room));
   }
 
-  if (options.physics == Physics::kKhr && has_hulls()) systems_ = collision_systems(set, execution);
+  if (options.physics == Physics::kKhr && has_hulls() && fractured.rest) filters_ = &fractured.rest->filters;
 
   std::size_t node = 1 + count;
   first_child_.reserve(count);

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "common/gltf/collision_systems.hpp"
 #include "common/gltf/gltf_writer.hpp"
+#include "common/physics/collision_filters.hpp"
 
 namespace fracture {
 
 class SceneLayout {
  public:
-  /// Throws Interrupted.
+  /// Borrows the rest of `fractured`. Throws Interrupted.
   SceneLayout(const FracturedSolid& fractured, const GltfOptions& options, const Execution& execution);
 
   const std::string& name(std::size_t fragment) const { return names_[fragment]; }
@@ -32,7 +32,8 @@ class SceneLayout {
   std::size_t hull_count() const { return first_hull_.back() - first_hull_.front(); }
   bool has_hulls() const { return hull_count() > 0; }
 
-  const CollisionSystems& systems() const { return systems_; }
+  /// Null: there are none.
+  const CollisionFilters* filters() const { return filters_; }
 
   /// A compound (several hulls) has its colliders on child nodes, one hull stands on the fragment's own node.
   std::size_t collider_nodes(std::size_t fragment) const {
@@ -50,7 +51,7 @@ class SceneLayout {
 
  private:
   bool physics_, ucx_;
-  CollisionSystems systems_;  ///< KHR_physics_rigid_bodies alone can say so
+  const CollisionFilters* filters_ = nullptr;  // borrowed; KHR_physics_rigid_bodies alone has them
   std::size_t digits_ = 2;
   std::vector<std::string> names_;
   std::vector<std::size_t> first_hull_;   ///< mesh index; one more than fragments

@@ -14,7 +14,7 @@ namespace fracture {
 
 class UniqueNames {
  public:
-  /// Those of the fragments and of what belongs to them are taken. Throws Interrupted.
+  /// The names of the fragments, hulls and colliders are taken. Throws Interrupted.
   UniqueNames(const SceneLayout& layout, std::size_t fragments, const Execution& execution);
 
   void take(std::string name);

@@ -88,10 +88,37 @@ std::vector<Vec3d> points_of(const Solid& solid, const LocalBase& base, const Ex
   return points;
 }
 
+/// How the whole answer rests, with the filters of the new and changed fragments. Linear in the cells, and in what find_overlaps() is,
+/// unless no two fragments can overlap.
+Rest rest_of_changed(const Solid& solid, const HitOutcome& hit, const CellMap& map,
+                     const FractureParameters& parameters, const Execution& execution) {
+  Pacer pacer(execution);
+  Bodies bodies;
+  std::vector<std::uint32_t> index;  // of the new and changed fragments
+  auto next = hit.changed.begin();
+  for (const SiteId s : ids<SiteId>(hit.next.cells.size())) {
+    pacer.step(8);
+    const std::vector<KeptFragment>& here = hit.next.cells[s]->fragments;
+    for (std::uint32_t k = 0; k < here.size(); ++k) {
+      if (next != hit.changed.end() && *next == PlaceInAnswer{s, k}) {
+        index.push_back(static_cast<std::uint32_t>(bodies.size()));
+        ++next;
+      }
+      bodies.fragments.push_back(&here[k].fragment);
+      bodies.hulls.push_back(&here[k].hulls);
+    }
+  }
+  const FragmentFigures& figures = hit.next.figures;
+  Rest rest = find_rest(bodies, cells_of_bodies(parameters, map, figures.pieces - figures.cells),
+                        rest_tolerance(solid), parameters.filters, execution);
+  keep_rest_of(rest, index, hit.delta);
+  return rest;
+}
+
 /// Returns the new or changed fragments with their bonds, and adds the ids of these bonds' other ends to
 /// `delta`.
 CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellSites& cells,
-                          double contact_strength, Delta& delta, const Execution& execution) {
+                          const FractureParameters& parameters, Delta& delta, const Execution& execution) {
   CutCells cut;
   FragmentSet& set = cut.set;
   set.source = solid.source;
@@ -103,7 +130,8 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellS
     cut.hulls.of_fragment.push_back(kept_at(hit, place).hulls);
   }
   std::vector<ChangedBond> bonds = changed_cap_bonds(hit, pacer);
-  add_changed_contact_bonds({solid, cells, set.lattice_step, contact_strength}, hit, bonds, execution);
+  add_changed_contact_bonds({solid, cells, set.lattice_step, parameters.contact_strength}, hit, bonds,
+                            execution);
   std::vector<PlaceInAnswer> neighbors;
   for (const ChangedBond& bond : bonds)
     for (const PlaceInAnswer& place : {bond.a, bond.b})
@@ -129,6 +157,8 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellS
   set.size = hit.next.size;
   if (hit.next.rough) cut.rough = hit.next.rough->report;
   cut.whole = CutCells::Whole{figures.sorted_volumes, figures.triangles, figures.hulls};
+  if (parameters.hulls == Hulls::kConvex)
+    cut.whole->rest = rest_of_changed(solid, hit, cells.map, parameters, execution);
   return cut;
 }
 
@@ -150,13 +180,14 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
     if (!hit) return std::nullopt;
     hit->next.notes.remarks = std::move(plan.remarks);
     const std::vector<Vec3d> points = points_of(solid, hit->next, execution);
-    CutCells cut = new_hits.only_changed
-                       ? changed_cells_of(solid, *hit, {points, hit->next.map}, parameters.contact_strength,
-                                          hit->delta, execution)
-                       : all_cells_of(solid, hit->next, execution);
+    CutCells cut = new_hits.only_changed ? changed_cells_of(solid, *hit, {points, hit->next.map}, parameters,
+                                                            hit->delta, execution)
+                                         : all_cells_of(solid, hit->next, execution);
     Expected<FracturedSolid> completed =
         complete(solid, hit->next.notes, parameters, std::move(cut), {points, hit->next.map}, execution);
     if (!completed) return std::nullopt;  // the whole is then made from scratch and decides
+    if (completed->rest && completed->rest->trimmed_for_filters)
+      return std::nullopt;  // hulls of bodies far away change, too
     completed->delta = std::move(hit->delta);
     return KeptAnswer{std::move(*completed), {std::move(hit->next)}, true};
   });
@@ -196,6 +227,8 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
                  {diagram.tetrahedralization.points, diagram.map}, execution);
     if (!completed) return tl::unexpected(std::move(completed.error()));
     out.fractured = std::move(*completed);
+    // Kept bodies must not depend on bodies far away.
+    local = local && !(out.fractured.rest && out.fractured.rest->trimmed_for_filters);
     if (local) out.base.local = maker.make(out.fractured, diagram, execution);
     if (out.base.local && trace)
       out.base.local->rough =

@@ -112,6 +112,21 @@ std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
   return numbers;
 }
 
+void keep_rest_of(Rest& rest, const std::vector<std::uint32_t>& fragments, const Delta& delta) {
+  std::vector<std::uint64_t> concerned = delta.added;
+  concerned.insert(concerned.end(), delta.changed.begin(), delta.changed.end());
+  std::sort(concerned.begin(), concerned.end());
+  const auto is_concerned = [&](std::uint64_t id) {
+    return std::binary_search(concerned.begin(), concerned.end(), id);
+  };
+  std::erase_if(rest.filtered,
+                [&](const auto& pair) { return !is_concerned(pair[0]) && !is_concerned(pair[1]); });
+  std::vector<std::uint32_t>& of_body = rest.filters.of_body;
+  if (of_body.empty()) return;
+  for (std::size_t k = 0; k < fragments.size(); ++k) of_body[k] = of_body[fragments[k]];
+  of_body.resize(fragments.size());
+}
+
 void keep_changed(FracturedSolid& fractured, const Execution& execution) {
   Pacer pacer(execution);
   FragmentSet& set = fractured.set;
@@ -129,6 +144,12 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
     if (std::binary_search(wanted.begin(), wanted.end(), set.fragments[k].id)) index[k] = next++;
   }
   const std::uint32_t kept = next;
+  if (fractured.rest) {
+    std::vector<std::uint32_t> fragments;
+    for (std::uint32_t k = 0; k < n; ++k)
+      if (index[k] != kNoIndex) fragments.push_back(k);
+    keep_rest_of(*fractured.rest, fragments, delta);
+  }
   // Removed fragments at the other end of a bond are numbered in the order of the whole.
   std::erase_if(set.bonds, [&](const Bond& b) { return index[b.a] == kNoIndex && index[b.b] == kNoIndex; });
   std::vector<char> met(n, 0);

@@ -24,6 +24,10 @@ std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
                                      const std::vector<KeptFragment>& after, Delta& delta,
                                      const Execution& execution);
 
+/// Leaves of a rest what concerns the new and changed fragments of the delta: pairs with one of them, and the filters of those
+/// with these indices in the whole, ascending.
+void keep_rest_of(Rest& rest, const std::vector<std::uint32_t>& fragments, const Delta& delta);
+
 /// Removes the fragments that are neither new nor changed according to the delta (which must exist), with the
 /// bonds between such fragments, their hulls and anchors. Sets the delta's neighbours. Certificate and report
 /// stay those of the whole, except that anchored fragments are not counted. There must be no hierarchy.

@@ -12,6 +12,7 @@
 #include "common/hits/hit_area.hpp"
 #include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/physics/hull_trim.hpp"
 #include "common/pipeline/aggregate.hpp"
 #include "common/solid/patch.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
@@ -249,6 +250,7 @@ class LocalHit {
       state_lattice(solid_, set);
       set.fragments.swap(made_.fragments);
       hulls_ = make_collision_hulls(set, std::move(hulls_), parameters_.hull_limits, execution_);
+      trim_at_contacts(set, solid_, hulls_, execution_);
       set.fragments.swap(made_.fragments);
     }
     SharedBlocks<std::shared_ptr<const KeptCell>>::Edit cells(out_.next.cells);

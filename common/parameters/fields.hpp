@@ -28,7 +28,7 @@ void assign(std::optional<T>& to, const ParameterValue& value) {
 
 inline nlohmann::json to_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-/// null if the value is empty or not set.
+/// Returns the JSON value; null if the value is empty or not set.
 template <class T>
 nlohmann::json shown_as(const T& value, const ParameterSpec& spec) {
   if constexpr (std::is_enum_v<T>) {
@@ -72,7 +72,8 @@ std::string pattern_name() {
   return kPatternTraits[SitePattern(Pattern{}).index()].name;
 }
 
-/// A parameter of the patterns that own `members`. `get` is called only if the request uses one of these patterns.
+/// Makes a parameter of the patterns that own `members`. `get` is called only if the request uses one of
+/// these patterns.
 template <auto... members>
 ParameterSpec with_pattern_member(ParameterSpec spec) {
   spec.decides = Decides::kSites;

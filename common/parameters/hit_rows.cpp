@@ -1,4 +1,4 @@
-// Hits that break only the area around them, on an earlier answer or together with it.
+// Rows for hits that break only the area around them, on an earlier answer or together with it.
 #include <algorithm>
 #include <numeric>
 #include <string_view>

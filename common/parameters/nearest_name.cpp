@@ -9,16 +9,17 @@
 namespace fracture {
 namespace {
 
-/// The number of letters to insert, delete, change or swap with their neighbour (Damerau 1964). It is computed with the recurrence
-/// of Wagner and Fischer (1974), which edits no letter twice.
+/// Returns the number of letters to insert, delete, change or swap with their neighbour (Damerau 1964). It
+/// is computed with the recurrence of Wagner and Fischer (1974), which edits no letter twice.
 class EditDistance {
  public:
   explicit EditDistance(std::string_view a) : a_(a) {
     for (const char c : a_) ++letters_[static_cast<unsigned char>(c)];
   }
 
-  /// A lower bound for the distance: the number of letters that occur in only one of the names (Bartolini, Ciaccia and Patella, "String
-  /// matching with metric trees using an approximate distance", 2002). For most names this bound is enough.
+  /// Returns a lower bound for the distance: the number of letters that occur in only one of the names
+  /// (Bartolini, Ciaccia and Patella, "String matching with metric trees using an approximate distance",
+  /// 2002). For most names this bound is enough.
   std::size_t at_least(std::string_view b) const {
     std::array<std::uint16_t, 256> left = letters_;
     std::size_t common = 0;
@@ -53,7 +54,7 @@ class EditDistance {
   std::vector<std::size_t> before_, last_, row_;
 };
 
-/// Letters. A longer name is not a misspelling.
+/// Maximum number of letters. A longer name is not a misspelling.
 constexpr std::size_t kLongest = 40;
 
 }  // namespace

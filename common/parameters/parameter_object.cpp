@@ -12,7 +12,8 @@ const ParameterTable& widest_table() {
   return table;
 }
 
-/// Empty for parameters that no server accepts, and for `of`: stored parameters contain those of the earlier answer instead.
+/// Returns nothing for parameters that no server accepts, and for `of`: stored parameters contain those of
+/// the earlier answer instead.
 std::optional<RequestParameters> parsed(const nlohmann::json& object) {
   auto parameters = widest_table().parse(raw_parameters(object));
   if (!parameters || !parameters->of.empty()) return std::nullopt;

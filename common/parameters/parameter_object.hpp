@@ -28,19 +28,22 @@ inline constexpr ParameterTextLimits kOfKept{4u << 20, 16u << 20};
 /// The maximum number of sites that any server can be configured to allow (--max-sites).
 inline constexpr std::uint32_t kMostSitesAnywhere = 10'000'000;
 
-/// Names and values of a JSON object, in the order of the text. Errors point to `params`: kBadJson if the text is too long, is not
-/// a single object, is nested too deeply or needs too much memory. A repeated member is kBadParameter, because a JSON parser would
-/// silently keep only one of its values. `what` is the text's name in error messages, such as "part 'params'".
+/// Returns the names and values of a JSON object, in the order of the text. Errors point to `params`. The
+/// error is kBadJson if the text is too long, is not a single object, is nested too deeply or needs too
+/// much memory. It is kBadParameter if a member is repeated, because a JSON parser would silently keep only
+/// one of its values. `what` is the text's name in error messages, such as "part 'params'".
 Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::string_view what);
 
-/// An answer's parameters in canonical form, read from a place to which others may have written. Empty if the text is not a JSON
-/// object within kOfKept, or if no server accepts the parameters in a request.
+/// Reads an answer's parameters in canonical form, from a place to which others may have written. Returns
+/// nothing if the text is not a JSON object within kOfKept, or if no server accepts the parameters in a
+/// request.
 std::optional<nlohmann::json> read_kept_parameters(std::string_view text);
 
-/// Whether any server accepts these parameters in a request that refers to no earlier answer. False if the value is not an object.
+/// Whether any server accepts these parameters in a request that refers to no earlier answer. False if the
+/// value is not an object.
 bool are_parameters(const nlohmann::json& value);
 
-/// The members of an object as parameters.
+/// Returns the members of an object as parameters.
 std::vector<RawParameter> raw_parameters(const nlohmann::json& object);
 
 }  // namespace fracture

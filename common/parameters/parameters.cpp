@@ -12,7 +12,7 @@
 namespace fracture {
 namespace {
 
-/// The rows as used for canonical forms, which do not depend on a server's limits.
+/// Rows for canonical forms, which do not depend on a server's limits.
 const std::vector<ParameterSpec>& rows() {
   static const std::vector<ParameterSpec> all = parameter_rows(1, FormatSet());
   return all;
@@ -30,7 +30,7 @@ nlohmann::json canonical(const RequestParameters& parameters, const Wanted& want
   return json;
 }
 
-/// Limits for the answer, because a request can contain thousands of errors.
+/// Limits for the error response, because a request can contain thousands of errors.
 constexpr std::size_t kMostOffences = 16, kMostNames = 20;
 
 /// Collects the errors of a request.
@@ -51,7 +51,7 @@ class Offences {
     if (!first_) first_ = Error{ErrorCode::kBadParameter, std::move(detail), name};
   }
   bool any() const { return first_.has_value(); }
-  /// Further errors are counted and not listed.
+  /// Whether the list is full; further errors are only counted.
   bool full() const { return entries_.size() >= kMostOffences; }
   void count() { ++more_; }
   Error error() && {
@@ -75,7 +75,7 @@ class Offences {
 
 using Given = std::map<std::string, const RawParameter*>;
 
-/// Only the first such error lists the nearest parameters.
+/// Returns the error text. Only the first such error lists the nearest parameters.
 std::string unknown_parameter(const std::vector<std::string>& known, const std::string& name, bool first) {
   const std::optional<std::string> nearest = nearest_name(name, known);
   return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
@@ -94,8 +94,8 @@ void refuse_both(Offences& offences, const Given& given, const char* name, const
                std::string("'") + name + "' and '" + other + "' were both given: " + why);
 }
 
-/// A caller that gives a material and `impacts` wants it broken there. If the material's own pattern has no impacts, the pattern
-/// becomes impact.
+/// If a caller gives a material and `impacts`, it should break there. So if the material's own pattern has
+/// no impacts, the pattern becomes impact.
 void hit_material(SitePattern& pattern) {
   if (!std::holds_alternative<UniformPattern>(pattern) && !std::holds_alternative<ClusteredPattern>(pattern))
     return;

@@ -49,7 +49,7 @@ struct RequestParameters {
   std::string of{};
   std::vector<Vec3d> local_point{};            ///< with the next two: fracture.hits
   std::vector<double> local_radius{};          ///< one value per point, or one for all points
-  std::vector<std::uint64_t> local_sites{30};  ///< the same
+  std::vector<std::uint64_t> local_sites{30};  ///< one value per point, or one for all points
   std::uint32_t local_new = 1;                 ///< with delta: selection.new_hits
   DeltaAnswer delta = DeltaAnswer::kNone;
   std::optional<std::uint64_t> fragment{};  ///< with the next two: selection.refracture
@@ -67,7 +67,7 @@ struct RequestParameters {
   std::optional<MeshFormat> format;  ///< as given by `format=`; empty if absent
 };
 
-/// Which mesh formats a server reads.
+/// The mesh formats that a server reads.
 class FormatSet {
  public:
   FormatSet();  ///< the formats that are enabled by default
@@ -95,9 +95,9 @@ class ParameterTable {
   /// regardless of their order in the request.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) const;
 
-  /// For GET /limits.
+  /// Returns the JSON for GET /limits.
   nlohmann::json to_json() const;
-  /// For GET /patterns: every pattern, every material and every parameter.
+  /// Returns the JSON for GET /patterns: every pattern, every material and every parameter.
   nlohmann::json patterns_to_json() const;
 
  private:
@@ -105,18 +105,19 @@ class ParameterTable {
   std::vector<ParameterSpec> specs_;
 };
 
-/// The key at the end of an answer's address (`of`); empty if there is none.
+/// Returns the key at the end of an answer's address (`of`); empty if there is none.
 std::string answer_key_in(std::string_view address);
 
-/// The unique form of a request: sorted keys, including defaults. It is part of every cache key and of the GLB's extras, and is
-/// the same for a query, JSON and `bake`.
+/// Returns the unique form of a request: sorted keys, including defaults. It is part of every cache key and
+/// of the GLB's extras, and is the same for a query, JSON and `bake`.
 nlohmann::json canonical_parameters(const RequestParameters& parameters);
-/// The canonical parameters that determine the solid.
+/// Returns the canonical parameters that determine the solid.
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters);
-/// The canonical parameters that determine the sites. They are the same for a material and for its values given one by one.
+/// Returns the canonical parameters that determine the sites. They are the same for a material and for its
+/// values given one by one.
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters);
-/// For a request with `delta`: the parameters of the answer that its new hits start from. With `hit`: the parameters of the answer
-/// that further hits start from.
+/// Returns the parameters of an earlier answer. For a request with `delta`: the answer that its new hits
+/// start from. With `hit`: the answer that further hits start from.
 nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bool hit);
 
 }  // namespace fracture

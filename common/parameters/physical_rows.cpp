@@ -1,4 +1,4 @@
-// Physics of the fragments, and how strongly they hold together.
+// Rows for the physics of fragments and the strength of their bonds.
 #include <utility>
 
 #include "common/parameters/fields.hpp"

@@ -1,4 +1,4 @@
-// How far cuts deviate from planes (common/rough).
+// Rows for rough cuts: how far cuts deviate from planes (common/rough).
 #include "common/materials/materials.hpp"
 #include "common/parameters/fields.hpp"
 #include "common/parameters/rows.hpp"
@@ -21,7 +21,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
            "`rough_frequency` is too high for this amplitude, the server reduces the amplitude. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
-    const MaterialPreset* preset = find_material_preset(r.material);  // whose roughness is overridden by 0
+    const MaterialPreset* preset = find_material_preset(r.material);  // its roughness is overridden by 0
     return r.fracture.roughness.amplitude > 0 || (preset && preset->roughness.amplitude > 0);
   };
   const std::size_t first = rows.size();

@@ -185,8 +185,9 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"khr", "omi", "none"},
        .doc =
-           "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies. `omi`: OMI_physics_body and "
-           "OMI_physics_shape, for Godot. `none`: no physics and no collision hulls."},
+           "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies, with collision filters for fragments "
+           "whose hulls overlap. `omi`: OMI_physics_body and OMI_physics_shape, for Godot; this format has no filters, so a "
+           "warning counts the overlaps. `none`: no physics and no collision hulls."},
       [](auto& r) -> auto& { return r.physics; }));
   rows.push_back(with_member(
       {.name = "ue_collision",
@@ -253,7 +254,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
-                  .choice = r.interior.choice,  // nothing comes from `material`
+                  .choice = r.interior.choice,  // drops everything else that `material` has set
                   .mortar = r.interior.mortar};
     r.interior_color.clear();
   };

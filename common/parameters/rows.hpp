@@ -9,7 +9,8 @@ namespace fracture {
 
 using Type = ParameterSpec::Type;  // for the rows
 
-/// Every parameter, in the order in which parameters apply and are listed. `max_sites` and `formats` are the server's.
+/// Returns every parameter, in the order in which parameters apply and are listed. `max_sites` and
+/// `formats` are the server's.
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats);
 
 /// The rows that determine the positions of the sites; `material` and `pattern` are first.
@@ -30,19 +31,19 @@ std::vector<ParameterSpec> rough_parameter_rows();
 /// The rows for mass, contact properties and the strength of bonds.
 std::vector<ParameterSpec> physical_parameter_rows();
 
-/// An error kBadParameter with the parameter's name.
+/// Returns an error kBadParameter with the parameter's name.
 Error bad_parameter(std::string name, std::string detail);
 
-/// Combines several parameters into one value, such as a region from centre and radius. kBadParameter if one is missing or they
-/// contradict each other.
+/// Combines several parameters into one value, such as a region from centre and radius. Error:
+/// kBadParameter if one is missing or if they contradict each other.
 std::optional<Error> complete_structure(RequestParameters& parameters);
-/// The same for hits.
+/// Combines the parameters of hits in the same way.
 std::optional<Error> complete_hits(RequestParameters& parameters);
 
-/// Names of the patterns for which the trait is true.
+/// Returns the names of the patterns for which the trait is true.
 std::vector<std::string> patterns_that(bool PatternTraits::*may);
 
-/// The pattern with this index, with default parameters.
+/// Returns the pattern with this index, with default parameters.
 SitePattern default_pattern(std::size_t index);
 
 /// Whether the parameter has a meaning for this pattern.

@@ -9,8 +9,8 @@
 namespace fracture {
 
 struct Selection {
-  bool kept = false;                  ///< the answer is kept, because hits may follow
-  std::optional<NewHits> new_hits{};  ///< the answer is kept, and compared with the answer without these hits
+  bool kept = false;                  ///< whether the answer is kept, because hits may follow
+  std::optional<NewHits> new_hits{};  ///< if set, the answer is kept and compared with one without these hits
   std::optional<Refracture> refracture{};  ///< the parts of a single fragment; excludes the other two members
 };
 

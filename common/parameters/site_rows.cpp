@@ -202,7 +202,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
   rows.push_back(std::move(matrix));
 }
 
-/// Fragments that consist of several cells, for the patterns that support them.
+/// Rows for fragments that consist of several cells, for the patterns that support them.
 void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
   const std::vector<std::string> patterns{pattern_name<UniformPattern>(), pattern_name<ImpactPattern>(),
                                           pattern_name<ClusteredPattern>()};

@@ -56,14 +56,15 @@ struct ParameterSpec {
   Decides decides = Decides::kAnswer;
   /// Names of the patterns that the parameter belongs to; empty: all patterns.
   std::vector<std::string> patterns{};
-  /// null: the parameter has no default, or its default depends on the mesh or the pattern (see doc).
+  /// Null if the parameter has no default, or if its default depends on the mesh or the pattern (see doc).
   nlohmann::json default_value{};
 
   /// A further check. If it fails, it returns the end of the sentence "'name' must …", which to_value() completes to an error
   /// message with the name and the value.
   std::function<std::optional<std::string>(const ParameterValue&)> check{};
   std::function<void(RequestParameters&, const ParameterSpec&, const ParameterValue&)> set{};
-  /// The canonical value; null means that the parameter was not given. Called only if the parameter belongs to the pattern.
+  /// Returns the canonical value; null means that the parameter was not given. Called only if the parameter
+  /// belongs to the pattern.
   std::function<nlohmann::json(const RequestParameters&, const ParameterSpec&)> get{};
   /// Whether the value has an effect in this request. If not, the canonical form omits it. Empty: it always has one.
   std::function<bool(const RequestParameters&)> matters{};

@@ -19,7 +19,7 @@ nlohmann::json vectors(const std::vector<Vec3d>& list) {
   return json;
 }
 
-/// The rows from `first` on matter only if `matters` returns true.
+/// Makes the rows from `first` on matter only if `matters` returns true.
 void only_where(std::vector<ParameterSpec>& rows, std::size_t first,
                 const std::function<bool(const RequestParameters&)>& matters) {
   for (; first < rows.size(); ++first) rows[first].matters = matters;
@@ -140,7 +140,7 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
   return spec;
 }
 
-/// Two corners, lowest and highest.
+/// Returns the two corners of a box, lowest and highest.
 ParameterSpec box_row(const char* name, const char* doc) {
   ParameterSpec spec{.name = name,
                      .type = Type::kVectors,

@@ -38,7 +38,7 @@ std::optional<std::uint64_t> to_integer(const RawParameter& raw) {
   return number;
 }
 
-/// Sorted, without duplicates; empty if an entry is empty, not UTF-8 or not text.
+/// Returns the names sorted, without duplicates; nothing if an entry is empty, not UTF-8 or not text.
 std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
   std::vector<std::string> names;
   if (raw.value.is_string()) {
@@ -64,7 +64,7 @@ std::optional<std::vector<std::string>> to_names(const RawParameter& raw) {
   return names;
 }
 
-/// UTF-8 without control characters.
+/// Returns UTF-8 text without control characters.
 std::optional<std::string> to_text(const ParameterSpec& spec, const RawParameter& raw) {
   if (!raw.value.is_string()) return std::nullopt;
   const auto& text = raw.value.get_ref<const std::string&>();
@@ -74,7 +74,7 @@ std::optional<std::string> to_text(const ParameterSpec& spec, const RawParameter
                                                                                         : std::optional(text);
 }
 
-/// The index of the choice.
+/// Returns the index of the choice.
 std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParameter& raw) {
   std::string choice = raw.value.is_string()    ? raw.value.get<std::string>()
                        : raw.value.is_boolean() ? raw.value.dump()
@@ -87,7 +87,7 @@ std::optional<std::uint64_t> to_choice(const ParameterSpec& spec, const RawParam
   return static_cast<std::uint64_t>(at - spec.choices.begin());
 }
 
-/// The entries of a text a,b,c or of a JSON array; empty if there are none or too many.
+/// Returns the entries of a text a,b,c or of a JSON array; nothing if there are none or too many.
 std::optional<std::vector<RawParameter>> list_items(const RawParameter& raw) {
   std::vector<RawParameter> items;
   if (raw.is_text) {
@@ -106,7 +106,7 @@ std::optional<std::vector<RawParameter>> list_items(const RawParameter& raw) {
   return items;
 }
 
-/// Each from min to max.
+/// Returns whole numbers, each from min to max.
 std::optional<std::vector<std::uint64_t>> to_integers(const ParameterSpec& spec, const RawParameter& raw) {
   const auto items = list_items(raw);
   if (!items) return std::nullopt;
@@ -119,7 +119,7 @@ std::optional<std::vector<std::uint64_t>> to_integers(const ParameterSpec& spec,
   return numbers;
 }
 
-/// Each from low to high.
+/// Returns numbers, each from low to high.
 std::optional<std::vector<double>> to_numbers(const ParameterSpec& spec, const RawParameter& raw) {
   const auto items = list_items(raw);
   if (!items) return std::nullopt;

@@ -11,16 +11,17 @@
 
 namespace fracture {
 
-/// "a, b or c".
+/// Joins names as "a, b or c".
 std::string join(const std::vector<std::string>& words);
-/// The value as the user typed it, short enough for an error message and free of control characters.
+/// Returns the value as the user typed it, short enough for an error message and free of control
+/// characters.
 std::string shown(const nlohmann::json& value);
-/// The number in the fewest digits that read back to the same value.
+/// Returns the number in the fewest digits that read back to the same value.
 std::string shortest(double number);
-/// A finite number. Text is converted; JSON must be a number.
+/// Reads a finite number. Text is converted; JSON must be a number.
 std::optional<double> to_number(const nlohmann::json& value, bool is_text);
 
-/// The legal values of a parameter, as the end of the sentence "'name' must be …".
+/// Returns the legal values of a parameter, as the end of the sentence "'name' must be …".
 std::string expectation(const ParameterSpec& spec);
 
 /// Converts and checks a value. Text is converted; JSON must have the right type. Errors: kBadParameter, or kUnknownFormat for
@@ -28,7 +29,7 @@ std::string expectation(const ParameterSpec& spec);
 /// or empty for the whole value.
 Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter& raw);
 
-/// The same for vectors, lists of vectors and matrices (vectors.cpp), without spec.check.
+/// Does the same for vectors, lists of vectors and matrices (vectors.cpp), without spec.check.
 Expected<ParameterValue> to_vectors(const ParameterSpec& spec, const RawParameter& raw);
 
 }  // namespace fracture

@@ -41,6 +41,10 @@ struct FragmentHulls {
   std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
   double volume = 0;             ///< m³, of all hulls, before they are moved inwards
   double excess = 0;  ///< `volume` relative to the fragment's, with closed cavities filled if it was divided
+  /// For hull_trim.hpp: whether the hulls have been trimmed at contacts, if necessary, and the least share of its volume that
+  /// one of the hulls kept.
+  bool seen_contacts = false;
+  double least_share = 1;
 };
 
 struct HullReport {

@@ -80,7 +80,7 @@ class Cutback {
   }
 
  private:
-  /// Of the extent of `within`: corners this near to a plane are on it. A fraction of the least inset.
+  /// Corners this near to a plane are on it, relative to the extent of `within`. A fraction of the least inset.
   static constexpr double kOnPlane = 4e-6;
 
   const CollisionHull& within_;

@@ -33,7 +33,18 @@ CollisionHull stand_in(std::span<const Vec3f> points) {
   return hull;
 }
 
-/// Only the points on the hull, in the order they came in.
+/// By `wanted` for the inset, within what a hull may be scaled by; by `for_rounding`, of the corners, even if that is more.
+void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_rounding) {
+  const double by = std::fmax(std::clamp(wanted, kLeastHullShrink, kMostHullShrink),
+                              std::fmin(for_rounding, kMostRoundedShrink));
+  for (Vec3f& q : hull.points) {
+    const Vec3d p = center + (1 - by) * (to_double(q) - center);
+    q = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  }
+}
+
+}  // namespace
+
 CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
                       std::vector<std::uint32_t>& index) {
   CollisionHull hull;
@@ -55,18 +66,6 @@ CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
   for (const auto& t : triangles) hull.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
   return hull;
 }
-
-/// By `wanted` for the inset, within what a hull may be scaled by; by `for_rounding`, of the corners, even if that is more.
-void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_rounding) {
-  const double by = std::fmax(std::clamp(wanted, kLeastHullShrink, kMostHullShrink),
-                              std::fmin(for_rounding, kMostRoundedShrink));
-  for (Vec3f& q : hull.points) {
-    const Vec3d p = center + (1 - by) * (to_double(q) - center);
-    q = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-  }
-}
-
-}  // namespace
 
 double volume_within(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> triangles) {
   if (triangles.empty()) return 0;

@@ -31,7 +31,11 @@ struct HullMaker {
 /// (their faces by at least half of it) are apart as their cells are.
 inline double rounding_of(const FragmentSet& set) { return length(set.lattice_step); }
 
-/// What the triangles enclose, in the unit of the points cubed; 0 without triangles.
+/// A hull of those points that are corners of the triangles, in the order they came in. `index`: working memory.
+CollisionHull compact(std::span<const Vec3f> points, const ConvexHullBuilder::Triangles& triangles,
+                      std::vector<std::uint32_t>& index);
+
+/// The volume that the triangles enclose, in the unit of the points cubed; 0 without triangles.
 double volume_within(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> triangles);
 
 /// Moves the faces of a hull inwards (collision_hulls.hpp). `rounding`: rounding_of() the set. Returns the hull's volume

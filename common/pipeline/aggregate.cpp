@@ -16,17 +16,19 @@ namespace fracture {
 namespace {
 
 constexpr std::uint64_t kStream = 0x6167677265676174ull;
-/// Fragments are to be larger than what is united with a neighbour by so much.
+/// Minimum fragment size, as a multiple of the size below which fragments are united with a neighbour.
 constexpr double kAboveLeast = 1.4;
-/// Cells of fragments that are to be smaller than so many mean cells are chosen one by one.
+/// Fragments smaller than this many mean cells consist of one cell each, which is chosen individually.
 constexpr double kSmall = 1.2;
-/// What a single cell may lack of the size it stands for.
+/// Minimum volume of a single cell, as a fraction of the size that it represents.
 constexpr double kNearEnough = 0.75;
-/// A fragment that found no more cells stays with its size if it has so much of it.
+/// A fragment that finds no more cells counts as its wanted size if it has at least this fraction of that
+/// volume.
 constexpr double kMostLack = 0.6;
-/// By how much of all sizes one may be off where small ones belong to small cells.
+/// Maximum random shift of a size's rank, as a fraction of all sizes, if small sizes belong to small cells.
 constexpr double kMixing = 0.12;
-/// By how much a free cell that others surround is nearer than it is.
+/// Maximum reduction, as a fraction, of the squared distance to a free cell that is surrounded by taken
+/// cells.
 constexpr double kNotch = 0.6;
 
 class Aggregator {
@@ -55,7 +57,7 @@ class Aggregator {
   }
 
   std::vector<std::uint32_t> run() {
-    if (free_ == 0) {  // each is for itself
+    if (free_ == 0) {  // each cell is its own group
       std::iota(group_.begin(), group_.end(), 0u);
       return std::move(group_);
     }
@@ -85,13 +87,14 @@ class Aggregator {
     for (const CellTouch& t : touches_.of(s)) taken_[t.cell] += t.area;
   }
 
-  /// Per site the direction away from the impact nearest to it, in the image; none without impacts.
+  /// Finds, per site, the direction away from the nearest impact, in the image; none without impacts.
   void find_ways_out() {
     const auto* pattern = std::get_if<ImpactPattern>(&p_.pattern);
     if (!pattern) return;
     const CellMap& map = d_.diagram.map();
     std::vector<Vec3d> impacts = pattern->impacts;
-    // As the pattern has it: without any, the middle of the image, or of the solid where there are several images.
+    // Same rule as in the pattern: without impacts, the middle of the image, or the middle of the solid if
+    // there are several images.
     const bool in_image = impacts.empty() && map.frames().size() < 2;
     if (impacts.empty()) impacts.push_back(in_image ? d_.seen.box.center() : d_.solid.box.center());
     for (const SiteId s : ids<SiteId>(group_.size())) {
@@ -109,8 +112,8 @@ class Aggregator {
     }
   }
 
-  /// Per site which of the sizes a fragment that begins there wishes for. Where cells are of one kind: any. Where the
-  /// pattern crowds some of them: as large a one as cells are there, beside the others.
+  /// Returns, per site, the rank of the size that a fragment beginning there should have. If all cells are
+  /// alike, the rank is random. If the pattern crowds some of them, larger cells get larger sizes.
   std::vector<std::uint32_t> ranks_by_place(const SizesLeft& sizes) {
     const std::uint32_t count = sizes.count();
     std::vector<std::uint32_t> wish(group_.size());
@@ -147,7 +150,7 @@ class Aggregator {
     return wish;
   }
 
-  /// What is to be no larger than a cell is one: the cell of about that volume.
+  /// Uses a single cell for each fragment that should be no larger than a cell: one of about that volume.
   void give_small_ones(SizesLeft& sizes) {
     std::vector<SiteId> by_volume;
     for (const SiteId s : ids<SiteId>(group_.size()))
@@ -172,7 +175,7 @@ class Aggregator {
   void begin(SiteId s, const std::vector<std::uint32_t>& wish, SizesLeft& sizes) {
     const std::uint32_t group = groups_;
     const std::uint32_t rank = sizes.left() > 0 ? sizes.nearest_rank(wish[s]) : kNoIndex;
-    const double mean = all_ / sizes.count();  // of what is left over when all sizes are there
+    const double mean = all_ / sizes.count();  // target size once all sizes are used
     const double wanted = rank != kNoIndex ? sizes.volume(rank) : p_.max_volume > 0 ? p_.max_volume : mean;
     members_.clear();
     const bool found_enough = grow(s, group, wanted, sizes.left());
@@ -184,13 +187,13 @@ class Aggregator {
       fits = sizes.nearest_size(volume);
       is_scrap = volume < kMostLack * sizes.volume(fits) && sizes.left() > 1;
     }
-    if (is_scrap && touches_others(group)) {  // for the fragments around
+    if (is_scrap && touches_others(group)) {  // the fragments around take it
       for (const SiteId c : members_) group_[c] = kScrap;
       scraps_.insert(scraps_.end(), members_.begin(), members_.end());
       sizes.lose(volume);
       return;
     }
-    if (is_scrap)  // alone: one more than was asked for
+    if (is_scrap)  // isolated: one group more than requested
       sizes.lose(volume);
     else if (rank != kNoIndex)
       sizes.use(fits, volume);
@@ -205,8 +208,8 @@ class Aggregator {
     return false;
   }
 
-  /// Takes free cells as long as that brings the volume nearer to the wanted one; false when there are none left.
-  /// Each of `groups_left` groups, this one among them, needs a cell.
+  /// Takes free cells as long as this brings the volume nearer to the wanted one. Returns false if there
+  /// are none left. Each of the `groups_left` groups, including this one, needs a cell.
   bool grow(SiteId seed, std::uint32_t group, double wanted, std::uint32_t groups_left) {
     std::vector<SiteId>& candidates = candidates_;
     candidates.clear();
@@ -249,7 +252,8 @@ class Aggregator {
     }
   }
 
-  /// Squared, of a free cell from the middle of a fragment: nearer on the way out of a hit, and in a notch.
+  /// Squared distance of a free cell from the middle of a fragment. It is reduced in the direction away
+  /// from a hit, and in a notch.
   double distance(SiteId s, const Vec3d& middle) const {
     const Vec3d to = site(s) - middle;
     double square = dot(to, to);
@@ -261,7 +265,7 @@ class Aggregator {
     return square * (1 - kNotch * within);
   }
 
-  /// What is left goes to the group that it shares most with.
+  /// Adds each left-over cell to the group with which it shares the largest area.
   void give_scraps_away() {
     sort_with_polls(execution_, scraps_.begin(), scraps_.end());
     for (std::vector<SiteId> later; !scraps_.empty(); scraps_.swap(later), later.clear()) {
@@ -294,7 +298,7 @@ class Aggregator {
         group_volume_[best] += volume_[s];
       }
       if (later.size() < scraps_.size()) continue;
-      for (const SiteId s : later) {  // nobody is beside them
+      for (const SiteId s : later) {  // they have no neighbour with a group
         group_[s] = groups_++;
         group_volume_.push_back(volume_[s]);
       }
@@ -310,9 +314,9 @@ class Aggregator {
   CellTouches touches_;
   // Per site.
   std::vector<std::uint32_t> group_;
-  std::vector<double> volume_, around_;  // m³; m² of all its caps
-  std::vector<double> taken_;            // m² of its caps to cells that are taken
-  std::vector<std::uint32_t> seen_;      // by the fragment that began there
+  std::vector<double> volume_, around_;  // m³; m², area of all its caps
+  std::vector<double> taken_;            // m², area of its caps to cells that are taken
+  std::vector<std::uint32_t> seen_;      // the first cell of the last fragment that found it
   std::vector<Vec3d> out_;
   double all_ = 0;
   std::uint32_t free_ = 0;  // cells with volume

@@ -1,10 +1,11 @@
-// Chunks that are not convex: cells grown together into fragments of the sizes of a distribution (fragment_sizes.hpp).
-// What a cell has of the solid is known to the last bit by then, and who touches whom within the solid, so that groups
-// hang together and have the volumes that they should.
+// Chunks that are not convex: groups of cells that grow into fragments with a given size distribution
+// (fragment_sizes.hpp). At this stage, each cell's share of the solid is known exactly, and so is which
+// cells touch within the solid. So each group is connected and has the volume that it should have.
 //
-// An advancing front: the first cell that is free, in the order of the curve through the solid that sites come in,
-// begins a fragment, which takes one free neighbour after the other, those near its middle and those in notches of what
-// is taken already first. So little is left over behind the front, and what is becomes fragments of the small sizes.
+// The method is an advancing front. The first free cell, in the order of the curve through the solid along
+// which sites are sorted, begins a fragment. The fragment takes one free neighbour after another: first
+// those near its middle, and those in notches between taken cells. So few cells are left over behind the
+// front, and these become small fragments.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +16,18 @@
 
 namespace fracture {
 
-/// Do these parameters ask for fragments of several cells?
+/// Whether these parameters ask for fragments of several cells.
 bool is_aggregated(const SiteParameters& parameters);
 
-/// Per site: cells with equal numbers stay together. As many groups as SiteParameters::sites says, or more where parts
-/// of the solid or FractureParameters::max_volume need them; fewer where there are not so many cells. Where the pattern
-/// crowds small cells together, there are the small fragments; of impacts, they are longer on the way outwards. n log n
-/// in the cells. Throws Interrupted.
+/// Returns a number per site; cells with equal numbers stay together. There are as many groups as
+/// SiteParameters::sites says. There are more if parts of the solid or FractureParameters::max_volume need
+/// them, and fewer if there are not enough cells. If the pattern crowds small cells together, the small
+/// fragments are there. Around impacts, fragments are longer in the direction away from the impact. Takes n
+/// log n in the number of cells. Throws Interrupted.
 std::vector<std::uint32_t> aggregate(const RestrictedDiagram& diagram, const FractureParameters& parameters,
                                      const Execution& execution);
 
-/// How many times as long as wide fragments are on their way out of a hit, roughly.
+/// Approximate ratio of length to width of fragments, in the direction away from a hit.
 inline constexpr double kOutwards = 1.8;
 
 }  // namespace fracture

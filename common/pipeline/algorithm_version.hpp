@@ -1,10 +1,10 @@
-// The version of the bytes of an answer.
+// Version of the bytes of a result.
 #pragma once
 
 namespace fracture {
 
-/// The bytes of an answer to a request change only if this number rises. Caches are keyed by it. CHANGELOG.md says for
-/// each version what it changed; the test golden_bytes finds a change of bytes that did not raise it.
+/// The bytes of a result may change only if this number rises, because caches are keyed by it. CHANGELOG.md
+/// says what each version changed. The test golden_bytes fails if bytes change without a new version.
 inline constexpr int kAlgorithmVersion = 25;
 
 }  // namespace fracture

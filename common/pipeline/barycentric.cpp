@@ -13,11 +13,11 @@
 namespace fracture {
 namespace {
 
-/// solid ∩ the Voronoi cell of sites[0]; nothing when they do not meet.
+/// Returns solid ∩ the Voronoi cell of sites[0], or nothing if they do not meet.
 std::optional<FragmentSet> cut_one_cell(const Solid& solid, const PatchFinder& finder,
                                         const std::vector<Vec3d>& sites, Pivot pivot,
                                         const Execution& execution, std::uint64_t& looked_at) {
-  // Only the fragments stay: what the steps before them make is gone with the cell.
+  // Only the fragments are kept. Everything that earlier steps make is freed with the cell.
   Execution uncounted = execution;
   uncounted.allowance = nullptr;
   const Expected<Tetrahedralization> t = tetrahedralize(sites, solid.box, uncounted);

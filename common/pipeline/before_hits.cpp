@@ -18,14 +18,14 @@ namespace fracture {
 
 namespace {
 
-/// Rough cuts take less than half of nearly every piece that is as small as the limit: so little is united after the noise,
-/// and hits stay local. Of 252 answers (seven assets, nine rough materials) 31 united something then without this factor,
-/// none with it.
+/// Rough cuts take less than half of nearly every piece that is as small as the limit. So with this factor
+/// little is united after the noise, and hits stay local. Of 252 results (seven assets, nine rough
+/// materials), 31 united something then without this factor, and none with it.
 constexpr double kTakenByNoise = 2;
-/// Only of crumbs: larger limits are wishes for larger fragments.
+/// The factor applies only up to this limit: larger limits are requests for larger fragments.
 constexpr double kCrumbs = 0.05;
 
-/// The pattern's diagram, with the further sites of max_volume.
+/// Returns the pattern's diagram, including the further sites of max_volume.
 Expected<Diagram> without_hits(const SeenSolid& seen, const FractureParameters& parameters, SitePlan& plan,
                                const Execution& execution) {
   Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.seen().box, execution);
@@ -39,9 +39,9 @@ Expected<Diagram> without_hits(const SeenSolid& seen, const FractureParameters& 
   return before;
 }
 
-/// Per owner of the pattern alone the lowest of its cells, as it is numbered in the whole. That has fewer of the
-/// pattern's sites: some are farther from all of the solid's box than the sites of a hit are. kNoSite: a cell that was
-/// within the solid is no more.
+/// Returns, per owner of the pattern alone, the lowest of its cells, numbered as in the whole diagram. The
+/// whole has fewer of the pattern's sites, because some are farther from the solid's box than the sites of
+/// a hit. kNoSite: a cell that was within the solid no longer exists.
 std::vector<SiteId> lowest_in_the_whole(const RestrictedDiagram& restricted, const Tetrahedralization& alone,
                                         const Ownership& ownership, const Tetrahedralization& whole,
                                         const Execution& execution) {
@@ -51,7 +51,7 @@ std::vector<SiteId> lowest_in_the_whole(const RestrictedDiagram& restricted, con
     if (const SiteId s = alone.site_of_input[k]; s != kNoSite && now[s] == kNoSite)
       now[s] = whole.site_of_input[k];
   });
-  // What a cell has of the solid ends at caps, or is all of a part.
+  // A cell's share of the solid is bounded by caps, or is all of a part.
   std::vector<char> is_inside(alone.site_count(), 0);
   for (const CapRegion& cap : restricted.caps.regions) {
     pacer.step();
@@ -95,7 +95,7 @@ Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const Fractu
   const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
   const std::vector<std::uint32_t> groups =
       aggregate(restrict_to_solid(seen, voronoi, execution), parameters, execution);
-  std::uint32_t next = all.site_count();  // more than there are groups
+  std::uint32_t next = all.site_count();  // larger than every group number
   for (const SiteId s : all.site_of_input) plan.groups.push_back(s == kNoSite ? next++ : groups[s]);
   plan.points = std::move(before.sites);
   return before.split;
@@ -107,7 +107,7 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
   if (groups_of_input.empty()) return {};
   Pacer pacer(execution);
   std::vector<const std::uint32_t*> given(t.site_count(), nullptr);
-  for (std::size_t k = groups_of_input.size(); k-- > 0;) {  // the first of merged points decides
+  for (std::size_t k = groups_of_input.size(); k-- > 0;) {  // the first of several merged points decides
     pacer.step();
     if (t.site_of_input[k] != kNoSite) given[t.site_of_input[k]] = &groups_of_input[k];
   }

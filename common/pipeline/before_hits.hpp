@@ -1,5 +1,6 @@
-// What a pattern makes alone: no hit changes that where it is not near. Cells grown together, and pieces united because
-// they were too small or too many, are decided on as if no hit had come.
+// Computes what the pattern makes without hits, so that a hit changes only what is near it. Which cells
+// grow together, and which pieces are united because of the size limits, is decided as if there were no
+// hits.
 #pragma once
 
 #include <vector>
@@ -9,41 +10,44 @@
 
 namespace fracture {
 
-/// Replaces the plan's groups by those of aggregate(), where the plan has the pattern's points alone; with max_volume
-/// it gets further points. Errors of tetrahedralize() and split_large(). Throws Interrupted.
+/// Replaces the plan's groups by those of aggregate(). The plan must contain only the pattern's points;
+/// max_volume adds further points. Errors: those of tetrahedralize() and split_large(). Throws Interrupted.
 Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
                                              SitePlan& plan, const Execution& execution);
 
-/// Adds to the plan, which has the pattern's points alone and no groups, those of max_volume. Errors as above.
+/// Adds the points that max_volume needs to the plan, which must contain only the pattern's points and no
+/// groups. Errors as above.
 Expected<SplitFigures> split_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
                                          SitePlan& plan, const Execution& execution);
 
-/// The group of each site, from those of the input points; empty when each is for itself. Throws Interrupted.
+/// Returns the group of each site, from the groups of the input points; empty if each site is its own
+/// group. Throws Interrupted.
 std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
                                            const std::vector<std::uint32_t>& groups_of_input,
                                            const Execution& execution);
 
-/// The cells that FractureParameters::keep keeps together: those that meet the region, and those whose rough cuts might.
-/// Ascending. Throws Interrupted.
+/// Returns the cells that FractureParameters::keep keeps together: those that meet the region, and those
+/// whose rough cuts might. Ascending. Throws Interrupted.
 std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,
                                const FractureParameters& parameters, const Execution& execution);
 
-/// Whatever the groups of these cells (none: each for itself), they stay together.
+/// Keeps these cells together, whatever their groups are. (Empty `groups`: each cell is its own group.)
 void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups);
 
-/// How many sites are those of the pattern: the first ones.
+/// Number of sites that belong to the pattern; these come first.
 std::uint32_t sites_of_pattern(const Diagram& diagram);
 
-/// The limits that unite pieces before their cuts become rough: all but the budget of triangles, with room for what the
-/// noise takes.
+/// Returns the limits for uniting pieces before their cuts become rough: all limits except the triangle
+/// budget, with a margin for the volume that the noise removes.
 SizeLimits limits_of_flat_pieces(const FractureParameters& parameters);
 
-/// The pattern's pieces that the size limits merge, or that join across parts. Errors of tetrahedralize(). Throws Interrupted.
+/// Returns the unions of the pattern's pieces because of the size limits, or across parts. Errors: those of
+/// tetrahedralize(). Throws Interrupted.
 Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,
                                                 const FractureParameters& parameters,
                                                 const Execution& execution);
 
-/// Those of the pattern's unions that no site of a hit is a neighbour of.
+/// Returns the pattern's unions that have no site of a hit as a neighbour.
 std::vector<Union> unions_beside_hits(const std::vector<Union>& unions, const Diagram& diagram,
                                       const Ownership& ownership, const Execution& execution);
 

@@ -22,9 +22,9 @@ std::vector<Box> boxes_of_triangles(const Solid& solid, const Execution& executi
   return boxes;
 }
 
-/// The values of a bisector over a box, seen from site i, by its sign where that is certain.
+/// Signs that a bisector's value, seen from site i, can have within a box.
 struct Range {
-  bool below, above;  ///< may it be negative, may it be positive?
+  bool below, above;  ///< whether the value may be negative, and whether it may be positive
 };
 Range range_over(const VoronoiDiagram& diagram, SiteId i, const Bisector& b, const Box& box) {
   Vec3d low, high;  // the corners with the least and the largest value
@@ -35,12 +35,12 @@ Range range_over(const VoronoiDiagram& diagram, SiteId i, const Bisector& b, con
   return {diagram.value(i, b, low) <= b.error, diagram.value(i, b, high) >= -b.error};
 }
 
-/// The triangles of which no bisector of the cell is known to keep them away, in any order.
+/// Returns the triangles that no bisector of the cell certainly excludes, in any order.
 std::vector<std::uint32_t> near_triangles(const BoxTree& tree, const VoronoiDiagram& diagram, SiteId cell,
                                           Pacer& pacer) {
   const std::span<const Bisector> bisectors = diagram.bisectors(cell);
-  // On the way down: the bisectors that may run through the box, for each box that was entered. Those that
-  // have all of a box on the cell's side need not be asked within it.
+  // On the way down the tree: for each box entered, the bisectors that may run through it. A bisector that
+  // has the whole box on the cell's side need not be tested within it.
   std::vector<std::uint32_t> running(bisectors.size());
   for (std::uint32_t k = 0; k < running.size(); ++k) running[k] = k;
   std::vector<std::size_t> begin{0};
@@ -77,14 +77,15 @@ const Bisector& bisector_between(const VoronoiDiagram& diagram, SiteId i, SiteId
   return *at;
 }
 
-/// A facet of a tetrahedron: the dual Voronoi edge leads from its Voronoi vertex to that of the neighbour.
+/// A facet of a tetrahedron. Its dual Voronoi edge leads from the tetrahedron's Voronoi vertex to that of
+/// the neighbour.
 struct Step {
   TetId from;
   int face;
 };
 
-/// The fewest steps from a Voronoi vertex of the cell to one beyond the box, last step first; none where one
-/// of the cell itself lies there.
+/// Returns a shortest path from a Voronoi vertex of the cell to one beyond the box, last step first. The
+/// path is empty if one of the cell's own vertices is beyond the box.
 std::vector<Step> way_out(const VoronoiDiagram& diagram, SiteId cell, Pacer& pacer) {
   const Tetrahedralization& dual = diagram.dual();
   const auto beyond = [&](TetId t) {
@@ -92,7 +93,7 @@ std::vector<Step> way_out(const VoronoiDiagram& diagram, SiteId cell, Pacer& pac
     return std::any_of(v.begin(), v.end(), [&](SiteId s) { return dual.is_corner(s); });
   };
   constexpr int kUnseen = -1, kStart = -2;
-  std::vector<int> entered(dual.tets.size(), kUnseen);  // through which of its own facets
+  std::vector<int> entered(dual.tets.size(), kUnseen);  // its own facet through which it was entered
   std::vector<TetId> queue;
   for (const TetId t : diagram.tetrahedra(cell)) {
     if (beyond(t)) return {};
@@ -124,14 +125,14 @@ std::vector<Step> way_out(const VoronoiDiagram& diagram, SiteId cell, Pacer& pac
   throw InternalError("no way leads out of the tetrahedra around site " + std::to_string(cell));
 }
 
-/// The Voronoi edge of one step: what crosses it.
+/// The Voronoi edge of one step, and the triangles that cross it.
 class CrossedEdge {
  public:
   CrossedEdge(const VoronoiDiagram& diagram, const Step& step) : diagram_(diagram) {
     const Tetrahedron& t = diagram.dual().tets[step.from];
     const Tetrahedron& u = diagram.dual().tets[t.n[step.face]];
-    // The facet's sites, counter-clockwise seen from outside the tetrahedron: the edge's direction out of it
-    // is (b - a) x (c - a).
+    // The facet's sites, counter-clockwise as seen from outside the tetrahedron. The edge's direction out
+    // of it is (b - a) x (c - a).
     sites_ = outward_facet(t, step.face);
     ends_[0] = t.v[step.face];
     for (const SiteId s : u.v)
@@ -149,11 +150,12 @@ class CrossedEdge {
     return true;
   }
 
-  /// How the edge, directed as the step, passes through the triangle: 1 outwards, -1 inwards, 0 not at all.
+  /// Returns how the edge, in the direction of the step, passes through the triangle: 1 outwards, -1
+  /// inwards, 0 not at all.
   int crossing(const std::array<Vec3d, 3>& p) const {
     const Vec3d &i = diagram_.site(sites_[0]), &j = diagram_.site(sites_[1]), &k = diagram_.site(sites_[2]);
-    // The bisector of i and j divides two of the triangle's sides. The edge lies in that bisector and passes
-    // through the triangle where that of i and k parts these two places.
+    // The bisector of i and j divides two of the triangle's sides, at two points. The edge lies in that
+    // bisector. It passes through the triangle if the bisector of i and k separates these two points.
     std::array<int, 3> side;
     for (int c = 0; c < 3; ++c) side[c] = exact::side1(i, j, p[c]);
     int places = 0, sum = 0;
@@ -172,7 +174,7 @@ class CrossedEdge {
  private:
   const VoronoiDiagram& diagram_;
   std::array<SiteId, 3> sites_;
-  std::array<SiteId, 2> ends_{};  // with these three they make the two Voronoi vertices
+  std::array<SiteId, 2> ends_{};  // together with sites_, these form the two Voronoi vertices
   std::array<const Bisector*, 2> planes_, limits_;
 };
 
@@ -188,7 +190,8 @@ CellPatch PatchFinder::around(const VoronoiDiagram& diagram, SiteId cell, const 
   sort_with_polls(execution, triangles.begin(), triangles.end());
   patch.looked_at = triangles.size();
 
-  // What winds around a Voronoi vertex of the cell. Each part is closed: its crossings alone say it.
+  // Windings of the parts around a Voronoi vertex of the cell. Each part is closed, so its crossings alone
+  // determine its winding.
   std::vector<std::pair<std::uint32_t, std::int32_t>> windings;  // part, crossing
   const std::vector<Step> way = way_out(diagram, cell, pacer);
   if (!way.empty()) patch.seed = {way.back().from};

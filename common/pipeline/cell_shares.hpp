@@ -1,4 +1,4 @@
-// What each cell has of the solid: its volume and the middle of it.
+// Volume and centre of mass of each cell's share of the solid.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,15 @@
 namespace fracture {
 
 /// Volume and first moment of each cell's share, by the divergence theorem over its faces about a common
-/// origin: input triangles and their parts, and caps, which count for one cell and against the other.
+/// origin. The faces are input triangles, parts of them, and caps; a cap counts positively for one cell and
+/// negatively for the other.
 class CellShares {
  public:
-  /// Linear in triangles and caps. Throws Interrupted.
+  /// Takes time linear in triangles and caps. Throws Interrupted.
   CellShares(const RestrictedDiagram& diagram, const Execution& execution);
 
-  double volume(SiteId site) const { return sum_[site].six_volume / 6; }  ///< m³; 0 or so: it has none
-  /// Nothing for a share without volume.
+  double volume(SiteId site) const { return sum_[site].six_volume / 6; }  ///< m³; about 0 for an empty share
+  /// Returns the centre of mass, or nothing if the share's volume is at most `least_volume`.
   std::optional<Vec3d> center(SiteId site, double least_volume) const;
 
  private:

@@ -1,4 +1,4 @@
-// Which cells share caps within a solid, and how much of them.
+// Finds the cells that share caps within a solid, and the area of these caps.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct CellTouch {
 
 class CellTouches {
  public:
-  /// Near-linear in caps. Throws Interrupted.
+  /// Takes near-linear time in caps. Throws Interrupted.
   CellTouches(const RestrictedDiagram& diagram, Pacer& pacer);
   std::span<const CellTouch> of(SiteId s) const {
     return {all_.data() + begin_[s], all_.data() + begin_[s + 1]};

@@ -11,13 +11,13 @@ namespace fracture {
 namespace {
 
 constexpr int kMostPlans = 8;
-constexpr double kLeastGrowth = 1.1;  // divisions are whole numbers: a little more may be the same
-constexpr double kMostGrowth = 2;     // what little of a plan was met says little of the next one
-// Of a cell as large as the others, a sixteenth is met by one of these but once in e^16 times.
+constexpr double kLeastGrowth = 1.1;  // divisions are whole numbers, so a little more may change nothing
+constexpr double kMostGrowth = 2;     // if few cells are met, this says little about the next plan
+// With 16 samples per fragment, a cell of average size is missed only once in e^16 times.
 constexpr std::uint32_t kSamplesPerFragment = 16, kMostSamples = 1u << 14;
-constexpr std::uint64_t kMostDistances = 1u << 24;  // some 20 ms
+constexpr std::uint64_t kMostDistances = 1u << 24;  // about 20 ms
 
-/// Slices of one family are as many as are asked for, from one end of the solid to the other.
+/// One family of slices has as many slices as requested, from one end of the solid to the other.
 bool divides_the_box(const SitePattern& pattern) {
   if (const auto* slices = std::get_if<SlicePattern>(&pattern)) return slices->normals.size() > 1;
   return std::holds_alternative<GridPattern>(pattern) || std::holds_alternative<BrickPattern>(pattern) ||
@@ -28,7 +28,7 @@ bool crowds(const SitePattern& pattern) {
   return std::holds_alternative<ImpactPattern>(pattern) || std::holds_alternative<ClusteredPattern>(pattern);
 }
 
-/// How many groups of cells have one of these points.
+/// Number of groups of cells that contain one of these points.
 std::size_t groups_met(const std::vector<Vec3d>& points, const SitePlan& plan, const Execution& execution) {
   Pacer pacer(execution);
   std::vector<std::uint32_t> met;
@@ -62,7 +62,7 @@ double sites_for_fragments(const FractureParameters& parameters) {
 Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParameters& parameters,
                                      const Execution& execution) {
   const std::uint32_t wanted = parameters.size.fragments;
-  if (wanted == 0 || parameters.sites != wanted || cells_per_fragment(parameters) > 1)  // these are counted
+  if (wanted == 0 || parameters.sites != wanted || cells_per_fragment(parameters) > 1)  // known
     return plan_sites(solid, parameters, execution);
   SiteParameters more = parameters;
   if (crowds(parameters.pattern)) {
@@ -85,16 +85,17 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     if (samples.empty())
       samples =
           sites_detail::ColumnSampler(solid.seen(), 0, execution).spread(static_cast<std::uint32_t>(count));
-    if (samples.empty()) break;  // so thin that no column finds it: nothing is known of what a plan meets
+    if (samples.empty()) break;  // the solid is too thin for a column to hit it
     if (changed) met = groups_met(samples, *plan, execution);
     if (met >= wanted) break;
-    // Divisions are whole numbers: a plan for more may be the same or meet less, and only the one after it more.
+    // Because divisions are whole numbers, a plan for more cells may be the same or even meet fewer cells,
+    // and the next one after it may meet more.
     const double growth =
         std::clamp(wanted / static_cast<double>(std::max<std::size_t>(met, 1)), kLeastGrowth, kMostGrowth);
     more.sites = static_cast<std::uint32_t>(std::fmin(std::ceil(more.sites * growth), kMaxPatternSites));
     Expected<SitePlan> next = plan_sites(solid, more, execution);
     changed = next && next->points != plan->points;
-    plan = std::move(next);  // what is too many for this server is refused, not fewer
+    plan = std::move(next);  // a plan with too many sites for this server is refused, not reduced
   }
   return plan;
 }

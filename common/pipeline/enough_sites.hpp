@@ -1,6 +1,6 @@
-// How many cells it takes for a number of fragments. Patterns that divide the box of a solid (grids, bricks,
-// slices, rings and spokes) do not know how many of their cells the solid fills; some cells of those that crowd
-// them together are too small to stay.
+// Finds the number of cells needed for a number of fragments. For patterns that divide the box of a solid
+// (grids, bricks, slices, rings and spokes), it is unknown how many of their cells the solid fills. For
+// patterns that crowd cells together, some cells are too small to keep.
 #pragma once
 
 #include "common/base/execution.hpp"
@@ -9,15 +9,17 @@
 
 namespace fracture {
 
-/// plan_sites(). Where as many cells as fragments are asked for, for more cells: of impacts and clusters, of
-/// which some are too small to stay, for twice as many; of a pattern that divides the box until so many of its
-/// cells hold one of the points that are drawn in the solid, asked a few times (not for more than some 700
-/// fragments, nor of cells of a given size). Errors of plan_sites(), for any of these plans: which sites there
-/// are is no matter of the server. Throws Interrupted.
+/// Calls plan_sites(). If as many cells as fragments are requested, it asks for more cells. For impacts and
+/// clusters, some of whose cells are too small to keep, it asks for twice as many. For a pattern that
+/// divides the box, it repeats the plan a few times, until enough of the cells contain one of a set of
+/// sample points in the solid. It does not repeat for more than about 700 fragments, or for cells of a
+/// given size. Returns the errors of plan_sites() for any of these plans, because the sites must not depend
+/// on the server. Throws Interrupted.
 Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParameters& parameters,
                                      const Execution& execution);
 
-/// About how many it asks for, for those who have to know what a request costs before it is computed.
+/// Approximate number of sites that plan_enough_sites() asks for, to estimate the cost of a request before
+/// it is computed.
 double sites_for_fragments(const FractureParameters& parameters);
 
 }  // namespace fracture

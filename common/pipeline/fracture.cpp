@@ -8,6 +8,7 @@
 #include "common/base/pacer.hpp"
 #include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/physics/hull_trim.hpp"
 #include "common/pipeline/aggregate.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/before_hits.hpp"
@@ -221,8 +222,16 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
-  if (parameters.hulls == Hulls::kConvex)
+  if (parameters.hulls == Hulls::kConvex) {
     out.hulls = make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
+    trim_at_contacts(set, solid, out.hulls, execution);
+    out.rest = cut.whole ? std::move(cut.whole->rest)
+                         : bring_to_rest(set, out.hulls,
+                                         cells_of_bodies(parameters, cells.map, set.certificate.islands),
+                                         rest_tolerance(solid), parameters.filters, execution);
+    if (const Verdict verdict = judge_rest(out.rest.value(), parameters.filters); !verdict.sound())
+      return tl::unexpected(unsound(verdict, set.certificate));
+  }
   if (parameters.intact) {
     Expected<IntactSolid> intact = make_intact(solid, parameters, execution);
     if (!intact) return tl::unexpected(intact.error());
@@ -232,7 +241,8 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   const std::optional<std::uint32_t> anchored =
       parameters.anchors.any() && !cut.whole ? std::optional(out.anchored.count) : std::nullopt;
   out.point_of_site = sites.point_of_site;
-  out.report = make_report(solid, sites, parameters, cut, anchored, out.hulls.report(), set, execution);
+  out.report =
+      make_report(solid, sites, parameters, cut, anchored, out.hulls.report(), out.rest, set, execution);
   execution.poll();
   return out;
 }

@@ -14,6 +14,7 @@
 #include "common/base/timings.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/physics/rest.hpp"
 #include "common/pipeline/fractured_solid.hpp"
 #include "common/pipeline/keep_region.hpp"
 #include "common/pipeline/local_impact.hpp"
@@ -44,6 +45,7 @@ struct FractureParameters : SiteParameters {
   double drop_above = 0;       ///< m³; with kBarycenter alone: larger fragments are left out. 0: none
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
   HullLimits hull_limits{};    ///< number of hulls of a fragment
+  HullFilters filters = HullFilters::kSystems;  ///< for bodies whose hulls overlap (physics/rest.hpp)
   Pivot pivot = Pivot::kCenterOfMass;
   bool intact = false;    ///< the answer gets FracturedSolid::intact
   SizeLimits size;        ///< small fragments are united with a neighbour

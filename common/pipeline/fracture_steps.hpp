@@ -1,4 +1,4 @@
-// The steps of make_diagram() and fracture(), for those who go part of the way (hits/delta.hpp).
+// The steps of make_diagram() and fracture(), for callers that need only some of them (hits/delta.hpp).
 #pragma once
 
 #include <functional>
@@ -11,6 +11,7 @@
 #include "common/fragment/pieces.hpp"
 #include "common/fragment/unions.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/physics/rest.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture.hpp"
 #include "common/rough/roughen.hpp"
@@ -18,13 +19,13 @@
 
 namespace fracture {
 
-/// Runs a stage: its time is kept, and an interruption becomes the error it stands for.
+/// Runs a stage, records its time, and converts an interruption to the corresponding error.
 template <class Body>
 auto stage(StageTimings& timings, const Execution& execution, Stage which, const Body& body)
     -> decltype(body()) {
   const StageTimings::Scope scope(timings, which);
   const ScratchTrimmer trimmer;
-  const bool tells = execution.progress && !execution.within;  // else the caller knows better what all is
+  const bool tells = execution.progress && !execution.within;  // otherwise the caller reports progress
   if (tells) execution.progress(which, 0);
   try {
     auto result = body();
@@ -39,58 +40,67 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
   }
 }
 
-/// Cells as fragments: with bonds, certificate and lattice, without what complete() adds.
+/// Cells as fragments, with bonds, certificate and lattice, but without what complete() adds.
 struct CutCells {
   FragmentSet set;
-  CollisionHulls hulls;                 ///< those that are known already
+  CollisionHulls hulls;                 ///< hulls that are known already
   std::size_t kept = 0;                 ///< cells that FractureParameters::keep keeps together
-  bool grouped = false;                 ///< some fragment has several cells
-  std::vector<SiteId> lowest{};         ///< per site, where some stay together: the lowest of these
-  std::vector<std::uint32_t> pieces{};  ///< per site; those of cells that stay together at the lowest of them
-  std::vector<Union> unions{};          ///< what the limits of size unite where no hit has come
-  /// What was united after these, because it is too small with its rough cuts, or of what hits broke off.
+  bool grouped = false;                 ///< whether some fragment has several cells
+  std::vector<SiteId> lowest{};         ///< per site, if cells stay together: the lowest of these cells
+  std::vector<std::uint32_t> pieces{};  ///< per site: number of pieces; of a group: at its lowest site
+  std::vector<Union> unions{};          ///< unions because of size limits, as they would be without hits
+  /// Later unions of pieces that are too small with rough cuts, or that hits broke off.
   std::vector<Union> late{};
-  BarycentricResult barycentric;  ///< its figures, with Dual::kBarycenter
+  BarycentricResult barycentric;  ///< its statistics, with Dual::kBarycenter
   RoughReport rough;
-  /// What the net under rough cuts did (rough_cells.hpp): cells with less roughness than asked, or all flat.
+  /// Effects of the fallback for rough cuts (rough_cells.hpp): number of cells with less roughness than
+  /// requested, and whether all cuts were made flat.
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
   bool touch_across = true;  ///< PieceRecord::touch_across
-  /// Where the set is a part of an answer (a delta alone): figures of all its fragments.
+  /// If the set is only part of a result (a delta alone): statistics of all fragments.
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending
     std::uint64_t triangles = 0;
     HullReport hulls{};
+    std::optional<Rest> rest{};  ///< its filters are those of the fragments of the set
   };
   std::optional<Whole> whole{};
 };
 
-/// The limits of size as they hold for all cells, beyond what they unite of the pattern's pieces before hits come: what
-/// hits break off comes on top of the fragments that the pattern shall make, and is smaller beside the mean than crumbs
-/// are elsewhere. With hits a volume alone, which is the same however many there are. `volume`: of the solid, m³.
-/// `pattern_sites`: sites_of_pattern().
+/// Returns the size limits that apply to all cells, in addition to the unions of the pattern's pieces
+/// before hits. Fragments that hits break off come on top of the number of fragments that the pattern
+/// makes. They may be smaller, relative to the mean, than crumbs elsewhere. With hits, the limit is only a
+/// volume, which is the same for any number of hits. `volume`: of the solid, m³. `pattern_sites`:
+/// sites_of_pattern().
 SizeLimits limits_in_force(const FractureParameters& parameters, double volume, std::uint32_t pattern_sites);
 
-/// What an answer says of its sites.
+/// Information about the sites that a result contains.
 struct SiteNotes {
   SiteFigures figures;
   Remarks remarks;
   SplitFigures split{};
-  /// Per site which point it is of those given, and of equal ones the first; empty: site k is point k.
+  /// Per site: number of its input point, the first one if several are equal. If empty, site k is point k.
   std::vector<std::uint32_t> point_of_site{};
 };
 SiteNotes notes_of(const Diagram& diagram);
 
-/// `inspect` sees what the clipper found, unless for barycentric cells; `trace`: roughen(). Errors of fracture();
-/// throws Interrupted.
+/// Cuts the solid into cells. `inspect` receives the clipper's result, except for barycentric cells.
+/// `trace`: see roughen(). Errors: those of fracture(). Throws Interrupted.
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& inspect = {},
                              std::optional<RoughTrace>* trace = nullptr);
 
-/// Checks the fragments, bonds them across parts unless the set is only part of an answer, and makes their companions:
-/// hierarchy, anchors, hulls (for fragments that have none) and the report. Every answer leaves the pipeline through here.
-/// Error: kUnsound. Throws Interrupted.
+/// Which cells of an answer may overlap. `islands`: Certificate::islands, with none no cell has two pieces.
+inline CellsOfBodies cells_of_bodies(const FractureParameters& parameters, const CellMap& map,
+                                     std::uint32_t islands) {
+  return {map, parameters.dual != Dual::kBarycenter, islands > 0};
+}
+
+/// Checks the fragments, bonds them across parts (unless the set is only part of a result), and makes their
+/// companions: hierarchy, anchors, hulls (for fragments that have none) and the report. Every result leaves
+/// the pipeline through this function. Error: kUnsound. Throws Interrupted.
 Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
                                   const FractureParameters& parameters, CutCells cut, const CellSites& cells,
                                   const Execution& execution);

@@ -1,5 +1,5 @@
-// What leaves the pipeline: the fragments of a solid with their companions, each made by its own room from the
-// set alone. File-format free: gltf/ writes it down, tests judge it.
+// The pipeline's result: the fragments of a solid and their companions. Each companion is made from the set
+// alone, in a module of its own. Independent of file formats: gltf/ writes it, and tests check it.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 #include "common/fragment/fragments.hpp"
 #include "common/physics/collision_hulls.hpp"
+#include "common/physics/rest.hpp"
 #include "common/pipeline/report.hpp"
 #include "common/structure/anchors.hpp"
 #include "common/structure/hierarchy.hpp"
@@ -15,12 +16,12 @@
 
 namespace fracture {
 
-/// How an answer differs from an earlier one (hits/difference.hpp).
-/// Ids of fragments, each list in the order of its answer. A companion of a FragmentSet.
+/// Difference between a result and an earlier one (hits/difference.hpp). Contains ids of fragments, each
+/// list in the order of its result. A companion of a FragmentSet.
 struct Delta {
   std::vector<std::uint64_t> added, changed, gone;  ///< `changed` ones have a new shape
-  /// Untouched fragments that bonds lead to, where the set has only what was added and changed: a bond's
-  /// index of fragments.size() + k means neighbors[k].
+  /// Untouched fragments to which bonds lead, if the set has only the added and changed ones. A bond's
+  /// index fragments.size() + k means neighbors[k].
   std::vector<std::uint64_t> neighbors;
 };
 
@@ -30,18 +31,19 @@ struct IntactSolid {
   CollisionHulls hulls;         ///< of the parts
 };
 
-/// Companions that were not asked for are empty.
+/// Companions that were not requested are empty.
 struct FracturedSolid {
   FragmentSet set;
   Hierarchy hierarchy;
   AnchoredFragments anchored;
   CollisionHulls hulls;
-  std::optional<Support> support{};  ///< where there are anchors, by who knows density and strength
-  std::optional<Delta> delta{};      ///< where the answer is compared with an earlier one
+  std::optional<Rest> rest{};        ///< set with hulls
+  std::optional<Support> support{};  ///< set if there are anchors, if density and strength are known
+  std::optional<Delta> delta{};      ///< set if the result is compared with an earlier one
   std::optional<IntactSolid> intact{};
   Report report;
-  /// Per site of the fragments which point it is of those given (of the pattern, then of hits), and of equal ones the first:
-  /// what is published of Fragment::sites. Empty: site k is point k.
+  /// Per site of the fragments: number of its input point (of the pattern, then of hits), the first one if
+  /// several are equal. This number is published for Fragment::sites. If empty, site k is point k.
   std::vector<std::uint32_t> point_of_site{};
 };
 

@@ -1,13 +1,15 @@
-// The volumes that fragments are to have: Weibull's distribution ("A statistical distribution function of wide
+// The volumes that fragments should have: Weibull's distribution ("A statistical distribution function of wide
 // applicability", 1951), in numbers of fragments:
 //
 //   N(> v) / N = exp(-(v / scale)^(1 / spread))
 //
-// spread 0: all alike. 1: the exponential distribution of Grady & Kipp ("Geometric statistics and dynamic
-// fragmentation", J. Appl. Phys. 58, 1985), the large fragments of a Poisson process of cracks; Åström, Ouchterlony,
-// Linna & Timonen ("Universal dynamic fragmentation in D dimensions", Phys. Rev. Lett. 92, 245506, 2004) find it in
-// quarry blasts and in the crushing of granitic gneiss, beside a power law of fines, which here are dust: nobody makes
-// them. 2: that of Mott & Linfoot (1943).
+// spread 0: all fragments have the same volume.
+// spread 1: the exponential distribution of Grady & Kipp ("Geometric statistics and dynamic fragmentation",
+//   J. Appl. Phys. 58, 1985), which describes the large fragments of a Poisson process of cracks. Åström, Ouchterlony,
+//   Linna & Timonen ("Universal dynamic fragmentation in D dimensions", Phys. Rev. Lett. 92, 245506, 2004) find it in
+//   quarry blasts and in the crushing of granitic gneiss, together with a power law for fines. Fines are dust here and
+//   are not made.
+// spread 2: the distribution of Mott & Linfoot (1943).
 #pragma once
 
 #include <algorithm>
@@ -20,14 +22,15 @@
 
 namespace fracture {
 
-/// `count` volumes as parts of their sum, ascending: the quantiles in the middles of equal shares of probability, so that
-/// their own distribution is off by no more than 1 / (2 count). The same bits everywhere.
+/// Returns `count` volumes as fractions of their sum, ascending: the quantiles at the middles of equal
+/// shares of probability. So their own distribution deviates by at most 1 / (2 count). The same bits on
+/// every platform.
 std::vector<double> fragment_sizes(std::uint32_t count, double spread, Pacer& pacer);
 
-/// The sizes that no fragment has yet.
+/// The sizes that no fragment has taken yet.
 class SizesLeft {
  public:
-  /// `least`: m³, below which none is to be.
+  /// `least`: minimum size, m³.
   SizesLeft(std::uint32_t count, double spread, double volume, double least, Pacer& pacer)
       : sizes_(fragment_sizes(count, spread, pacer)), volume_(volume) {
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -40,7 +43,7 @@ class SizesLeft {
   std::uint32_t left() const { return static_cast<std::uint32_t>(left_.size()); }
   std::uint32_t count() const { return static_cast<std::uint32_t>(sizes_.size()); }
   double part(std::uint32_t rank) const { return sizes_[rank]; }
-  /// m³, so that what is left of them fills what is left of the solid.
+  /// m³, scaled so that the remaining sizes fill the remaining part of the solid.
   double volume(std::uint32_t rank) const { return sizes_[rank] * scale(); }
 
   std::uint32_t smallest() const { return *left_.begin(); }
@@ -63,7 +66,7 @@ class SizesLeft {
     sum_ -= sizes_[rank];
     volume_ -= volume;
   }
-  /// Has gone elsewhere than to one of the sizes.
+  /// Notes that this volume was used for something other than one of the sizes.
   void lose(double volume) { volume_ -= volume; }
 
  private:
@@ -71,7 +74,7 @@ class SizesLeft {
 
   std::vector<double> sizes_;  // ascending
   std::set<std::uint32_t> left_;
-  double volume_, sum_ = 0;  // of what is left
+  double volume_, sum_ = 0;  // of the remaining sizes
 };
 
 }  // namespace fracture

@@ -10,7 +10,7 @@
 namespace fracture {
 
 /// The parts of the solid as fragments that nothing cuts: its fragments with a single site. They have the vertices,
-/// attributes and materials that the outside of the fragments has. Of `parameters` only those of hulls matter. Errors:
+/// attributes and materials that the outside of the fragments has. Only the parameters of hulls matter. Errors:
 /// kNoFragments, kUnsound. Throws Interrupted.
 Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& parameters,
                                   const Execution& execution);

@@ -12,7 +12,7 @@ namespace {
 
 using Polygon = std::vector<Vec3d>;
 
-/// Keeps what has normal · x <= offset.
+/// Keeps the part of the polygon with normal · x <= offset.
 void clip(Polygon& polygon, const Vec3d& normal, double offset, Polygon& scratch) {
   scratch.clear();
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -27,7 +27,7 @@ void clip(Polygon& polygon, const Vec3d& normal, double offset, Polygon& scratch
 /// Squared distance from q to a convex polygon in the plane with this unit normal.
 double distance2(const Polygon& polygon, const Vec3d& normal, const Vec3d& q) {
   double nearest = HUGE_VAL;
-  int turns = 0;  // all to one side: q is above the inside
+  int turns = 0;  // all to one side: the foot of q is inside
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Vec3d a = polygon[k] - q, e = polygon[(k + 1) % polygon.size()] - polygon[k];
     const double ee = dot(e, e), t = ee > 0 ? std::clamp(-dot(a, e) / ee, 0.0, 1.0) : 0.0;
@@ -45,7 +45,7 @@ Box box_of(const Region& region) {
   return {region.center - r, region.center + r};
 }
 
-/// All from where a point may move into the region, or more.
+/// Returns a region that contains every point that may move into the given one.
 Region grown(Region region, const Movement& movement) {
   region.radius += movement.distance();
   constexpr std::array<Vec3d, 3> kAxes{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -57,7 +57,7 @@ Region grown(Region region, const Movement& movement) {
   return region;
 }
 
-/// Of a box, and of all from where a point may move into it.
+/// Returns the bounding box of the box's image, including points that may move into it.
 Box image_of(const Box& box, const CellMap::Frame& frame, double margin, const Movement& movement) {
   Box image;
   for (int corner = 0; corner < 8; ++corner) {
@@ -73,7 +73,7 @@ Box image_of(const Box& box, const CellMap::Frame& frame, double margin, const M
 
 class RegionWalk {
  public:
-  /// Within the place of one frame of the diagram's map, if it has one.
+  /// Walks within the place of one frame of the diagram's map, if it has one.
   RegionWalk(const Region& region, const VoronoiDiagram& diagram, std::size_t frame, const Box& bounds,
              const Movement& movement, const Execution& execution)
       : region_(region),
@@ -113,7 +113,7 @@ class RegionWalk {
     for (std::size_t k = 0; k < found.size(); ++k) {
       const SiteId i = found[k];
       find_rings(i);
-      std::size_t next = 0;  // entries of the ring of the neighbour at hand, which come in its order
+      std::size_t next = 0;  // the current neighbour's ring entries, which are in the order of the neighbours
       for (const Bisector& b : diagram_.bisectors(i)) {
         ring_.clear();
         for (; next < rings_.size() && rings_[next].first == b.neighbor; ++next)
@@ -129,7 +129,8 @@ class RegionWalk {
   }
 
  private:
-  /// For each neighbour of cell i, ascending, the neighbours whose cells are around the facet between them.
+  /// Collects, for each neighbour of cell i, ascending, the neighbours whose cells surround the facet
+  /// between them.
   void find_rings(SiteId i) {
     rings_.clear();
     for (const TetId t : diagram_.tetrahedra(i)) {
@@ -142,8 +143,8 @@ class RegionWalk {
     rings_.erase(std::unique(rings_.begin(), rings_.end()), rings_.end());
   }
 
-  /// The facet between i and its neighbour, whose ring is at hand, within the region's box. No more is cut
-  /// off by the bisectors of other neighbours.
+  /// Whether the facet between i and a neighbour, with the ring in ring_, meets the region. Only the
+  /// bisectors of the ring bound the facet.
   bool facet_meets(SiteId i, const Bisector& facet) {
     const double l = length(facet.u);
     const Vec3d n = (1 / l) * facet.u, middle = diagram_.site(i) + 0.5 * facet.u, center = limits_.center();
@@ -184,7 +185,7 @@ class RegionWalk {
   const double margin_;
   const Execution& execution_;
   Pacer pacer_;
-  Box limits_;  ///< of the region within the bounds
+  Box limits_;  ///< the region's box within the bounds
   std::vector<std::pair<SiteId, SiteId>> rings_;
   std::vector<SiteId> ring_;
   Polygon polygon_, scratch_;

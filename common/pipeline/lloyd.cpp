@@ -17,7 +17,7 @@ Expected<void> relax(const SeenSolid& solid, SitePlan& plan, std::uint32_t passe
   Pacer pacer(execution);
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     const StageProgress::Part part(execution.within, (pass + 1.0) / passes);
-    const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
+    const Allowance::Temporary temporary(execution.allowance);  // the pass's data is freed with it
     const Expected<Tetrahedralization> t = tetrahedralize(plan.points, solid.seen().box, execution);
     if (!t) return tl::unexpected(t.error());
     const VoronoiDiagram diagram(*t, solid.seen().box, plan.map, execution);

@@ -13,19 +13,21 @@
 namespace fracture {
 namespace {
 
-/// How far a site may lie beyond the radius, as a fraction: it is rounded to a lattice of 2^-21 of the box.
+/// Maximum distance of a site beyond the radius, as a fraction, because sites are rounded to a lattice of
+/// 2^-21 of the box.
 constexpr double kRounding = 1e-5;
 
-/// Fragments that a hit breaks off: about `cells` of its sites each, those nearest to one of them, on the way out of
-/// the hit farther than across it. Its sites come in the order of a curve through the solid: who is near in space is
-/// near in it, and every so manieth lies in the middle of some.
+/// Groups a hit's sites into fragments of about `cells` sites each: each site joins the nearest seed.
+/// Distances in the direction away from the hit count less than across it. The hit's sites are in the order
+/// of a curve through the solid: sites that are near in space are near in it. So every `cells`-th site
+/// serves as a seed in the middle of some others.
 void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t cells, SitePlan& plan,
                const Execution& execution) {
   const std::vector<Vec3d>& points = further.points;
   std::uint32_t next = 0;
   for (const std::uint32_t g : plan.groups_of_hits) next = std::max(next, g + 1);
   const auto seeds = static_cast<std::int64_t>((points.size() + cells - 1) / cells);
-  constexpr std::int64_t kReach = 16;  // seeds before and after one's own
+  constexpr std::int64_t kReach = 16;  // number of seeds before and after a site's own that are tested
   Pacer pacer(execution);
   for (std::size_t k = 0; k < points.size(); ++k) {
     pacer.step(2 * kReach);
@@ -52,7 +54,7 @@ void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t ce
   }
 }
 
-/// About the sites of a hit that found no place near it.
+/// Adds a remark about sites of a hit that did not fit near it.
 void add_remark(std::size_t hit, std::size_t missing, std::size_t asked, double radius, Remarks& remarks) {
   const std::string where = " in the solid within " + short_number(radius) + " m of it";
   if (missing == asked)
@@ -73,25 +75,25 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     const LocalImpact& hit = hits[k];
     SiteParameters near = parameters;
     near.sites = hit.sites;
-    // Not the pattern's own sequence, nor that of another hit.
+    // Uses a sequence that differs from the pattern's and from that of every other hit.
     near.seed = (parameters.seed ^ 0x696d70616374ull) + k * kGoldenGamma;
     near.pattern = ImpactPattern{.impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1};
     near.lloyd = 0;
-    near.aggregation.cells = cells_per_fragment(parameters);  // with the pattern at hand
+    near.aggregation.cells = cells_per_fragment(parameters);  // from the original pattern
     near.density_from.clear();
-    // As the pattern sees it. But slices have a map that makes a grid of them.
+    // Hits use the pattern's map, except with slices, whose map would make a grid of the hits' sites.
     const bool as_seen = !std::holds_alternative<SlicePattern>(parameters.pattern);
     Expected<SitePlan> further = as_seen ? plan_sites(SeenSolid(solid, plan.map, execution), near, execution)
                                          : plan_sites(solid, near, execution);
     if (!further) return tl::unexpected(further.error());
-    // What found no place near the point was placed elsewhere: no part of a hit.
+    // Sites that did not fit near the point were placed elsewhere and are not part of the hit.
     const std::size_t asked = further->points.size();
     const double reach = hit.radius + kRounding * (hit.radius + solid.box.longest_side());
     std::erase_if(further->points, [&](const Vec3d& p) {
       const Vec3d center = further->map ? further->map.at(p).image(hit.point) : hit.point;
       return length(p - center) > reach;
     });
-    // Oblique slices have a map of their own, which hits do not.
+    // Oblique slices have a map of their own that hits do not use.
     if (further->map != plan.map) {
       for (Vec3d& p : further->points) {
         const Vec3d place = further->map ? further->map.at(p).place(p) : p;

@@ -6,6 +6,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
+#include "common/physics/hull_trim.hpp"
 #include "common/physics/principal_axes.hpp"
 
 namespace fracture {
@@ -220,16 +221,32 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
         "dual=barycenter: each cell is a separate fragment, even if the pattern keeps it together with other cells.");
 }
 
+/// `physics=none` with hulls for Unreal is like `physics=omi`: neither has filters.
+void report_rest(const RestFigures& rest, Remarks& remarks) {
+  if (rest.left > 0)
+    remarks.warn(
+        "The hulls of " + counted(rest.left, "pair", "pairs") + " of fragments overlap, the deepest by " +
+        short_number(rest.deepest) +
+        " m, and the file's format has no collision filters, so engines push these fragments apart when "
+        "they start. Use physics=khr, or turn collisions between them off in the engine.");
+  if (rest.least_share < kLeastShareAtContacts)
+    remarks.note(
+        "Some collision hulls keep only " + short_number(100 * rest.least_share) +
+        " % of their volume or a little more, because more pairs of fragments overlap than 32 collision systems can "
+        "exclude. Ask for fewer fragments, or join overlapping parts in a modelling tool.");
+}
+
 }  // namespace
 
 Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
                    const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,
-                   const FragmentSet& set, const Execution& execution) {
+                   const std::optional<Rest>& rest, const FragmentSet& set, const Execution& execution) {
   Report report;
   report_sites(solid, sites, set, report);
   report_size(parameters, sites.split, cut.whole ? *cut.whole : sizes_of(set, execution), set, report);
   report_structure(parameters, cut.kept, anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);
+  if (rest) report_rest(rest->figures, report.remarks);
   if (parameters.hulls == Hulls::kConvex) report.hulls = cut.whole ? cut.whole->hulls : hulls;
   if (parameters.dual == Dual::kBarycenter) report_barycenter(parameters, cut, report);
   return report;

@@ -9,10 +9,10 @@ namespace fracture {
 
 /// The report but for what the pipeline does not know (Report::frame, passed_through). `cut`: its figures, its set may be gone.
 /// `anchored`: how many fragments are; empty where nobody asked, or the set is only a part of the answer. `hulls`: of the
-/// fragments of the set. Throws Interrupted.
+/// fragments of the set. `rest`: of all fragments. Throws Interrupted.
 Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
                    const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,
-                   const FragmentSet& set, const Execution& execution);
+                   const std::optional<Rest>& rest, const FragmentSet& set, const Execution& execution);
 
 /// The warning if no fragment touches an anchor.
 inline constexpr const char* kNothingAnchored =

@@ -4,7 +4,7 @@
 
 namespace fracture {
 
-/// As everything else that an answer says: the shortest that reads back as the same double.
+/// Shortest decimal text that reads back as the same double, as everywhere in a result.
 std::string text_of(double value);
 
 }  // namespace fracture

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kLeastShare = 0.1;
 
-/// Per part, or empty if no parts overlap.
+/// Returns each part's share of its density; empty if no parts overlap.
 std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
   if (!solid.contacts) return {};
-  std::vector<double> common;  // m³, half of what each part has in common with others
+  std::vector<double> common;  // m³, half of the volume that each part shares with others
   for (const Contact& c : solid.contacts->contacts) {
     pacer.step();
     if (!(c.volume > 0)) continue;

@@ -26,7 +26,8 @@ std::vector<std::uint32_t> groups_of_parts(const Solid& solid, Pacer& pacer) {
   return group;
 }
 
-/// The fields of a fragment that find_contact_bonds() reads. It reads surfaces only if a cell has several pieces of the part.
+/// Fills the fields of a fragment that find_contact_bonds() reads. It reads surfaces only if a cell has
+/// several pieces of the part.
 Fragment outline_of(const RestrictedDiagram& d, const Ownership& ownership, const Piece& piece,
                     bool with_surface, const Execution& execution) {
   Fragment f;
@@ -70,7 +71,7 @@ std::vector<Fragment> outlines(const RestrictedDiagram& d, const Ownership& owne
   return made;
 }
 
-/// Finds pieces in one cell that overlap although no contact surface is in both.
+/// Finds pieces in one cell that overlap but share no contact surface.
 class OverlapsInCells {
  public:
   OverlapsInCells(const RestrictedDiagram& d, const Pieces& pieces, const Execution& execution)
@@ -85,7 +86,7 @@ class OverlapsInCells {
       if (c.kind == ContactKind::kOverlapping) others_[count[c.a]++] = c.b;
   }
 
-  /// Adds each pair that is not in `contacts`, which are ascending.
+  /// Adds each pair that is not in `contacts`, which must be ascending.
   void add_to(std::vector<PieceContact>& contacts) {
     std::vector<PieceContact> more;
     for (std::uint32_t begin = 0, end = 0; begin < pieces_.size(); begin = end) {
@@ -98,7 +99,7 @@ class OverlapsInCells {
   }
 
  private:
-  /// A piece and those of higher parts in its cell.
+  /// Compares a piece with those of higher parts in its cell.
   void examine(std::uint32_t p, std::uint32_t end, const std::vector<PieceContact>& contacts,
                std::vector<PieceContact>& more) {
     const std::uint32_t part = pieces_[p].part;
@@ -127,7 +128,7 @@ class OverlapsInCells {
     }
     return is_inside(p, q) || is_inside(q, p);
   }
-  /// Ascending.
+  /// Returns the Voronoi vertices of a piece, ascending.
   std::vector<TetId> voronoi_vertices(const Piece& piece) {
     const CutVertexId first = d_.cuts.first_d();
     std::vector<TetId> tets;

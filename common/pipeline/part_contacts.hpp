@@ -1,4 +1,4 @@
-// Which pieces of different parts touch: these may become one fragment (parts=together).
+// Finds pieces of different parts that touch. They may become one fragment (parts=together).
 #pragma once
 
 #include <optional>
@@ -9,12 +9,13 @@
 
 namespace fracture {
 
-/// Whether parts are fractured together, and any contact between them has an area.
+/// Whether parts are fractured together and any contact between them has an area.
 bool joins_parts(const Solid& solid, const FractureParameters& parameters);
 
-/// The contacts of pieces across parts, and the groups of parts that hold together. Empty unless joins_parts(). Two pieces in
-/// one cell whose parts overlap are in contact even if no contact surface is in both: if they share a Voronoi vertex, or
-/// if one is inside the other. `flat`: with flat cuts. Near-linear, as find_contact_bonds(). Throws Interrupted.
+/// Returns the contacts of pieces across parts, and the groups of parts that hold together. Returns nothing
+/// unless joins_parts(). Two pieces in one cell whose parts overlap are in contact even if they share no
+/// contact surface, provided that they share a Voronoi vertex or one is inside the other. `flat`: the
+/// diagram with flat cuts. Near-linear, like find_contact_bonds(). Throws Interrupted.
 std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, const Ownership& ownership,
                                                const Pieces& pieces, const FractureParameters& parameters,
                                                const Execution& execution);

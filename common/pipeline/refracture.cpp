@@ -45,6 +45,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   parts.most_sites = parameters.most_sites;
   parts.seed = wanted.seed;
   parts.hulls = parameters.hulls;
+  parts.filters = parameters.filters;
   parts.pivot = parameters.pivot;
   parts.roughness = parameters.roughness;
   parts.aggregation.cells = cells_per_fragment(parameters);

@@ -12,7 +12,8 @@
 namespace fracture {
 namespace {
 
-/// The cells of these fragments are restrained; at the second time those of the first one go flat.
+/// Restrains the cells of these fragments. From the second time on, they and all cells restrained before
+/// become flat.
 void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragments, std::uint32_t sites,
               Restraints& restraints) {
   const bool first = restraints.empty();

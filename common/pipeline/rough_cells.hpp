@@ -1,6 +1,6 @@
-// Fragments with rough cuts, and the net under them: where the answer does not prove itself (soundness.hpp),
-// the cells concerned are cut again with less roughness, then flat. Which cells those are is a function of
-// what is there, so that a hit elsewhere does not change it.
+// Fragments with rough cuts, and a fallback. If the result does not pass its proof (soundness.hpp), the
+// cells concerned are cut again with less roughness, and then flat. The choice of these cells depends only
+// on local geometry, so a hit elsewhere does not change it.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,15 @@
 
 namespace fracture {
 
-/// How often cells are restrained before all cuts are made flat.
+/// How many times cells are restrained before all cuts are made flat.
 inline constexpr int kMostRestraints = 3;
 
 /// Roughens the caps of `restricted`, which are flat, and makes the fragments. Fills `rough` and `set` of
-/// `cut`. With an amplitude of 0 the caps stay flat. `limits`: limits_in_force(). `judged` says what holds of the
-/// fragments: judge(). `trace`: roughen(). `before`: what is united whatever its size. Where there are no hits, pieces
-/// are united by their size with flat cuts, too, and these are the `unions` of `cut`; then by that with rough ones: the
-/// `late` ones. Throws Interrupted.
+/// `cut`, among others. If the amplitude is 0, the caps stay flat. `limits`: limits_in_force(). `before`:
+/// unions to repeat, whatever the size of the pieces. `judged`: checks the fragments; see judge(). `trace`:
+/// see roughen(). Without hits, pieces are first united by their size with flat cuts, which gives the
+/// `unions` of `cut`, and then by their size with rough cuts, which gives its `late` unions. Throws
+/// Interrupted.
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
                           SizeLimits limits, const Ownership& ownership, std::vector<Union> before,
                           const std::function<Verdict(const FragmentSet&)>& judged,

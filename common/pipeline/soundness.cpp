@@ -89,6 +89,16 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
   return verdict;
 }
 
+Verdict judge_rest(const Rest& rest, HullFilters filters) {
+  Verdict verdict;
+  const RestFigures& f = rest.figures;
+  if (filters == HullFilters::kNone || (f.left == 0 && f.deepest <= f.tolerance)) return verdict;
+  verdict.violations.push_back(std::to_string(f.left) +
+                               " pairs of bodies that may collide overlap, the deepest by " +
+                               text_of(f.deepest) + " m, more than " + text_of(f.tolerance));
+  return verdict;
+}
+
 Error unsound(const Verdict& verdict, const Certificate& certificate) {
   std::string detail = "The answer failed its check and is not returned: ";
   constexpr std::size_t kMost = 5;

@@ -7,6 +7,7 @@
 //       volumes in the file add up                                  to (h + 2^-24 size) x exterior area
 //       no fragment has a negative volume                           beyond that bound for its own area
 //   I3  the solid's surface is covered once                         areas add up to (h + 2^-24 size) x edges
+//       bodies that may collide do not overlap at spawn             but by the tolerance of physics/rest.hpp
 //
 // Caps whose loops cross are counted (Certificate::crossing_caps), not judged: invariant I5 allows them.
 #pragma once
@@ -17,6 +18,7 @@
 
 #include "common/base/error.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/physics/rest.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -38,6 +40,9 @@ struct Verdict {
 /// Looks at the certificate, and where the answer is not sound for the fragments concerned. The set must be of the
 /// solid; of a delta alone the certificate is that of the whole, and the other fragments were judged before.
 Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise);
+
+/// Without filters overlaps are stated, and no violation.
+Verdict judge_rest(const Rest& rest, HullFilters filters);
 
 /// kUnsound with the violations as the detail, and the certificate's figures in `extra`.
 Error unsound(const Verdict& verdict, const Certificate& certificate);

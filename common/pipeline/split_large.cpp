@@ -23,7 +23,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
   for (;;) {
     const Tetrahedralization& t = diagram.tetrahedralization;
     const VoronoiDiagram voronoi(t, solid.seen().box, diagram.map, execution);
-    const Allowance::Temporary temporary(execution.allowance);  // what the pass makes goes with it
+    const Allowance::Temporary temporary(execution.allowance);  // the pass's data is freed with it
     const RestrictedDiagram restricted = restrict_to_solid(solid, voronoi, execution);
     Pieces pieces =
         gather_pieces(restricted, Ownership::from_groups(t.site_count(), {}, execution), execution);
@@ -36,8 +36,8 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
                                           restricted.point(p.faces[0].v[0]), execution);
       if (!(volume > max_volume)) continue;
       ++figures.too_large;
-      // Every cell stands for itself here, so its number is the site's. A random point in three more than the
-      // volume asks for, because random parts are uneven.
+      // Every cell is its own owner here, so the owner's number is the site's. There are 30 % more points
+      // than the volume requires, because random parts are uneven.
       const double parts = std::ceil(std::min(1e6, 1.3 * volume / max_volume));
       wanted[p.owners[0]] += static_cast<std::uint32_t>(std::max(1.0, parts - 1));
     }
@@ -45,7 +45,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
     if (figures.too_large == 0 || figures.passes == kMaxSplitPasses || diagram.sites.size() >= most)
       return figures;
 
-    // Of uniform points a cell gets its share of the volume: enough of them for every part, and twice that.
+    // Each cell gets uniform points in proportion to its volume: enough for every part, with a reserve.
     ++figures.passes;
     const double share = 4 * solid.original().report.volume / max_volume;
     const auto count = static_cast<std::uint32_t>(std::clamp(share, 64.0, 2.0 * kMaxPatternSites));
@@ -54,7 +54,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
     if (!points) return tl::unexpected(points.error());
     SiteId cell{0};
     for (const Vec3d& p : *points) {
-      pacer.step(256);  // a walk
+      pacer.step(256);  // nearest() is a walk
       if (diagram.sites.size() >= most) break;
       cell = voronoi.nearest(p, cell);
       if (wanted[cell] == 0) continue;

@@ -1,4 +1,4 @@
-// Fragments that are too large get further sites: the source paper's volume filter turned round.
+// Adds sites to fragments that are too large: the source paper's volume filter, reversed.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,21 @@ namespace fracture {
 struct Diagram;
 struct FractureParameters;
 
-/// What asking for a largest volume came to.
+/// Effect of max_volume.
 struct SplitFigures {
   std::uint32_t sites_added = 0, passes = 0;
-  std::uint32_t too_large = 0;  ///< pieces above the volume when the passes or the sites ran out
+  std::uint32_t too_large = 0;  ///< pieces above the limit when the passes or the sites ran out
   bool operator==(const SplitFigures&) const = default;
 };
 
-/// How often the cells are measured and divided again.
+/// Maximum number of times that the cells are measured and divided again.
 inline constexpr std::uint32_t kMaxSplitPasses = 16;
 
-/// Adds sites to the diagram until no cell's piece of the solid is larger than the parameters' max_volume (m³, > 0), or
-/// there are most_sites of them, with those that the hits will make: in each pass every cell with a larger piece gets
-/// as many further sites as it holds that volume, from a sequence of uniform points of the solid. Deterministic in the
-/// seed. One clipping of the surface a pass. `solid` is seen through the diagram's map; the diagram must have no groups.
+/// Adds sites to the diagram until every cell's pieces of the solid are at most max_volume (m³, > 0), or
+/// until there are most_sites, including those that the hits will make. In each pass, every cell with a
+/// larger piece gets further sites, about as many as max_volume fits into the piece. The sites come from a
+/// sequence of uniform points in the solid. Deterministic in the seed. Clips the surface once per pass.
+/// `solid` is seen through the diagram's map; the diagram must have no groups.
 Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
                                    const FractureParameters& parameters, const Execution& execution);
 

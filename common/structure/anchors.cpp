@@ -14,7 +14,7 @@ namespace {
 
 using Triangle = std::array<Vec3d, 3>;
 
-/// One fragment in world space. Where it is asked about often, its triangles are in a tree.
+/// One fragment in world space. After several queries, its triangles are put in a tree.
 class Shape {
  public:
   Shape(const Fragment& f, Pacer& pacer, const Execution& execution)
@@ -31,7 +31,7 @@ class Shape {
   Pacer& pacer() const { return pacer_; }
 
   bool encloses(const Vec3d& q) {
-    // Triangles above or below the ray, or beside it by more than rounding, count nothing (ray_crossing.hpp).
+    // Triangles that miss the ray in y or z by more than rounding count nothing (ray_crossing.hpp).
     const double off = 1e-9 * box_.longest_side(), far = HUGE_VAL;
     int winding = 0;
     each_near({{-far, q.y, q.z - off}, {far, q.y, q.z + off}}, [&](const Triangle& p) {
@@ -40,7 +40,7 @@ class Shape {
     });
     return winding != 0;
   }
-  /// Whether meets(triangle) holds for one of the triangles whose boxes overlap.
+  /// Whether meets(triangle) is true for any triangle whose box overlaps the given one.
   template <class Meets>
   bool any_near(const Box& box, const Meets& meets) {
     bool found = false;
@@ -54,7 +54,7 @@ class Shape {
   Triangle triangle(std::size_t t) const {
     return {points_[indices_[3 * t]], points_[indices_[3 * t + 1]], points_[indices_[3 * t + 2]]};
   }
-  /// visit(triangle) says whether to go on.
+  /// Calls visit(triangle) for triangles near the box, until it returns false.
   template <class Visit>
   void each_near(const Box& box, const Visit& visit) {
     const std::size_t count = indices_.size() / 3;
@@ -105,7 +105,8 @@ bool is_near(const Triangle& t, const Vec3d& q, double tolerance) {
   return dot(n, cross(a, b)) >= 0 && dot(n, cross(b, c)) >= 0 && dot(n, cross(c, a)) >= 0;
 }
 
-/// Akenine-Möller 2001, "Fast 3D triangle-box overlap testing": no axis separates them.
+/// Whether a triangle and a box overlap: no axis separates them (Akenine-Möller 2001, "Fast 3D triangle-box
+/// overlap testing").
 bool overlap(const Triangle& t, const Vec3d& center, const Vec3d& half) {
   const Vec3d v[3] = {t[0] - center, t[1] - center, t[2] - center};
   const Vec3d e[3] = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};
@@ -124,7 +125,7 @@ bool overlap(const Triangle& t, const Vec3d& center, const Vec3d& half) {
   return !separates(cross(e[0], e[1]));
 }
 
-/// The anchors, and trees of what is bounded among them.
+/// The anchors, with trees of the boxes and points.
 class AnchorTrees {
  public:
   AnchorTrees(const Anchors& anchors, double tolerance, const Execution& execution)

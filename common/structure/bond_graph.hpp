@@ -1,4 +1,4 @@
-// Fragments (or clusters of them) and what holds them together, as a graph: one node each, one edge for each
+// Fragments (or clusters of them) and their bonds as a graph, with a node per fragment and an edge per
 // bond.
 #pragma once
 
@@ -15,7 +15,7 @@ class BondGraph {
  public:
   struct Node {
     double volume;  ///< m³
-    Vec3d center;   ///< of mass, m
+    Vec3d center;   ///< centre of mass, m
   };
   struct Edge {
     std::uint32_t to, bond;  ///< index of the bond
@@ -28,11 +28,11 @@ class BondGraph {
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()); }
   const Node& node(std::uint32_t n) const { return nodes_[n]; }
-  /// In the order of the bonds.
+  /// The edges of a node, in the order of the bonds.
   std::span<const Edge> edges(std::uint32_t n) const {
     return {edges_.data() + begin_[n], edges_.data() + begin_[n + 1]};
   }
-  /// Per node the lowest node that it hangs together with. Throws Interrupted.
+  /// Returns, per node, the lowest node of its connected component. Throws Interrupted.
   std::vector<std::uint32_t> components(const Execution& execution = {}) const;
 
  private:
@@ -41,9 +41,9 @@ class BondGraph {
   std::vector<Edge> edges_;
 };
 
-/// The bonds between groups of nodes: area the sum, centroid, normal and strength weighted by area, the normal
-/// from the lower group to the higher. group_of_node[n]: 0..; bonds within a group disappear. Ascending by (a, b).
-/// Throws Interrupted.
+/// Returns the bonds between groups of nodes. The area is the sum; centroid, normal and strength are means
+/// weighted by area. The normal points from the lower group to the higher. group_of_node[n]: group of node
+/// n, numbered from 0. Bonds within a group disappear. Ascending by (a, b). Throws Interrupted.
 std::vector<Bond> bonds_between(const std::vector<Bond>& bonds,
                                 const std::vector<std::uint32_t>& group_of_node,
                                 const Execution& execution = {});

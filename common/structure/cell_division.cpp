@@ -35,13 +35,14 @@ void CellDivision::near_of(const NearCells& among, const CellBox& box, SomeCells
     }
   }
   some.nearest = static_cast<std::uint32_t>(nearest);
-  // If a site is nearest to some point of the box, its distance from the middle exceeds the smallest distance by at most twice
-  // the radius, and the box reaches beyond the bisector of the two sites.
+  // If a site is nearest to some point of the box, two conditions hold. Its distance from the middle
+  // exceeds the smallest distance by at most twice the radius, and the box reaches beyond the bisector of
+  // the two sites.
   const double far = (std::sqrt(least) + 2 * length(box.half)) * (1 + 1e-9), far2 = far * far;
   const Vec3d reach = (2 * (1 + 1e-9)) * box.half, own = points[nearest];
   for (std::size_t k = 0; k < size; ++k) {
     if (squares[k] > far2) continue;
-    const double over = squares[k] - least;  // distance to the bisector, times twice that of the sites
+    const double over = squares[k] - least;  // the bisector's distance, times twice that of the sites
     const Vec3d u = points[k] - own;
     if (over <= std::fabs(u.x) * reach.x + std::fabs(u.y) * reach.y + std::fabs(u.z) * reach.z)
       some.places.push_back(static_cast<std::uint32_t>(k));
@@ -80,7 +81,8 @@ void CellDivision::near(std::uint32_t part, const CellBox& box, Scratch& scratch
   near_of(among, box, scratch, cells);
 }
 
-/// Keeps the part that is nearer to one site than to the other. In both directions, heights over the bisector have the same bits.
+/// Keeps the part of the polygon that is nearer to one site than to the other. Computed from either side,
+/// heights over the bisector have the same bits.
 bool CellDivision::cut(CellPolygon& polygon, SiteId keep, const Vec3d& keep_point, SiteId other,
                        const Vec3d& other_point) {
   const Vec3d &low = keep < other ? keep_point : other_point, &high = keep < other ? other_point : keep_point;
@@ -123,8 +125,8 @@ bool CellDivision::region(std::uint32_t place, const NearCells& near, std::span<
   std::size_t cuts = 0;
   bool is_in_order = false;
   if (tree_ && some.size() > kMany) {
-    // The sites that bound the region are at most twice as far as its farthest corner (Lévy & Bonneel 2012, "Variational
-    // anisotropic surface meshing with Voronoi parallel linear enumeration").
+    // Sites that bound the region are at most twice as far away as its farthest corner (Lévy & Bonneel
+    // 2012, "Variational anisotropic surface meshing with Voronoi parallel linear enumeration").
     const Vec3d& p = points_[site];
     const auto reach2 = [&] {
       double farthest = 0;
@@ -150,7 +152,7 @@ bool CellDivision::region(std::uint32_t place, const NearCells& near, std::span<
   }
   if (cuts == 0 || region.size() == 0) return cuts > 0;
   if (is_in_order && cuts == 1) return true;
-  std::array<SiteId, CellPolygon::kMost> bounds;  // only the sites that bound the region, in order
+  std::array<SiteId, CellPolygon::kMost> bounds;  // the sites that bound the region, in order
   auto end = bounds.begin();
   for (std::size_t k = 0; k < region.size(); ++k)
     if (region.beyond(k) != kNoSite) *end++ = region.beyond(k);

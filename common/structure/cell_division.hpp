@@ -13,7 +13,7 @@
 
 namespace fracture {
 
-/// In the image under the map of cells. Copying copies only the corners in use.
+/// A polygon in the image under the cells' map. Copying copies only the corners in use.
 class CellPolygon {
  public:
   static constexpr std::size_t kMost = 32;  ///< maximum number of corners; further corners are left out
@@ -27,7 +27,7 @@ class CellPolygon {
   }
   std::size_t size() const { return size_; }
   Vec3d corner(std::size_t k) const { return {corners_[k].x, corners_[k].y, corners_[k].z}; }
-  /// The cell beyond the edge from corner k to the next; kNoSite if there is none.
+  /// Returns the cell beyond the edge from corner k to the next; kNoSite if there is none.
   SiteId beyond(std::size_t k) const { return corners_[k].beyond; }
   void push(const Vec3d& p, SiteId beyond) {
     if (size_ < kMost) corners_[size_++] = {p.x, p.y, p.z, beyond};
@@ -43,12 +43,12 @@ class CellPolygon {
   std::size_t size_ = 0;
 };
 
-/// In the image: the points at most `half` away from the center along each axis.
+/// A box in the image: all points at most `half` away from the centre along each axis.
 struct CellBox {
   Vec3d center, half;
 };
 
-/// Cells of a part that may contain some of a region.
+/// Cells of a part that may contain a part of a region.
 struct NearCells {
   std::vector<std::uint32_t> cells;  ///< ascending
   std::vector<SiteId> sites;         ///< per cell
@@ -68,30 +68,31 @@ struct NearCells {
 /// A subset of NearCells.
 struct SomeCells {
   std::vector<std::uint32_t> places;  ///< in NearCells, ascending
-  std::uint32_t nearest = 0;          ///< place of the cell whose site is nearest to the middle of the region
+  std::uint32_t nearest = 0;          ///< place of the cell whose site is nearest to the region's middle
 };
 
-/// Borrows the table and the points.
+/// Divides polygons. Borrows the table and the points.
 class CellDivision {
  public:
-  /// `points`: the image of each site. `has_many`: a part has many cells, so a tree of the points is made.
+  /// `points`: the image of each site. `has_many`: whether a part has many cells, so that a tree of the
+  /// points is built.
   CellDivision(const FragmentsOfCells& table, std::span<const Vec3d> points, bool has_many);
   static constexpr std::uint32_t kMany = 64;
 
-  /// Memory that is reused.
+  /// Working memory for reuse.
   struct Scratch {
     NearCells among{};
     SomeCells some{};
   };
-  /// The part's cells that may contain some point of the box. At least one if the part has any.
+  /// Finds the part's cells that may contain a point of the box; at least one if the part has any.
   void near(std::uint32_t part, const CellBox& box, Scratch& scratch, NearCells& cells) const;
-  /// The cells in `among` that may contain some point of the box.
+  /// Finds the cells in `among` that may contain a point of the box.
   static void near_of(const NearCells& among, const CellBox& box, SomeCells& some);
   static void near_of(const NearCells& among, const CellBox& box, Scratch& scratch, NearCells& cells);
 
-  /// The region of a polygon in the cell at `place` in `near`. `some` lists the places of all cells that may contain some of
-  /// the polygon, with this one. The region's bits depend only on the cells that bound it. Returns whether it is smaller
-  /// than the polygon; it may be empty.
+  /// Computes the part of a polygon in the cell at `place` in `near`. `some`: places of all cells that may
+  /// contain a part of the polygon, including this one. The region's bits depend only on the cells that
+  /// bound it. Returns whether the region is smaller than the polygon; it may be empty.
   bool region(std::uint32_t place, const NearCells& near, std::span<const std::uint32_t> some,
               const CellPolygon& whole, CellPolygon& region) const;
 

@@ -11,12 +11,12 @@
 namespace fracture {
 namespace {
 
-constexpr int kPasses = 6;  // of moving the centres; the regions hardly change after four
+constexpr int kPasses = 6;  // passes that move the centres; the regions hardly change after four
 
 double distance2(const Vec3d& a, const Vec3d& b) { return dot(a - b, a - b); }
 
-/// Recursive coordinate bisection of some nodes into `count` parts of about the same volume, numbered from
-/// `first` on. At least `count` nodes.
+/// Divides at least `count` nodes by recursive coordinate bisection into `count` parts of about the same
+/// volume, numbered from `first`.
 void bisect(const std::vector<BondGraph::Node>& nodes, std::uint32_t* begin, std::uint32_t* end,
             std::uint32_t first, std::uint32_t count, std::vector<std::uint32_t>& part_of_node,
             const Execution& execution) {
@@ -44,7 +44,7 @@ void bisect(const std::vector<BondGraph::Node>& nodes, std::uint32_t* begin, std
   std::uint32_t* middle = begin;
   for (double below = 0; middle != end; ++middle) {
     const double next = below + nodes[*middle].volume;
-    if (next - wanted > wanted - below) break;  // one more is farther from what is wanted
+    if (next - wanted > wanted - below) break;  // one more would be farther from the wanted volume
     below = next;
   }
   middle = std::clamp(middle, begin + low, end - high);
@@ -52,8 +52,8 @@ void bisect(const std::vector<BondGraph::Node>& nodes, std::uint32_t* begin, std
   bisect(nodes, middle, end, first + low, high, part_of_node, execution);
 }
 
-/// How many clusters each component gets: one each, the others one by one where the volume of a cluster is
-/// largest.
+/// Returns the number of clusters for each component: one each, and the others one by one where the volume
+/// per cluster is largest.
 std::vector<std::uint32_t> shares(const std::vector<double>& volume, const std::vector<std::uint32_t>& nodes,
                                   std::uint32_t count, Pacer& pacer) {
   struct Claim {
@@ -79,7 +79,7 @@ std::vector<std::uint32_t> shares(const std::vector<double>& volume, const std::
   return share;
 }
 
-/// The centroid of each cluster.
+/// Returns the centroid of each cluster.
 std::vector<Vec3d> centers_of(const BondGraph& graph, const std::vector<std::uint32_t>& cluster,
                               std::uint32_t count, Pacer& pacer) {
   std::vector<Vec3d> moment(count);
@@ -94,9 +94,9 @@ std::vector<Vec3d> centers_of(const BondGraph& graph, const std::vector<std::uin
   return moment;
 }
 
-/// How strongly the nodes that are not taken yet are bound to a cluster: the area of the bonds that lead
-/// there. Of a node with few bonds it is summed whenever it is asked for; of one with many it is kept,
-/// because each of its neighbours asks.
+/// Total area of the bonds between a node that is not taken yet and a cluster. For a node with few bonds,
+/// the area is summed on each query. For a node with many bonds it is stored, because each of its
+/// neighbours queries it.
 class Bound {
  public:
   explicit Bound(const BondGraph& graph) : graph_(graph) {}
@@ -120,8 +120,8 @@ class Bound {
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> of_many_;  // node, cluster
 };
 
-/// The regions that grow from the node nearest to each centre over the bonds until all are taken. `area`: per
-/// node, of all its bonds.
+/// Grows regions over the bonds, each from the node nearest to its centre, until all nodes are taken.
+/// `area`: per node, the area of all its bonds.
 std::vector<std::uint32_t> grow(const BondGraph& graph, const std::vector<double>& area,
                                 const std::vector<std::uint32_t>& cluster, const std::vector<Vec3d>& centers,
                                 Pacer& pacer) {
@@ -137,7 +137,7 @@ std::vector<std::uint32_t> grow(const BondGraph& graph, const std::vector<double
   struct Offer {
     double cost;
     std::uint32_t cluster, node;
-    bool operator<(const Offer& o) const {  // the cheapest on top
+    bool operator<(const Offer& o) const {  // the cheapest offer is on top
       if (cost != o.cost) return cost > o.cost;
       return cluster != o.cluster ? cluster > o.cluster : node > o.node;
     }
@@ -156,7 +156,7 @@ std::vector<std::uint32_t> grow(const BondGraph& graph, const std::vector<double
     for (const BondGraph::Edge& e : graph.edges(offer.node)) {
       if (grown[e.to] != kNoIndex) continue;
       pacer.step(8 + std::min(graph.edges(e.to).size(), Bound::kManyBonds));
-      // A node bound to the cluster by all of its area seems half as far.
+      // A node that is bound to the cluster by all of its area seems half as far.
       const double share = area[e.to] > 0 ? bound.of(e.to, offer.cluster, grown) / area[e.to] : 0;
       offers.push({distance2(graph.node(e.to).center, centers[offer.cluster]) * (1 - 0.75 * share),
                    offer.cluster, e.to});
@@ -187,7 +187,7 @@ std::vector<std::uint32_t> find_clusters(const BondGraph& graph, std::uint32_t c
   std::iota(cluster.begin(), cluster.end(), 0u);
   if (count >= n) return cluster;
 
-  // The components, numbered, with their nodes.
+  // The numbered components with their nodes.
   const std::vector<std::uint32_t> lowest = graph.components(execution);
   const std::vector<std::uint32_t> component = numbered_by_lowest(lowest, n);
   const std::uint32_t components = 1 + *std::max_element(component.begin(), component.end());
@@ -218,7 +218,7 @@ std::vector<std::uint32_t> find_clusters(const BondGraph& graph, std::uint32_t c
   for (std::uint32_t c = 0; c < components; first += share[c++])
     bisect(nodes, nodes_of[c].data(), nodes_of[c].data() + nodes_of[c].size(), first, share[c], cluster,
            execution);
-  // The parts of the bisection may hang together by nothing: only regions grown over bonds are kept.
+  // The parts of the bisection need not be connected, so only regions grown over bonds are kept.
   std::vector<double> area(n, 0);
   for (std::uint32_t v = 0; v < n; ++v) {
     pacer.step(1 + graph.edges(v).size());

@@ -12,15 +12,15 @@
 namespace fracture {
 namespace {
 
-/// If a sum of normals is a smaller share of the area, it is noise.
+/// A sum of normals that is a smaller share of the area is noise.
 constexpr double kCancelled = 1e-9;
 
 bool is_before(const Bond& x, const Bond& y) {
   return std::tie(x.a, x.b, x.across_parts) < std::tie(y.a, y.b, y.across_parts);
 }
 
-/// Adds up the bonds of two fragments that several pairs of parts have in contact. The bonds are in the order of their
-/// contacts; the sums are ascending.
+/// Adds up the bonds of each two fragments that are in contact through several pairs of parts. `bonds` are
+/// in the order of their contacts; the result is ascending.
 std::vector<Bond> one_for_each_pair(std::vector<Bond> bonds, const Execution& execution) {
   std::vector<std::uint32_t> order(bonds.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -69,7 +69,7 @@ bool parts_hold_together(const Solid& solid) {
 std::vector<Bond> find_contact_bonds(const ContactBonds& with, std::span<const Fragment* const> fragments,
                                      std::span<const char> wanted, const Execution& execution) {
   if (!(with.strength > 0) || !parts_hold_together(with.solid)) return {};
-  const Allowance::Temporary temporary(execution.allowance);  // everything except the bonds
+  const Allowance::Temporary temporary(execution.allowance);  // frees everything except the bonds
   const ContactGraph& graph = *with.solid.contacts;
   const FragmentsOfCells table(with.solid, fragments, execution);
   bool has_many = false;

@@ -7,11 +7,11 @@
 namespace fracture {
 namespace {
 
-/// Each of two surfaces is off by less than one step of the lattice.
+/// Each of the two surfaces is off by less than one step of the lattice.
 constexpr double kRoundingInSteps = 2;
-/// So many successive pieces, which are near each other, are first examined together.
+/// Number of successive pieces, near each other, that are first examined together.
 constexpr std::size_t kBlock = 8;
-/// If a sum of normals is a smaller share of the area, it is noise.
+/// A sum of normals that is a smaller share of the area is noise.
 constexpr double kCancelled = 1e-9;
 
 Vec3d turned(const Vec3d& v) { return {v.x == 0 ? 0 : -v.x, v.y == 0 ? 0 : -v.y, v.z == 0 ? 0 : -v.z}; }
@@ -58,7 +58,8 @@ bool ContactSharer::any_wanted(std::span<const std::uint32_t> cells) const {
   });
 }
 
-/// If both parts have the same cells, the other part's cells are those of the same sites.
+/// Whether a fragment at the block is wanted. If both parts have the same cells, the other part's cells are
+/// those of the same sites.
 bool ContactSharer::any_wanted_in_block() const {
   if (any_wanted(own_.block.cells)) return true;
   if (!is_one_place_) return any_wanted(other_.block.cells);
@@ -68,7 +69,7 @@ bool ContactSharer::any_wanted_in_block() const {
   });
 }
 
-/// The bond of two parts that are one fragment each, if their contact is measured by facing.
+/// Adds the bond of two parts that are one fragment each, if their contact is measured by facing.
 void ContactSharer::add_whole(const Contact& contact, std::vector<Bond>& bonds) const {
   const std::uint32_t a = table_.only(contact.a), b = table_.only(contact.b);
   if (a == b || (!is_wanted(a) && !is_wanted(b))) return;
@@ -145,7 +146,7 @@ void ContactSharer::share(std::uint32_t number, std::vector<Bond>& bonds) {
   }
   for (const Sum& sum : sums_) {
     pacer_.step();
-    if (sum.own == sum.other || !(sum.area > sum.noise)) continue;  // one fragment, or rims of cuts
+    if (sum.own == sum.other || !(sum.area > sum.noise)) continue;  // one fragment, or only rims of cuts
     if (!is_wanted(sum.own) && !is_wanted(sum.other)) continue;
     const double l = length(sum.normal);
     Vec3d from_own = (1 / l) * sum.normal;
@@ -195,7 +196,7 @@ void ContactSharer::divide_other(const Placed& piece, std::uint32_t own, const C
                                  bool is_cut) {
   if (is_one_place_) {
     const std::uint32_t same = table_.find(other_.part, table_.site(own));
-    if (same == kNoIndex) return;  // only because of rounding
+    if (same == kNoIndex) return;  // possible only because of rounding
     return is_cut ? add_cut(piece, own, same, polygon, own_) : add(piece, own, same, piece.whole, false);
   }
   if (other_.here.places.size() == 1) {

@@ -12,10 +12,12 @@
 
 namespace fracture {
 
-/// Divides the pieces of contacts among the cells of their parts. Each thread needs its own; borrows all.
+/// Divides the pieces of contacts among the cells of their parts. Each thread needs its own object. Borrows
+/// all.
 class ContactSharer {
  public:
-  /// `wanted`: per fragment. `wanted_parts`: per part, whether any of its fragments is wanted. Both may be empty.
+  /// `wanted`: per fragment. `wanted_parts`: per part, whether any of its fragments is wanted. Both may be
+  /// empty: all are wanted.
   ContactSharer(const ContactBonds& with, const FragmentsOfCells& table, const CellDivision& division,
                 std::span<const Fragment* const> fragments, std::span<const char> wanted,
                 std::span<const char> wanted_parts, const Execution& execution);
@@ -30,11 +32,11 @@ class ContactSharer {
     const CellMap::Frame* frame = nullptr;  ///< null: the identity
     NearCells near{};                       ///< cells at the contact
     NearCells block{};                      ///< cells at a block of successive pieces
-    SomeCells here{};                       ///< those in `block` at the piece
+    SomeCells here{};                       ///< cells in `block` at the current piece
   };
-  /// The share of two fragments in the contact.
+  /// Two fragments' share of the contact.
   struct Sum {
-    std::uint32_t own, other;  ///< fragments of the measured part and of the other one
+    std::uint32_t own, other;  ///< fragment of the measured part, and of the other part
     double area = 0;           ///< m²
     double noise = 0;          ///< m²: the area that rounding may cause
     Vec3d moment{}, normal{};
@@ -42,7 +44,7 @@ class ContactSharer {
   /// A flat region of the surface.
   struct Region {
     double area = 0;   ///< m²
-    double reach = 0;  ///< m: the largest distance of a corner from the first
+    double reach = 0;  ///< m: largest distance of a corner from the first one
     Vec3d middle;
   };
   /// A piece with derived values.

@@ -11,8 +11,8 @@
 namespace fracture {
 namespace {
 
-/// A function of which fragments they are and of the level: a cluster of one fragment, or of one cluster, is
-/// not the same thing as that.
+/// Returns an id that depends on the fragments and the level. So a cluster that contains only one fragment
+/// or one cluster has a different id from that.
 std::uint64_t cluster_id(std::vector<std::uint64_t> fragments, std::size_t level,
                          const Execution& execution) {
   sort_with_polls(execution, fragments.begin(), fragments.end());
@@ -66,7 +66,7 @@ Hierarchy make_hierarchy(const FragmentSet& set, const std::vector<std::uint32_t
       made.fragments = static_cast<std::uint32_t>(of_cluster[c].size());
       if (made.volume > 0) made.center_of_mass = (1 / made.volume) * moment[c];
       std::vector<std::uint64_t> ids;
-      double less = 0;  // m³, that overlaps take
+      double less = 0;  // m³ of overlaps, which do not count
       for (const std::uint32_t f : of_cluster[c]) {
         const Fragment& fragment = set.fragments[f];
         ids.push_back(fragment.id);

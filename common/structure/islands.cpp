@@ -19,7 +19,7 @@ Vec3f placed(const Fragment& f, std::uint32_t vertex) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-/// The fields that PartSurfaces reads, with one part for each island.
+/// Makes a solid with the fields that PartSurfaces reads, with one part for each island.
 Solid solid_of(std::span<const Fragment* const> fragments, std::span<const std::uint32_t> islands,
                const Execution& execution) {
   Solid solid;
@@ -74,7 +74,7 @@ Islands::OfCell& Islands::islands_of(std::uint32_t cell, std::span<const std::ui
   return of_cell;
 }
 
-/// Searches in growing boxes; returns the first island if all are far away.
+/// Finds the nearest island by searching in growing boxes. Returns the first island if all are far away.
 std::size_t Islands::nearest(const Surfaces& surfaces, const Vec3d& place) {
   for (double reach = 4 * rounding_; reach <= surfaces.size; reach *= 8) {
     std::size_t nearest = 0;

@@ -1,4 +1,4 @@
-// Finds which of several fragments of one part and cell contains a place.
+// Finds which of several fragments of one part and cell contains a point.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,16 @@
 
 namespace fracture {
 
-/// Makes the surfaces of fragments on first use. Borrows all.
+/// Searches surfaces of fragments, which are made on first use. Borrows all.
 class Islands {
  public:
-  /// `rounding`: m, how far rounding for output has moved surfaces.
+  /// `rounding`: m, the distance by which rounding for output has moved surfaces.
   Islands(std::span<const Fragment* const> fragments, double rounding, const Execution& execution);
   ~Islands();
 
-  /// Returns one of `islands`, the fragments in a cell, which must be the same at each call with this cell. `is_on`: the place
-  /// is on the surface of one of them, otherwise inside one. Throws Interrupted.
+  /// Returns the fragment that contains the point. `islands`: the fragments in a cell, which must be the
+  /// same in each call with this cell. `is_on`: whether the point is on a fragment's surface; otherwise it
+  /// is inside one. Throws Interrupted.
   std::uint32_t pick(std::uint32_t cell, std::span<const std::uint32_t> islands, const Vec3d& place,
                      bool is_on);
 

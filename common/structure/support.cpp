@@ -12,10 +12,11 @@ namespace fracture {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
-/// Shear modulus over Young's modulus, for a Poisson number of 1/4 (rock, concrete, glass: 0.2 to 0.25).
+/// Shear modulus divided by Young's modulus, for a Poisson's ratio of 1/4 (rock, concrete, glass: 0.2 to
+/// 0.25).
 constexpr double kShearModulus = 0.4;
 constexpr double kTolerance = 1e-9;
-/// Bounds the work: bonds visited in all iterations together. 2 s.
+/// Maximum number of bonds visited in all iterations together, which limits the time to about 2 s.
 constexpr double kMaxVisits = 2e8;
 
 struct Six {  ///< displacement and rotation, or force and moment
@@ -27,7 +28,7 @@ double dot(const Six& a, const Six& b) {
   return fracture::dot(a.linear, b.linear) + fracture::dot(a.angular, b.angular);
 }
 
-/// A bond as a beam between two rigid fragments, in lengths divided by the size of the whole.
+/// A bond as a beam between two rigid fragments. Lengths are divided by the size of the whole.
 struct Beam {
   std::uint32_t a, b, bond;
   Vec3d arm_a, arm_b, normal;            ///< from the centres of mass to the cap's centroid
@@ -37,7 +38,7 @@ struct Beam {
     return {xb.linear + cross(xb.angular, arm_b) - xa.linear - cross(xa.angular, arm_a),
             xb.angular - xa.angular};
   }
-  /// What the beam pulls a with (and b with the opposite), at the centroid.
+  /// Force and moment with which the beam pulls a (and b with the opposite), at the centroid.
   Six pull(const Six& stretched) const {
     const double n = fracture::dot(stretched.linear, normal), m = fracture::dot(stretched.angular, normal);
     return {across * stretched.linear + ((along - across) * n) * normal,
@@ -47,7 +48,7 @@ struct Beam {
 
 using Block = std::array<std::array<double, 6>, 6>;
 
-/// Cholesky factor of a positive definite block, in place (lower triangle).
+/// Replaces a positive definite block by its Cholesky factor (lower triangle).
 void factorize(Block& m) {
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j <= i; ++j) {
@@ -70,7 +71,7 @@ Six solve(const Block& l, const Six& r) {
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
 }
 
-/// The elastic network of what stands.
+/// The elastic network of the fragments that stand.
 class Network {
  public:
   /// Throws Interrupted, as does solve_for().
@@ -99,14 +100,14 @@ class Network {
     }
   }
 
-  /// Solves the balance of the loads and the beams' pulls; returns the residual relative to the loads.
+  /// Solves the balance between the loads and the beams' pulls. Returns the residual relative to the loads.
   double solve_for(const std::vector<Six>& load, std::vector<Six>& x) const {
     const std::size_t n = load.size();
     x.assign(n, {});
     std::vector<Six> r = load, z(n), p(n), q(n);
     const auto precondition = [&] {
       for (std::size_t i = 0; i < n; ++i) {
-        pacer_.step(4);  // for the sums and steps below as well
+        pacer_.step(4);  // includes the sums and steps below
         z[i] = fixed_[i] ? Six{} : solve(inverse_[i], r[i]);
       }
     };
@@ -144,7 +145,7 @@ class Network {
   }
 
  private:
-  /// A force and moment at the centroid, as seen from a's (b's) centre of mass.
+  /// Converts a force and moment at the centroid to a's (b's) centre of mass.
   static Six at_a(const Beam& beam, const Six& pull) {
     return {pull.linear, pull.angular + cross(beam.arm_a, pull.linear)};
   }
@@ -156,7 +157,7 @@ class Network {
     for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
     return sum;
   }
-  /// The stiffness times x, where the fixed ones do not move.
+  /// Multiplies x by the stiffness; fixed fragments do not move.
   void apply(const std::vector<Six>& x, std::vector<Six>& out) const {
     std::fill(out.begin(), out.end(), Six{});
     for (const Beam& beam : beams_) {
@@ -200,7 +201,7 @@ Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchore
   out.asked = options;
   out.loads.resize(set.bonds.size());
 
-  std::unordered_map<std::uint64_t, std::uint32_t> index_of;  // only asked
+  std::unordered_map<std::uint64_t, std::uint32_t> index_of;  // only queried
   index_of.reserve(n);
   for (std::uint32_t f = 0; f < n; ++f) {
     pacer.step(4);
@@ -217,8 +218,8 @@ Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchore
   }
   clear_nodes(pacer, index_of);
 
-  // What hangs together, and which of it is held.
-  std::vector<Bond> bonds;  // that are left
+  // Connected components, and which of them are held.
+  std::vector<Bond> bonds;  // remaining bonds
   std::vector<std::uint32_t> bond_of;
   for (std::uint32_t k = 0; k < set.bonds.size(); ++k) {
     pacer.step(2);

@@ -1,14 +1,14 @@
-// What stands and what falls. Fragments hang together by bonds; the anchored ones are held from outside. A
-// fragment falls when no chain of unbroken bonds leads from it to an anchored one.
+// Analyzes which fragments stand and which fall. Fragments hold together by bonds, and anchored fragments
+// are held from outside. A fragment falls if no chain of unbroken bonds connects it to an anchored one.
 //
-// How much each bond carries: the fragments are rigid, each bond is a short elastic beam at its cap's
-// centroid (Euler & Bernoulli; section = a disc of the bond's area, length = the distance of the centres of
-// mass), the anchored fragments do not move, and gravity pulls at the centres of mass. The balance of forces
-// and moments is solved by conjugate gradients (Hestenes & Stiefel 1952) with the 6 x 6 diagonal blocks as
-// preconditioner, in loops of our own: the figures are part of answers whose bits every compiler must give,
-// and the kernels of linear algebra libraries do not. Where the structure leaves one way for a load (a tower,
-// a cantilever, any tree of bonds) forces and moments are those of statics, whatever the stiffness; elsewhere
-// they are shared by stiffness: an estimate.
+// The load on each bond is computed from a model of rigid fragments. Each bond is a short elastic beam at
+// its cap's centroid (Euler & Bernoulli; section: a disc of the bond's area; length: the distance of the
+// centres of mass). The anchored fragments do not move, and gravity pulls at the centres of mass. Conjugate
+// gradients (Hestenes & Stiefel 1952) solve the balance of forces and moments, with the 6 x 6 diagonal
+// blocks as preconditioner. The loops are our own, because the results must have the same bits with every
+// compiler, which linear algebra libraries do not ensure. If a load has only one path (a tower, a
+// cantilever, any tree of bonds), forces and moments are those of statics, whatever the stiffness.
+// Otherwise they are shared by stiffness, which is an estimate.
 #pragma once
 
 #include <cstdint>
@@ -29,26 +29,26 @@ struct SupportOptions {
 
 /// The load on a bond. Zero if its fragments fall, are gone, or are both anchored.
 struct BondLoad {
-  double tension = 0;  ///< N along the bond's normal; negative: pressed together
-  double shear = 0;    ///< N across it
+  double tension = 0;  ///< N along the bond's normal; negative: compression
+  double shear = 0;    ///< N across the normal
   double bending = 0;  ///< N·m, about axes in the cap
   double torsion = 0;  ///< N·m, about the normal
-  double stress = 0;   ///< Pa: largest tensile stress in the section (Rankine); 0 when all is pressed
+  double stress = 0;   ///< Pa: largest tensile stress in the section (Rankine); 0 if all of it is compressed
 };
 
 /// A companion of a FragmentSet.
 struct Support {
   SupportOptions asked;
-  std::vector<std::uint32_t> falling;  ///< indices of fragments, ascending; without those that are gone
+  std::vector<std::uint32_t> falling;  ///< indices of fragments, ascending; without those in `broken`
   std::vector<BondLoad> loads;         ///< per bond
   std::vector<std::uint32_t>
       weak;                    ///< indices of overloaded bonds, the largest stress relative to strength first
-  std::uint32_t anchored = 0;  ///< how many fragments are held
-  std::uint32_t unknown = 0;   ///< ids in `broken` that no fragment has
-  double residual = 0;         ///< of the balance, relative to the weight; 1e-9 when solved
+  std::uint32_t anchored = 0;  ///< number of held fragments
+  std::uint32_t unknown = 0;   ///< number of ids in `broken` that no fragment has
+  double residual = 0;         ///< residual of the balance, relative to the weight; 1e-9 if solved
 };
 
-/// Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
+/// Runs the analysis. Linear in the bonds times the iterations, which are bounded. Throws Interrupted.
 Support analyze_support(const FragmentSet& set, const AnchoredFragments& anchored,
                         const SupportOptions& options, const Execution& execution);
 

@@ -49,8 +49,8 @@ SUBJECTS = [
     ("Appearance of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
                                 "interior_roughness", "interior_metallic", "interior_material", "interior_name",
                                 "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
-    ("Physics and engines", "", ["physics", "ue_collision", "max_hulls", "hull_excess", "intact", "pivot", "density", "mass", "friction", "restitution", "bond_strength",
-                                "contact_strength"]),
+    ("Physics and engines", "", ["physics", "ue_collision", "max_hulls", "hull_excess", "intact", "pivot", "density", "mass", "friction",
+                                "restitution", "bond_strength", "contact_strength"]),
     ("Barycentric cells", "The cells described in the paper that this project started from.", ["dual", "drop_above"]),
 ]
 

@@ -54,6 +54,7 @@ FractureParameters with_companions(const RequestParameters& asked) {
   const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
   parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
   parameters.intact = asked.fracture.intact && asked.delta == DeltaAnswer::kNone;
+  parameters.filters = asked.physics == Physics::kKhr ? HullFilters::kSystems : HullFilters::kNone;
   return parameters;
 }
 

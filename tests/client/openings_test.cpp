@@ -68,7 +68,7 @@ TEST(Openings, ABallFliesBetweenTheHalvesOfAFrame) {
   }
 }
 
-// Two frames and a wall beside them, each in a cell of its own.
+// Two frames next to a wall, each in a cell of its own.
 TEST(Openings, BallsFlyThroughFramesBesideAWall) {
   const Mesh mesh =
       test::joined({frame(), test::translated(frame(), {2.5, 0, 0}), test::box({4, -1, -0.1}, {6, 1, 0.1})});

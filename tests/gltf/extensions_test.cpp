@@ -8,7 +8,6 @@
 #include <set>
 #include <string>
 
-#include "common/gltf/collision_systems.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/solid/solid.hpp"
@@ -139,30 +138,33 @@ TEST(KhrPhysics, FragmentsWithoutHullsAreBodiesWithoutColliders) {
   EXPECT_TRUE(document["extensions"][kKhrName].contains("physicsMaterials"));
 }
 
-TEST(KhrPhysics, PiecesOfOneCellDoNotCollideWithOneAnother) {
+TEST(KhrPhysics, FragmentsThatOverlapHaveFiltersAndTheirPairsAreNamed) {
   FracturedSolid made = two_halves_with_hulls();
-  made.set.fragments[0].sites = {SiteId{2}};
-  made.set.fragments[1].sites = {SiteId{1}, SiteId{2}};
+  made.set.fragments[0].id = 11;
+  made.set.fragments[1].id = 12;
+  made.rest = Rest{.figures = {.pairs = 1, .filtered = 1, .systems = 2, .tolerance = 0.25},
+                   .filters = {2, {{1, {}}, {0, {1}}}, {0, 1}, {}},
+                   .filtered = {{11, 12}}};
   const json document = Glb(write_glb(made, {})).document;
-  const json& filters = document["extensions"][kKhrName]["collisionFilters"];
-  ASSERT_EQ(filters.size(), 1u);
-  EXPECT_EQ(filters[0]["collisionSystems"].size(), 1u);
-  EXPECT_EQ(filters[0]["collisionSystems"], filters[0]["notCollideWithSystems"]);
-  for (const std::size_t node : {1u, 3u, 4u})
-    EXPECT_EQ(document["nodes"][node]["extensions"][kKhrName]["collider"]["collisionFilter"], 0);
+  EXPECT_EQ(document["extensions"][kKhrName]["collisionFilters"], json::parse(R"([{"collisionSystems": ["1"]},
+                            {"collisionSystems": ["0"], "notCollideWithSystems": ["1"]}])"));
+  EXPECT_EQ(document["nodes"][1]["extensions"][kKhrName]["collider"]["collisionFilter"], 0);
+  for (const std::size_t node : {3u, 4u})
+    EXPECT_EQ(document["nodes"][node]["extensions"][kKhrName]["collider"]["collisionFilter"], 1);
+  const json& figures = document["nodes"][0]["extras"]["fracture"];
+  EXPECT_EQ(figures["filtered"], json::parse(R"({"a": [11], "b": [12]})"));
+  EXPECT_EQ(
+      figures["certificate"]["rest"],
+      json::parse(R"({"pairs": 1, "trimmed": 0, "filtered": 1, "left": 0, "deepest": 0, "tolerance": 0.25,
+                            "least_share": 1, "systems": 2})"));
 }
 
-TEST(CollisionSystems, AreTheComponentsOfFragmentsThatShareACell) {
-  FragmentSet set;
-  for (const std::vector<std::uint32_t>& sites :
-       {std::vector<std::uint32_t>{5}, {0}, {7, 9}, {1}, {9}, {7}, {1}, {1}, {3, 4}}) {
-    Fragment& fragment = set.fragments.emplace_back();
-    for (const std::uint32_t site : sites) fragment.sites.push_back(SiteId{site});
-  }
-  const CollisionSystems systems = collision_systems(set);
-  EXPECT_EQ(systems.count, 2u);
-  EXPECT_EQ(systems.of_fragment,
-            (std::vector<std::uint32_t>{kNoIndex, kNoIndex, 0, 1, 0, 0, 1, 1, kNoIndex}));
+TEST(KhrPhysics, WithoutOverlapsThereAreNoFiltersAndWithoutHullsNoRest) {
+  const json document = Glb(write_glb(two_halves_with_hulls(), {})).document;
+  EXPECT_FALSE(document["extensions"][kKhrName].contains("collisionFilters"));
+  const json& figures = document["nodes"][0]["extras"]["fracture"];
+  EXPECT_TRUE(figures["certificate"]["rest"].is_null());
+  EXPECT_FALSE(figures.contains("filtered"));
 }
 
 TEST(OmiPhysics, ConvexShapesByMeshAndMotionWithoutInertia) {

@@ -23,7 +23,7 @@ using nlohmann::json;
 
 constexpr const char* kKhrName = "KHR_physics_rigid_bodies";
 
-/// A sphere with texture coordinates, and beside it a square frame.
+/// A sphere with texture coordinates, next to a square frame.
 Mesh sphere_and_frame() {
   Mesh frame = grid_solid({{{2, 2.2, 3.8, 4}, {-1, -0.8, 0.8, 1}, {-0.05, 0.05}}},
                           [](int i, int j, int) { return i != 1 || j != 1; });

@@ -121,6 +121,13 @@ void expect_same(const FracturedSolid& a, const FracturedSolid& b) {
     expect_same_companions(a, k, b, k);
   }
   EXPECT_EQ(a.anchored.count, b.anchored.count);
+  ASSERT_EQ(a.rest.has_value(), b.rest.has_value());
+  if (a.rest) {
+    EXPECT_EQ(a.rest->figures, b.rest->figures);
+    EXPECT_EQ(a.rest->filtered, b.rest->filtered);
+    EXPECT_EQ(a.rest->filters.filters, b.rest->filters.filters);
+    EXPECT_EQ(a.rest->filters.of_body, b.rest->filters.of_body);
+  }
   EXPECT_EQ(a.report, b.report);
   EXPECT_EQ(a.point_of_site, b.point_of_site);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
@@ -180,6 +187,11 @@ void expect_selection(const FracturedSolid& from, FracturedSolid selected) {
     EXPECT_EQ(at->second->normal, id_of(at->second->a) == x ? b.normal : -1.0 * b.normal);
   }
   EXPECT_EQ(part.bonds.size(), expected);
+  if (!from.rest) return;
+  std::vector<std::array<std::uint64_t, 2>> filtered;
+  for (const auto& pair : from.rest->filtered)
+    if (kept.contains(pair[0]) || kept.contains(pair[1])) filtered.push_back(pair);
+  EXPECT_EQ(selected.rest.value().filtered, filtered);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "common/contacts/contacts.hpp"
 #include "common/hits/difference.hpp"
 #include "tests/hits/delta_checks.hpp"
 #include "tests/support/closed_inputs.hpp"
@@ -77,10 +78,42 @@ TEST(Delta, OfPartsThatOverlap) {
   const Mesh mesh = joined(
       {ico_sphere(3), translated(ico_sphere(2), {0.6, 0.1, 0}), translated(ico_sphere(2), {-3, 0.1, 0})});
   FractureParameters p = hits_on(mesh, 120, 0.2);
+  p.filters = HullFilters::kNone;  // they would not be enough for all cells that both spheres share
   for (LocalImpact& hit : p.hits) hit.point = {0.3, 0.1, 0.2};
   EXPECT_EQ(expect_hits(mesh, p), 3);
   p.anisotropy.stretch = 2.5;
   EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+TEST(Delta, OfATableWhoseLegsStickIntoItsTop) {
+  std::vector<Mesh> parts{box({0, 1, 0}, {2, 1.2, 1})};
+  for (const double x : {0.1, 1.7})
+    for (const double z : {0.1, 0.7}) parts.push_back(box({x, 0, z}, {x + 0.2, 1.05, z + 0.2}));
+  const Mesh table = joined(parts);
+  FractureParameters p = hits_on(table, 60, 0.15);
+  p.anisotropy = {5, GrainOf::kPart};
+  EXPECT_EQ(expect_hits(table, p),
+            3);  // with filters and trimmed hulls; those of untouched bodies keep their bits
+  p.hits.clear();
+  StageTimings timings;
+  Solid solid = *make_solid(std::make_shared<Mesh>(table), {}, {});
+  keep_contacts(solid, {}, {});
+  const RestFigures rest =
+      fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings)->rest.value().figures;
+  EXPECT_GT(rest.filtered, 0u) << "nothing is tested above";
+  EXPECT_GT(rest.trimmed, 0u);
+}
+
+TEST(Delta, WhereFiltersRunOutTheWholeIsFracturedAgain) {
+  std::vector<Mesh> parts;  // 40 pairs of rods that cross
+  for (int k = 0; k < 40; ++k) {
+    parts.push_back(box({0.5 * k, 0, -1}, {0.5 * k + 0.2, 0.2, 1}));
+    parts.push_back(box({0.5 * k + 0.05, -1, -0.1}, {0.5 * k + 0.15, 1, 0.1}));
+  }
+  const Mesh rods = joined(parts);
+  FractureParameters p = hits_on(rods, 4, 0.02);
+  p.anisotropy = {5, GrainOf::kPart};
+  EXPECT_EQ(expect_hits(rods, p), 0);
 }
 
 // Bonds across parts are computed again for changed fragments, in whichever cell the other fragment is.

@@ -85,7 +85,6 @@ function drop(bodies, inMetres, { unit, name, judged }, scene) {
   const complaints = [], gravity = 9.81 * unit;
   scene.enablePhysics(new Vector3(0, -gravity, 0), new HavokPlugin(false, havok));
   let low = Infinity, high = -Infinity, wide = 0;
-  const systems = [...new Set(bodies.map(b => b.filter?.collisionSystems[0]))];
   const made = bodies.map((body, k) => {
     const at = new TransformNode(body.name, scene);
     at.position = Vector3.FromArray(body.translation);
@@ -99,11 +98,11 @@ function drop(bodies, inMetres, { unit, name, judged }, scene) {
         wide = Math.max(wide, Math.abs(points[v] + body.translation[0]), Math.abs(points[v + 2] + body.translation[2]));
       }
     }
-    if (body.filter) {  // Havok has 32 bits for systems, so further systems share bits
-      const bit = 1 << systems.indexOf(body.filter.collisionSystems[0]) % 31;
+    if (body.filter) {  // Havok has 32 bits, one for each system
+      const bits = systems => (systems ?? []).reduce((mask, system) => mask | 1 << Number(system), 0);
       for (const part of new Set([...hulls, shape])) {
-        part.filterMembershipMask = bit;
-        part.filterCollideMask = ~bit;
+        part.filterMembershipMask = bits(body.filter.collisionSystems);
+        part.filterCollideMask = ~bits(body.filter.notCollideWithSystems);
       }
     }
     for (const part of hulls) part.material = { friction: body.material.dynamicFriction, restitution: body.material.restitution };

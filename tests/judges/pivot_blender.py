@@ -13,7 +13,7 @@ if importlib.util.find_spec("numpy") is None:
     sys.exit()
 import numpy
 
-if not hasattr(numpy, "bool"):  # the importer of Blender 3.4 uses a name that numpy 1.24, which is beside it in Debian, lacks
+if not hasattr(numpy, "bool"):  # Blender 3.4's importer uses this name, which Debian's numpy 1.24 lacks
     numpy.bool = bool
 
 

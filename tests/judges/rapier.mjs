@@ -1,10 +1,11 @@
 // Rapier's rest test: the hulls at their places, without gravity, for one second. No fragment may move faster than
-// 1 mm/s, because the solver pushes apart hulls that overlap or touch at the start. In addition, no two hulls may overlap
-// by separating axes in double, without an engine. Mass, centre and inertia read back must equal the file's. The file's
-// collision filters are obeyed, and may concern only fragments of one cell.
+// 1 mm/s: hulls that overlap or touch at spawn are pushed apart by the solver. And no two hulls that may collide overlap by
+// more than 0.2 mm per metre of the file's size, by separating axes in double, without an engine. Mass, centre and inertia
+// read back equal the file's. The file's collision filters are obeyed: they exclude only fragments that overlap by more
+// than that, and each fragment is in one of at most 32 systems.
 //   usage: node rapier.mjs FILE.glb …
 import { bodiesOf, collide, installed, judgeAll, massComplaints, parse } from './files.mjs';
-import { leastGap } from './separation.mjs';
+import { leastGap, needlessFilters, toleranceOf } from './separation.mjs';
 
 const RAPIER = (await installed(() => import('@dimforge/rapier3d-compat'))).default;
 await RAPIER.init();
@@ -69,12 +70,14 @@ await judgeAll(async bytes => {
     if (!body.hulls.length) complaints.push(`${body.name} has no collider`);
     for (const { points } of body.hulls) if (points.length > 3 * 255) complaints.push(`${body.name}: a hull of ${points.length / 3} points`);
     hulls += body.hulls.length;
-    if (body.filter && !bodies.some(b => b !== body && b.fracture.sites.some(site => body.fracture.sites.includes(site))))
-      complaints.push(`${body.name} has a filter but no other piece of its cell`);
+    if (body.filter && body.filter.collisionSystems?.length !== 1) complaints.push(`${body.name} is not in one collision system`);
   }
+  const systems = new Set(bodies.flatMap(({ filter }) => filter?.collisionSystems ?? [])), tolerance = toleranceOf(bodies);
+  if (systems.size > 32) complaints.push(`${systems.size} collision systems`);
+  for (const pair of needlessFilters(bodies, tolerance)) complaints.push(`${pair} have a filter but do not overlap`);
   if (!bodies.length) complaints.push('no rigid bodies');
   const { gap, between, pairs } = leastGap(bodies);
-  if (!(gap > 0)) complaints.push(`the hulls of ${between} overlap`);
+  if (!(gap > -tolerance)) complaints.push(`the hulls of ${between} overlap by ${-gap} m and may collide`);
   const { fastest, filtered, complaints: moved } = rest(bodies);
   complaints.push(...moved);
   return { note: `${bodies.length} bodies, ${hulls} hulls, ${pairs} pairs compared, least gap ${pairs ? gap.toPrecision(2) : '-'} m, ` +

@@ -60,3 +60,21 @@ export function leastGap(bodies) {
   });
   return { gap, between, pairs };
 }
+
+/** m: overlaps that are allowed. */
+export function toleranceOf(bodies) {
+  const hulls = bodies.flatMap(body => body.hulls.map(hull => placed(body, hull)));
+  return 2e-4 * Math.max(0, ...AXES.map(k => Math.max(...hulls.map(h => h.high[k])) - Math.min(...hulls.map(h => h.low[k]))));
+}
+
+/** The pairs of bodies that the filters exclude although no two of their hulls overlap by more than the tolerance. */
+export function needlessFilters(bodies, tolerance) {
+  const hulls = new Map(bodies.filter(body => body.filter).map(body => [body, body.hulls.map(hull => placed(body, hull))]));
+  const overlap = (a, b) => AXES.every(k => a.low[k] < b.high[k] && b.low[k] < a.high[k]) && gapBetween(a, b) < -0.9 * tolerance;
+  const listed = [...hulls.keys()], needless = [];
+  listed.forEach((a, i) => {
+    for (const b of listed.slice(0, i))
+      if (!collide(a, b) && !hulls.get(a).some(x => hulls.get(b).some(y => overlap(x, y)))) needless.push(`${a.name} and ${b.name}`);
+  });
+  return needless;
+}

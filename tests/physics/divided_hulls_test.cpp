@@ -36,7 +36,7 @@ Box box_of_hull(const Fractured& made, std::size_t fragment, const CollisionHull
   return box;
 }
 
-/// Each hull is beside the opening: on one side of one of its four edges.
+/// Each hull leaves the opening free: it is on one side of one of its four edges.
 void expect_opening(const Fractured& made) {
   for (std::size_t k = 0; k < made.set.fragments.size(); ++k)
     for (const CollisionHull& hull : made.hulls.of(k)) {

@@ -165,5 +165,18 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   EXPECT_TRUE(again->base.local.has_value());
 }
 
+TEST(Soundness, BodiesThatMayCollideAndOverlapAreNoAnswer) {
+  Rest rest;
+  rest.figures = {.pairs = 3, .filtered = 3, .deepest = 0.0002, .tolerance = 0.0002};
+  EXPECT_TRUE(judge_rest(rest, HullFilters::kSystems).sound());
+  rest.figures.filtered = 2;
+  rest.figures.left = 1;
+  rest.figures.deepest = 0.01;
+  const Verdict verdict = judge_rest(rest, HullFilters::kSystems);
+  ASSERT_EQ(verdict.violations.size(), 1u);
+  EXPECT_EQ(unsound(verdict, {}).code, ErrorCode::kUnsound);
+  EXPECT_TRUE(judge_rest(rest, HullFilters::kNone).sound()) << "a format without filters: a warning";
+}
+
 }  // namespace
 }  // namespace fracture::test

@@ -33,7 +33,7 @@ function meshOf(name, parent, data) {
 function bodyOf(parts, at, turn) {
   const node = new TransformNode('body', scene), shape = new PhysicsShapeContainer(scene);
   [node.position, node.rotationQuaternion] = [Vector3.FromArray(at), Quaternion.FromArray(turn)];
-  for (const { id, translation, positions, normals, triangles: indices, primitives, hulls, surface, collisionSystem: system } of parts) {
+  for (const { id, translation, positions, normals, triangles: indices, primitives, hulls, surface, collisionFilter: filter } of parts) {
     const mesh = meshOf(`fragment ${id}`, node, { positions, normals, indices });
     Object.assign(mesh, { position: Vector3.FromArray(translation), material: skins, subMeshes: [] });
     let from = 0;
@@ -42,8 +42,11 @@ function bodyOf(parts, at, turn) {
       const drawn = meshOf('hull', null, { positions, indices }), hull = new PhysicsShapeConvexHull(drawn, scene);
       drawn.dispose();
       hull.material = { friction: surface.friction, restitution: surface.restitution };
-      // Pieces of the same cell overlap, so they must not collide with each other; Havok has 32 groups.
-      if (system !== undefined) hull.filterCollideMask = ~(hull.filterMembershipMask = 1 << 1 + system % 31);
+      // Fragments that overlap must not collide. Havok has 32 groups, one for each system.
+      if (filter) {
+        hull.filterMembershipMask = 1 << filter.system;
+        hull.filterCollideMask = ~filter.excluded.reduce((mask, system) => mask | 1 << system, 0);
+      }
       shape.addChild(hull, mesh.position);
     }
   }

@@ -50,7 +50,8 @@ class Fragment:
     level: int  # its level in the hierarchy; 0 without a hierarchy
     parent: Optional[int]  # the id of its cluster; None if there is none
     sites: Tuple[int, ...]  # the cells that it consists of
-    collision_system: Optional[int]  # fragments with the same number overlap, so they must not collide with each other
+    collision_system: Optional[int]  # 0 to 31; None: it collides with all
+    not_collide_with: Tuple[int, ...]  # systems of fragments that it overlaps, so it must not collide with them
     primitives: Tuple[Primitive, ...]
     hulls: Tuple[Hull, ...]  # empty with physics=none
     extras: Dict[str, Any] = field(repr=False)  # the whole `extras.fracture` of its node
@@ -138,7 +139,7 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
             anchored=bool(own.get("anchored", False)), part=int(own.get("part", 0)),
             parts=tuple(int(part) for part in own.get("parts", (own.get("part", 0),))), level=int(own.get("level", 0)),
             parent=own.get("parent"), sites=tuple(own.get("sites", ())),
-            collision_system=next((system for collider in colliders for system in _systems(collider)), None),
+            **_collision_filter(glb, colliders),
             primitives=tuple(_primitive(glb, p, interior) for p in glb.item("meshes", node.get("mesh"))["primitives"]),
             hulls=tuple(_hull(glb, mesh) for mesh in meshes), extras=own)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -151,10 +152,14 @@ def _body(node: Dict[str, Any]) -> Dict[str, Any]:
     return extensions.get("KHR_physics_rigid_bodies") or extensions.get("OMI_physics_body") or {}
 
 
-def _systems(node: Dict[str, Any]) -> Iterator[int]:
-    collider = _body(node).get("collider", {})
-    if "collisionFilter" in collider:
-        yield int(collider["collisionFilter"])
+def _collision_filter(glb: Glb, nodes: List[Dict[str, Any]]) -> Dict[str, Any]:
+    number = next((_body(node)["collider"]["collisionFilter"] for node in nodes
+                   if "collisionFilter" in _body(node).get("collider", {})), None)
+    if number is None:
+        return {"collision_system": None, "not_collide_with": ()}
+    chosen = glb.document["extensions"]["KHR_physics_rigid_bodies"]["collisionFilters"][number]
+    return {"collision_system": int(chosen["collisionSystems"][0]),
+            "not_collide_with": tuple(int(system) for system in chosen.get("notCollideWithSystems", ()))}
 
 
 def _hull_meshes(glb: Glb, node: Dict[str, Any]) -> Iterator[int]:

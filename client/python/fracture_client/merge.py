@@ -10,9 +10,10 @@ import copy
 import heapq
 import itertools
 from dataclasses import dataclass
-from typing import Any, Dict, List, Set
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 from .buffers import Buffers, Json
+from .filters import Filter, collision_filters
 from .fragments import extras_of, figures_of, fragment_nodes
 from .glb import Glb, damaged, pack
 
@@ -44,9 +45,13 @@ def merge(whole: Glb, delta: Glb) -> bytes:
         raise damaged("its materials differ from those of the answer that was hit")
     document["asset"] = _stated(delta.document["asset"], "extras")
     document["scenes"] = document["scenes"][:1]  # without the unbroken mesh: its nodes and meshes are not copied
+    pairs = _filtered(whole, figures, pieces)
     figures = {**_stated(figures, None), "bonds": _bonds(whole, figures, pieces)}
+    figures.pop("filtered", None)
+    if pairs:
+        figures["filtered"] = {"a": [pieces[a].id for a, _ in pairs], "b": [pieces[b].id for _, b in pairs]}
     buffers = Buffers()
-    _write_scene(document, whole, pieces, figures, buffers)
+    _write_scene(document, whole, pieces, figures, collision_filters(len(pieces), pairs), buffers)
     if "images" in whole.document:
         document["images"] = [buffers.add_image(whole, image) for image in whole.list("images")]
     binary = buffers.finish(document)
@@ -130,7 +135,8 @@ def _rows(bonds: Json, columns: List[str]) -> List[Json]:
     return [dict(zip(columns, values)) for values in zip(*(bonds[column] for column in columns))]
 
 
-def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json, buffers: Buffers) -> None:
+def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json, filters: List[Optional[Filter]],
+                 buffers: Buffers) -> None:
     """Writes nodes and meshes in the server's order: the root, the fragments, their child nodes, the uncut nodes."""
     meshes: List[Json] = []
     for piece in pieces:
@@ -144,7 +150,8 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
             copied = buffers.add_mesh(piece.glb, mesh)
             meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
         hull_number.append(numbers)
-    systems = _collision_systems(pieces)
+    numbers: Dict[Filter, int] = {}  # in the order of their first fragments
+    filter_of = [None if each is None else numbers.setdefault(each, len(numbers)) for each in filters]
     nodes: List[Json] = [{}]
     children: List[Json] = []
     for k, piece in enumerate(pieces):
@@ -153,7 +160,7 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         if below:
             node["children"] = [1 + len(pieces) + len(children) + n for n in range(len(below))]
         for held in (node, *below):
-            _refer(held, piece, hull_number[k], systems[k], first_hull=len(pieces))
+            _refer(held, piece, hull_number[k], filter_of[k], first_hull=len(pieces))
         nodes.append(node)
         children += [{**child, "name": _renamed(child.get("name", ""), piece)} for child in below]
     nodes += children
@@ -163,8 +170,7 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         nodes.append({**kept, "mesh": len(meshes)})
         meshes.append(buffers.add_mesh(whole, kept["mesh"]))
     nodes[0] = {**_root(whole), "children": [*range(1, 1 + len(pieces)), *passing], "extras": {"fracture": figures}}
-    extensions = _document_extensions(whole, pieces, max((s for s in systems if s is not None), default=-1) + 1,
-                                      [mesh for numbers in hull_number for mesh in numbers.values()])
+    extensions = _document_extensions(whole, pieces, list(numbers), [mesh for own in hull_number for mesh in own.values()])
     if extensions:
         document["extensions"] = extensions
     document["nodes"], document["meshes"] = nodes, meshes
@@ -204,14 +210,14 @@ def _shapes(glb: Glb) -> List[Json]:
     return glb.document["extensions"][OMI_SHAPE]["shapes"]  # type: ignore[no-any-return]
 
 
-def _refer(node: Json, piece: _Piece, hull_number: Dict[int, int], system: Any, first_hull: int) -> None:
-    """Replaces a node's hull and collision system numbers with those of the merged file."""
+def _refer(node: Json, piece: _Piece, hull_number: Dict[int, int], filter_number: Optional[int], first_hull: int) -> None:
+    """Replaces a node's hull and collision filter numbers with those of the merged file."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
         collider["geometry"]["mesh"] = hull_number[collider["geometry"]["mesh"]]
         collider.pop("collisionFilter", None)
-        if system is not None:
-            collider["collisionFilter"] = system
+        if filter_number is not None:
+            collider["collisionFilter"] = filter_number
     elif "shape" in collider:
         mesh = _shapes(piece.glb)[collider["shape"]]["convex"]["mesh"]
         collider["shape"] = hull_number[mesh] - first_hull
@@ -223,37 +229,30 @@ def _renamed(name: str, piece: _Piece) -> str:
     return name.replace(str(piece.node["name"]), piece.name, 1)
 
 
-def _collision_systems(pieces: List[_Piece]) -> List[Any]:
-    """Returns each fragment's collision system number; None for a fragment that shares no site. Fragments that share a site,
-    directly or through other fragments, overlap and must not collide. Systems are numbered in the order of their first fragments."""
-    first: List[int] = list(range(len(pieces)))
-
-    def find(k: int) -> int:
-        while first[k] != k:
-            first[k] = first[first[k]]
-            k = first[k]
-        return k
-
-    owner: Dict[int, int] = {}
-    shares = [False] * len(pieces)
-    for k, piece in enumerate(pieces):
-        for site in piece.own["sites"]:
-            other = owner.setdefault(site, k)
-            if other != k:
-                shares[k] = shares[other] = True
-                a, b = sorted((find(other), find(k)))
-                first[b] = a
-    numbers: Dict[int, int] = {}
-    return [numbers.setdefault(find(k), len(numbers)) if shares[k] else None for k in range(len(pieces))]
+def _filtered(whole: Glb, figures: Json, pieces: List[_Piece]) -> List[Tuple[int, int]]:
+    """Returns the pairs of fragments that must not collide, as indices: those of unchanged fragments, and those in the delta."""
+    place = {piece.id: k for k, piece in enumerate(pieces)}
+    stay = {piece.id for piece in pieces if piece.glb is whole}
+    pairs = [(a, b) for a, b in _id_pairs(figures_of(whole)) if a in stay and b in stay] + _id_pairs(figures)
+    for pair in pairs:
+        if not place.keys() >= set(pair):
+            raise damaged(f"its collision filters refer to a fragment that does not exist (fragments {pair[0]} and {pair[1]})")
+    return sorted((min(place[a], place[b]), max(place[a], place[b])) for a, b in pairs)
 
 
-def _document_extensions(whole: Glb, pieces: List[_Piece], systems: int, hulls: List[int]) -> Json:
+def _id_pairs(figures: Json) -> List[Tuple[int, int]]:
+    filtered = figures.get("filtered", {})
+    return list(zip(filtered.get("a", ()), filtered.get("b", ())))
+
+
+def _document_extensions(whole: Glb, pieces: List[_Piece], filters: List[Filter], hulls: List[int]) -> Json:
     extensions: Json = copy.deepcopy(whole.document.get("extensions", {}))
     if KHR in extensions:
         extensions[KHR].pop("collisionFilters", None)
-        if systems and hulls:
-            names = [str(k) for k in range(systems)]
-            extensions[KHR]["collisionFilters"] = [{"collisionSystems": [n], "notCollideWithSystems": [n]} for n in names]
+        if filters and hulls:
+            extensions[KHR]["collisionFilters"] = [
+                {"collisionSystems": [str(system)], **({"notCollideWithSystems": [str(n) for n in excluded]} if excluded else {})}
+                for system, excluded in filters]
     if OMI_SHAPE in extensions:
         extensions[OMI_SHAPE]["shapes"] = [{"type": "convex", "convex": {"mesh": mesh}} for mesh in hulls]
     return extensions

@@ -1,5 +1,6 @@
 // The content of an answer, read from its GLB: data, fragments and bonds. Lengths are in metres; y is up.
 import { type Glb, type GltfNode, type GltfPrimitive, type TypedArray, type Vector3 } from './glb.js';
+import type { CollisionFilter } from './filters.js';
 import { localError } from './problems.js';
 
 /** The bonds as columns of equal length. */
@@ -17,6 +18,26 @@ export interface BondColumns {
   strength: number[];
 }
 
+/** Overlaps of collision hulls. */
+export interface Rest {
+  /** Pairs of fragments that overlap by more than the tolerance. */
+  pairs: number;
+  /** Fragments with a trimmed hull. */
+  trimmed: number;
+  /** Pairs that collision filters exclude. */
+  filtered: number;
+  /** Pairs that overlap and may collide; 0 with physics=khr. */
+  left: number;
+  /** m: deepest overlap of two fragments that may collide. */
+  deepest: number;
+  /** m */
+  tolerance: number;
+  /** Least share of its volume that a trimmed hull kept. */
+  least_share: number;
+  /** Collision systems, at most 32. */
+  systems: number;
+}
+
 /** The object under extras.fracture of the root node. An answer with Accept: application/json is this object. */
 export interface Figures {
   version: number;
@@ -26,9 +47,14 @@ export interface Figures {
   parameters: Record<string, any>;
   report: { warnings: string[]; notes?: string[]; [figure: string]: any };
   certificate: {
-    fragments: number; volume_in: number; volume_out: number; open_edges: number; unmirrored_caps: number; [figure: string]: any;
+    fragments: number; volume_in: number; volume_out: number; open_edges: number; unmirrored_caps: number;
+    /** How the bodies rest when they start; null without collision hulls. */
+    rest?: Rest | null;
+    [figure: string]: any;
   };
   bonds: BondColumns;
+  /** Ids of fragments that overlap, so that collision filters exclude the pair. In a delta: pairs with a new or changed fragment. */
+  filtered?: { a: number[]; b: number[] };
   /** Indices of the materials of cut faces. */
   interior_materials: number[];
   /** Ids of the fragments that the last hits created, changed and removed. Present only if the request set `delta`. */
@@ -191,9 +217,12 @@ export class Fragment extends Piece {
   get motion(): Motion | undefined {
     return this.body?.['motion'];
   }
-  /** Fragments with the same number overlap, so they must not collide with each other. */
-  get collisionSystem(): number | undefined {
-    return this.colliders.find(collider => collider['collisionFilter'] !== undefined)?.['collisionFilter'];
+  /** Keeps the fragment from colliding with fragments that it overlaps. Undefined: it collides with all. In a delta, the systems are
+   * those of the whole answer after the hit. */
+  get collisionFilter(): CollisionFilter | undefined {
+    const number = this.colliders.find(collider => collider['collisionFilter'] !== undefined)?.['collisionFilter'] as number | undefined;
+    const filter = this.glb.json.extensions?.[KHR]?.collisionFilters?.[number ?? -1];
+    return filter && { system: Number(filter.collisionSystems[0]), excluded: (filter.notCollideWithSystems ?? []).map(Number) };
   }
   /** Friction and restitution of the surface. With physics=khr, they come from the file; otherwise they are 0.6 and 0. */
   get surface(): { friction: number; restitution: number } {

@@ -8,6 +8,7 @@
 // If a cell has several pieces in one part, and some are kept while others are new, the files do not show the order of these pieces in
 // the server's answer. Their numbers and names can then differ. Everything else is identical.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
+import { collisionFilters } from './filters.js';
 import { type BondColumns, type Figures, figuresOf } from './fragments.js';
 import { MeshCopier } from './mesh_copier.js';
 
@@ -33,7 +34,8 @@ export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   if (sources.length !== now.certificate.fragments || ids.size !== sources.length) return undefined;
   const order = (a: Source, b: Source) => a.figures['sites'][0] - b.figures['sites'][0] || a.figures['part'] - b.figures['part'];
   sources.sort(order);  // stable: kept pieces stay before new ones of the same cell and part
-  return write(before, changes, now, sources, bondsOfWhole(was.bonds, now.bonds, sources, left));
+  return write(before, changes, now, sources, bondsOfWhole(was.bonds, now.bonds, sources, left),
+    pairsOfWhole(was.filtered, now.filtered, sources, left));
 }
 
 function sourcesOf(glb: Glb): Source[] {
@@ -66,31 +68,36 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
-/** Returns each fragment's collision system number. Fragments in the same system share cells, directly or through other fragments. */
-function collisionSystems(sources: Source[]): (number | undefined)[] {
-  const root = sources.map((_, k) => k), owner = new Map<number, number>(), shares = new Set<number>();
-  const find = (k: number): number => (root[k] === k ? k : (root[k] = find(root[k]!)));
-  sources.forEach(({ figures }, k) => (figures['sites'] as number[]).forEach(site => {
-    const other = owner.get(site);
-    owner.set(site, k);
-    if (other === undefined) return;
-    const [low, high] = [find(other), find(k)].sort((x, y) => x - y) as [number, number];
-    root[high] = low;
-    shares.add(other).add(k);
-  }));
-  const numbers = new Map<number, number>();
-  return sources.map((_, k) => {
-    if (!shares.has(k)) return undefined;
-    const first = find(k);
-    if (!numbers.has(first)) numbers.set(first, numbers.size);
-    return numbers.get(first);
+type Pairs = { a: number[]; b: number[] };
+
+/** Returns the pairs of fragments that must not collide, sorted, as indices. */
+function pairsOfWhole(was: Pairs | undefined, now: Pairs | undefined, sources: Source[], left: ReadonlySet<number>): [number, number][] {
+  const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k])), pairs: [number, number][] = [];
+  const take = ({ a: from, b: to }: Pairs, wanted: (a: number, b: number) => boolean) => from.forEach((idA, k) => {
+    const [a, b] = [place.get(idA), place.get(to[k]!)];
+    if (a !== undefined && b !== undefined && wanted(idA, to[k]!)) pairs.push(a < b ? [a, b] : [b, a]);
   });
+  if (was) take(was, (a, b) => !left.has(a) && !left.has(b));
+  if (now) take(now, () => true);
+  return pairs.sort((x, y) => x[0] - y[0] || x[1] - y[1]);
 }
 
-function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds: BondColumns): Uint8Array {
+function withPairs({ filtered: _, ...figures }: Figures, pairs: [number, number][], sources: Source[]): object {
+  const ids = (which: 0 | 1) => pairs.map(pair => sources[pair[which]]!.figures['id'] as number);
+  return pairs.length > 0 ? { ...figures, filtered: { a: ids(0), b: ids(1) } } : figures;
+}
+
+function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds: BondColumns, pairs: [number, number][]): Uint8Array {
   const width = String(sources.length - 1).length;
   const nameOf = (name: string, k: number) => `${name.replace(/_\d+$/, '').slice(0, 62 - width)}_${String(k).padStart(width, '0')}`;
-  const systems = collisionSystems(sources), copier = new MeshCopier();
+  const copier = new MeshCopier(), numbers = new Map<string, number>(), listed: object[] = [];
+  const filters = collisionFilters(sources.length, pairs).map(filter => {  // numbered in the order of their first fragments
+    if (!filter) return undefined;
+    const key = `${filter.system}:${filter.excluded.join()}`, excluded = filter.excluded.map(String);
+    if (!numbers.has(key)) numbers.set(key, listed.push({ collisionSystems: [String(filter.system)],
+      ...(excluded.length > 0 ? { notCollideWithSystems: excluded } : {}) }) - 1);
+    return numbers.get(key);
+  });
   const fragmentNodes: GltfNode[] = [], childNodes: GltfNode[] = [], hulls: { glb: Glb; mesh: GltfMesh }[] = [], shapes: unknown[] = [];
   const meshes: GltfMesh[] = [];
 
@@ -110,7 +117,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
       if (khr?.collider) {
         const { collisionFilter: _, ...collider } = khr.collider;
         result[KHR] = { ...khr, collider: { ...collider, geometry: { ...collider.geometry, mesh: hullOf(collider.geometry.mesh) },
-          ...(systems[k] === undefined ? {} : { collisionFilter: systems[k] }) } };
+          ...(filters[k] === undefined ? {} : { collisionFilter: filters[k] }) } };
       }
       if (omi?.collider) {
         const shape = glb.json.extensions![SHAPES].shapes[omi.collider.shape];
@@ -148,7 +155,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     extensionsUsed: [...new Set([...(before.json.extensionsUsed ?? []), ...(changes.json.extensionsUsed ?? [])])],
     nodes: [
       { ...root, children: [...sources.map((_, k) => 1 + k), ...others.map((_, k) => behind + k)],
-        extras: { fracture: { ...now, parameters: stated(now.parameters), bonds } } },
+        extras: { fracture: withPairs({ ...now, parameters: stated(now.parameters), bonds }, pairs, sources) } },
       ...fragmentNodes, ...childNodes, ...others,
     ],
     meshes,
@@ -160,9 +167,8 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
   }
   const extensions = { ...before.json.extensions, ...changes.json.extensions };
   if (extensions[KHR]) {
-    const { collisionFilters: _, ...khr } = extensions[KHR], count = new Set(systems.filter(system => system !== undefined)).size;
-    const filters = Array.from({ length: count }, (_, k) => ({ collisionSystems: [String(k)], notCollideWithSystems: [String(k)] }));
-    extensions[KHR] = count > 0 ? { ...khr, collisionFilters: filters } : khr;
+    const { collisionFilters: _, ...khr } = extensions[KHR];
+    extensions[KHR] = listed.length > 0 ? { ...khr, collisionFilters: listed } : khr;
   }
   if (extensions[SHAPES]) extensions[SHAPES] = { ...extensions[SHAPES], shapes };
   if (Object.keys(extensions).length > 0) json.extensions = extensions;

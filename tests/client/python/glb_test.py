@@ -23,13 +23,15 @@ INDICES = struct.pack("<6H", 0, 1, 2, 0, 2, 3)
 def document():
     views = [(0, 48, {}), (48, 64, {"byteStride": 16}), (112, 12, {})]
     attributes = {"POSITION": 0, "TEXCOORD_0": 1}
-    collider = {"geometry": {"mesh": 1, "convexHull": True}, "physicsMaterial": 0, "collisionFilter": 3}
+    collider = {"geometry": {"mesh": 1, "convexHull": True}, "physicsMaterial": 0, "collisionFilter": 1}
     motion = {"mass": 5, "centerOfMass": [0, 0, 0], "inertiaDiagonal": [1, 2, 3], "inertiaOrientation": [0, 0, 0, 1]}
     own = {"id": 2 ** 53 - 1, "volume": 0.5, "mass": 5, "area": 3, "exterior_area": 2, "center_of_mass": [1, 2, 3], "level": 0,
            "parent": None, "anchored": True, "part": 4, "sites": [7, 9]}
     bonds = {"a": [1], "b": [2], "area": [0.25], "centroid": [[1, 2, 3]], "normal": [[0, 0, 1]], "strength": [100]}
     return {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "extensions": {"KHR_physics_rigid_bodies": {"collisionFilters": [
+            {"collisionSystems": ["0"]}, {"collisionSystems": ["3"], "notCollideWithSystems": ["5", "6"]}]}},
         "nodes": [{"name": "Fracture", "children": [1],
                    "extras": {"fracture": figures(bonds=bonds, delta={"new": [1], "changed": [2, 3], "gone": []})}},
                   {"name": "b\u00f6x_0", "mesh": 0, "translation": [1, 2, 3], "extras": {"fracture": own},
@@ -64,7 +66,7 @@ class Reading(unittest.TestCase):
             self.assertEqual((fragment.volume, fragment.mass, fragment.area, fragment.exterior_area), (0.5, 5, 3, 2))
             self.assertEqual((fragment.inertia_diagonal, fragment.inertia_orientation), ((1, 2, 3), (0, 0, 0, 1)))
             self.assertEqual((fragment.anchored, fragment.part, fragment.sites, fragment.parent), (True, 4, (7, 9), None))
-            self.assertEqual((fragment.collision_system, fragment.triangles), (3, 2))
+            self.assertEqual((fragment.collision_system, fragment.not_collide_with, fragment.triangles), (3, (5, 6), 2))
             self.assertEqual(fragment.materials, ("Outside", "Interior"))
             self.assertEqual([p.interior for p in fragment.primitives], [False, True])
             self.assertEqual([p.indices.tolist() for p in fragment.primitives], [[[0, 1, 2]], [[0, 2, 3]]])

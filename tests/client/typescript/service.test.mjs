@@ -215,7 +215,7 @@ function sharedCells({ figures: { delta }, fragments }) {
 /** Everything except the numbers, and the names that contain them. */
 function byId({ fragments, bonds, certificate, report, figures: { delta } }) {
   const geometry = fragments.map(f => [f.id, { ...f.source.extras.fracture, translation: f.translation, motion: f.motion, surface: f.surface, hulls: f.hulls,
-    primitives: f.primitives, filtered: f.collisionSystem !== undefined }]);
+    primitives: f.primitives, filtered: f.collisionFilter !== undefined }]);
   const pairs = bonds.map(({ a, b, normal: n, ...bond }) => (a < b ? { a, b, normal: n, ...bond } : { a: b, b: a, normal: n.map(x => -x + 0), ...bond }))
     .map(bond => ({ ...bond, normal: bond.normal.map(x => x + 0) })).sort((x, y) => x.a - y.a || x.b - y.b);
   return { geometry: Object.fromEntries(geometry), pairs, certificate, report, delta };

@@ -6,6 +6,7 @@ import { built, Client, Glb, packGlb, refusal, FractureError, fake, answer, stor
 
 const { sha256Here, digestMatches } = await built('sha256.js');
 const { retryAfter } = await built('problems.js');
+const { collisionFilters } = await built('filters.js');
 
 test('SHA-256 without WebCrypto is that of OpenSSL', () => {
   for (const size of [0, 1, 3, 55, 56, 57, 63, 64, 65, 119, 120, 1000, 100_003]) {
@@ -24,6 +25,12 @@ test('a digest is that of the bytes', async () => {
   assert.ok(!await digestMatches(ofNothing, Uint8Array.of(1)));
   assert.ok(!await digestMatches('md5=:x:', nothing));
   assert.ok(!await digestMatches('xsha-256=:47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=:', nothing));
+});
+
+test('collision filters exclude pairs, are not transitive, and twins share a system', () => {
+  const [named, lists] = [{ system: 1, excluded: [] }, { system: 0, excluded: [1] }];
+  assert.deepEqual(collisionFilters(4, [[0, 1], [1, 2]]), [named, lists, named, undefined]);
+  assert.deepEqual(collisionFilters(5, [[0, 2], [0, 3], [0, 4], [1, 2], [1, 3], [1, 4]]), [named, named, lists, lists, lists]);
 });
 
 test('Retry-After is seconds within a day', () => {

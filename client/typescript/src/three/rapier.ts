@@ -74,16 +74,17 @@ export function setMotion(body: RapierBody, { velocity, spin }: Pick<MovingBody,
 /** Returns collider descriptions for a fragment, in the frame of a body in which the fragment is at `offset`. Colliders have no
  * mass, because mass and inertia belong to the body. `threshold`: force (N) above which contacts are reported. */
 export function colliders({ ColliderDesc, ActiveEvents }: Rapier, fragment: Fragment, offset: Vec3, threshold: number | undefined): any[] {
-  const { hulls, surface: { friction, restitution }, collisionSystem } = fragment;
+  const { hulls, surface: { friction, restitution }, collisionFilter } = fragment;
   return hulls.flatMap(({ positions, triangles }) => {
     // Rapier recomputes the hull from the points and merges almost coplanar faces. This halves the time of a step.
     const shape = ColliderDesc.convexHull(positions) ?? ColliderDesc.convexMesh(positions, Uint32Array.from(triangles));
     if (!shape) return [];
     shape.setTranslation(...offset).setDensity(0).setFriction(friction).setRestitution(restitution);
-    // Rapier has 16 groups. Overlapping pieces are in one of 15 groups whose members do not collide with each other.
-    if (collisionSystem !== undefined) {
-      const group = 1 << 1 + collisionSystem % 15;
-      shape.setCollisionGroups((group << 16 | 0xffff & ~group) >>> 0);
+    // Rapier has 16 groups. From system 16 on, systems share the groups 1 to 15: then a few more pairs do not collide.
+    if (collisionFilter) {
+      const group = (system: number) => 1 << (system === 0 ? 0 : 1 + (system - 1) % 15);
+      const excluded = collisionFilter.excluded.reduce((groups, system) => groups | group(system), 0);
+      shape.setCollisionGroups((group(collisionFilter.system) << 16 | 0xffff & ~excluded) >>> 0);
     }
     if (threshold !== undefined) shape.setActiveEvents(ActiveEvents.CONTACT_FORCE_EVENTS).setContactForceEventThreshold(threshold);
     return [shape];

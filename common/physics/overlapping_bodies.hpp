@@ -1,0 +1,46 @@
+// Which bodies overlap, among those that no diagram proves disjoint. Cells of one diagram are convex and disjoint, and a hull
+// lies in cells of its fragment. So only two kinds of pairs need a look: pieces of the same cell, and pieces of parts that
+// have diagrams of their own (base/cell_map.hpp). Without either there is no cost.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/cell_map.hpp"
+#include "common/base/execution.hpp"
+#include "common/fragment/fragments.hpp"
+#include "common/physics/collision_filters.hpp"
+#include "common/physics/collision_hulls.hpp"
+
+namespace fracture {
+
+/// Fragments with their hulls; borrowed. Its places are those that a file has.
+struct Bodies {
+  std::vector<const Fragment*> fragments{};
+  std::vector<const FragmentHulls*> hulls{};
+  std::size_t size() const { return fragments.size(); }
+};
+
+/// Which fragments are known to have disjoint cells.
+struct CellsOfBodies {
+  const CellMap& map;     ///< by Fragment::part
+  bool disjoint = true;   ///< false: cells may overlap, as barycentric ones do
+  bool may_share = true;  ///< false: no two fragments have a piece of the same cell
+};
+
+struct Overlap {
+  BodyPair pair;
+  double depth = 0;                      ///< m, > 0: the most that two of their hulls overlap by
+  Vec3d normal;                          ///< unit length, from a to b, of these hulls
+  std::uint32_t hull_a = 0, hull_b = 0;  ///< these hulls
+};
+
+/// Ascending by pair. Near-linear in the hulls, their points and the pairs of hulls whose boxes meet. Throws Interrupted.
+std::vector<Overlap> find_overlaps(const Bodies& bodies, const CellsOfBodies& cells,
+                                   const Execution& execution);
+
+/// The deepest overlap of two bodies; its depth is 0 if they are apart. Throws Interrupted.
+Overlap deepest_overlap(const Bodies& bodies, const BodyPair& pair, const Execution& execution);
+
+}  // namespace fracture
