@@ -51,7 +51,7 @@ PartQuotas::PartQuotas(const Pieces& pieces, const std::function<std::uint32_t(s
     if (left_[part] > quota_[part]) claims.push({cells[part] / (quota_[part] + 1), part});
   };
   for (std::uint32_t p = 0; p < count; ++p) claim(p);
-  std::uint32_t more = wanted > parts_ ? wanted - parts_ : wanted / 4;
+  std::uint32_t more = wanted >= parts_ ? wanted - parts_ : wanted / 4;
   for (; more > 0 && !claims.empty(); --more) {
     const std::uint32_t part = claims.top().part;
     claims.pop();

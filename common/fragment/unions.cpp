@@ -100,7 +100,7 @@ std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiag
   for (const Union& names : unions) {
     numbers.clear();
     for (const PieceName& name : names) numbers.push_back(number(name));
-    if (std::find(numbers.begin(), numbers.end(), kNoIndex) != numbers.end()) continue;
+    std::erase(numbers, kNoIndex);
     for (std::size_t k = 1; k < numbers.size(); ++k, ++united) groups.unite(numbers[0], numbers[k], pacer);
   }
   return united;

@@ -3,27 +3,44 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
 
-constexpr double kLeastShare = 0.1;
-
-/// Returns each part's share of its density; empty if no parts overlap.
+/// Per part, or empty if no parts overlap.
 std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
   if (!solid.contacts) return {};
-  std::vector<double> common;  // m³, half of the volume that each part shares with others
+  struct Group {
+    double volume = 0, common = 0,
+           largest = 0;  ///< m³: of all parts, of the overlaps, and of the largest part
+  };
+  DisjointSets sets(solid.parts.size());
+  bool any = false;
   for (const Contact& c : solid.contacts->contacts) {
     pacer.step();
     if (!(c.volume > 0)) continue;
-    common.resize(solid.parts.size(), 0);
-    common[c.a] += c.volume / 2;
-    common[c.b] += c.volume / 2;
+    sets.unite(c.a, c.b);
+    any = true;
   }
-  for (std::size_t p = 0; p < common.size(); ++p)
-    common[p] = std::max(kLeastShare, 1 - common[p] / solid.parts[p].volume);
-  return common;
+  if (!any) return {};
+  std::vector<Group> groups(solid.parts.size());  // by lowest part
+  for (std::uint32_t p = 0; p < groups.size(); ++p) {
+    pacer.step();
+    Group& group = groups[sets.find(p)];
+    group.volume += solid.parts[p].volume;
+    group.largest = std::max(group.largest, solid.parts[p].volume);
+  }
+  for (const Contact& c : solid.contacts->contacts)
+    if (c.volume > 0) groups[sets.find(c.a)].common += c.volume;
+  std::vector<double> shares(groups.size());
+  for (std::uint32_t p = 0; p < shares.size(); ++p) {
+    pacer.step();
+    const Group& group = groups[sets.find(p)];
+    shares[p] = std::max(group.volume - group.common, group.largest) / group.volume;
+  }
+  return shares;
 }
 
 double share_of(const Fragment& f, const std::vector<double>& of_part) {
@@ -33,7 +50,7 @@ double share_of(const Fragment& f, const std::vector<double>& of_part) {
     all += v.volume;
     once += of_part[v.part] * v.volume;
   }
-  return all > 0 && once > 0 ? std::min(1.0, once / all) : 1;
+  return all > 0 && once > 0 ? once / all : 1;
 }
 
 }  // namespace

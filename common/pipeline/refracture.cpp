@@ -61,7 +61,11 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);
   if (!made) return made;
   made->report.fragment = {wanted.fragment, at->mass.volume};
-  for (Fragment& f : made->set.fragments) f.source_part = at->source_part;
+  for (Fragment& f : made->set.fragments) {
+    f.source_part = at->source_part;
+    f.density_share = at->density_share;  // so that the masses add up to that of the fragment
+  }
+  made->set.certificate.volume_once = at->density_share * made->set.certificate.volume_in;
   return made;
 }
 

@@ -84,7 +84,7 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
                  ".");
   if (layers > 1)
     remarks.note("The boxes of the " + grouped(report.parts) +
-                 " parts overlap; each part is fractured separately.");
+                 " parts overlap. The report lists the parts that touch or overlap.");
   const std::string them = report.shells_dropped == 1 ? "it" : "them";
   if (flat.triangles > 0)
     remarks.warn(

@@ -101,12 +101,14 @@ TEST(IntactScene, HasTheAttributesOfTheSource) {
   const Glb file = written(made_of(mesh, true));
   ASSERT_EQ(parts(file).size(), 1u);
   const json& p = file.document["meshes"].at(parts(file)[0]["mesh"].get<std::size_t>())["primitives"][0];
-  const auto sorted = [](const std::vector<Vec2f>& uvs) {
-    std::set<std::array<float, 2>> all;
-    for (const Vec2f& uv : uvs) all.insert({uv.x, uv.y});
-    return all;
-  };
-  EXPECT_EQ(sorted(file.read<Vec2f>(p["attributes"]["TEXCOORD_0"])), sorted(mesh.attributes.uvs[0]));
+  std::set<std::array<float, 2>> given, found;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    if (a == b || b == c || c == a) continue;  // at the poles
+    for (const std::uint32_t v : t) given.insert({mesh.attributes.uvs[0][v].x, mesh.attributes.uvs[0][v].y});
+  }
+  for (const Vec2f& uv : file.read<Vec2f>(p["attributes"]["TEXCOORD_0"])) found.insert({uv.x, uv.y});
+  EXPECT_EQ(given, found);
 }
 
 TEST(IntactScene, PartsHaveCollidersThatDoNotMove) {
@@ -127,7 +129,8 @@ TEST(IntactScene, PartsHaveCollidersThatDoNotMove) {
   }
   EXPECT_EQ(meshes.size(), 5u);
   for (const json& node : nodes) {
-    EXPECT_FALSE(node["extensions"].value(kKhrName, json::object()).contains("motion"));
+    const json extensions = node.value("extensions", json::object());
+    EXPECT_FALSE(extensions.value(kKhrName, json::object()).contains("motion"));
     EXPECT_NEAR(node["extras"]["intact"]["mass"].get<double>(),
                 500 * node["extras"]["intact"]["volume"].get<double>(), 1e-6);
   }
