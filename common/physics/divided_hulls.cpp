@@ -95,6 +95,8 @@ void divide_hulls(const Fragment& f, const HullLimits& limits, HullMaker& maker,
                   const Execution& execution) {
   if (f.open_edges != 0 || f.indices.size() > 3 * kMostTriangles) return;
   if (!f.caps.empty() && f.bodies.size() > 1) return;
+  if (!f.part_cells.empty())
+    return;  // each piece keeps its hull, so that the fragment's hulls stay in its cells
   std::vector<std::array<std::uint32_t, 3>>& triangles = thread_scratch<DivisionScratch>().triangles;
   const BodySurface surface(f.indices, maker.corner_of);
   triangles.clear();

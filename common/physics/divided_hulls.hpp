@@ -10,7 +10,8 @@ namespace fracture {
 
 /// Replaces the hulls in `out` by those of the fragment's convex parts (convex_parts.hpp), if these exceed its volume by
 /// less. `maker` has the fragment's corners. Parts of a rough fragment are cut back to its hull in `out`, so they do not
-/// reach into other cells either. Hulls stay as they are if the fragment is open, has too many triangles, or is cut and
+/// reach into other cells either. Hulls stay as they are if the fragment is open, has pieces of several parts or too many
+/// triangles, or is cut and
 /// - has several cells, because its surface does not say what lies in which cell, or
 /// - has no opening, like the curved shards of a vase: there may be hundreds of them, and nothing can fly through them.
 /// Throws Interrupted.

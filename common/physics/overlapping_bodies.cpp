@@ -138,8 +138,12 @@ void measure_all(const Bodies& bodies, const std::vector<std::vector<std::uint32
 
 /// The number of the frame of a part.
 std::size_t frame_of(const CellMap& map, std::uint32_t part) {
+  if (!map) return 0;
   return static_cast<std::size_t>(&map.of_part(part) - map.frames().data());
 }
+
+/// Whether hulls may extend beyond the fragment's cells: those of a whole part in several cells (divided_hulls.hpp).
+bool may_leave_its_cells(const Fragment& f) { return f.caps.empty() && f.bodies.size() > 1; }
 
 /// The number of the frame that all cells of a fragment are in; kNoIndex if there are several.
 std::size_t only_frame_of(const CellMap& map, const Fragment& f) {
@@ -178,20 +182,22 @@ std::vector<Overlap> find_overlaps(const Bodies& bodies, const CellsOfBodies& ce
   std::vector<Overlap> found;
   if (cells.disjoint && cells.may_share)
     measure_pairs(bodies, sharing_a_cell(bodies, execution), found, execution);
-  const std::size_t frames = cells.map.frames().size();
-  if (!cells.disjoint || frames > 1) {
-    std::vector<std::vector<std::uint32_t>> groups(cells.disjoint ? frames : 1);
-    Pacer pacer(execution);
-    for (std::uint32_t k = 0; k < bodies.size(); ++k) {
-      pacer.step(1 + bodies.fragments[k]->part_cells.size());
-      const std::size_t frame = cells.disjoint ? only_frame_of(cells.map, *bodies.fragments[k]) : 0;
-      if (frame != kNoIndex)
-        groups[frame].push_back(k);
-      else
-        groups.push_back({k});  // may overlap each of the others
-    }
-    measure_all(bodies, groups, found, execution);
+  // Bodies in one group are disjoint, if cells are.
+  const std::size_t frames = std::max<std::size_t>(cells.map.frames().size(), 1);
+  std::vector<std::vector<std::uint32_t>> groups(cells.disjoint ? frames : 1);
+  Pacer pacer(execution);
+  for (std::uint32_t k = 0; k < bodies.size(); ++k) {
+    const Fragment& f = *bodies.fragments[k];
+    pacer.step(1 + f.part_cells.size());
+    const std::size_t frame = !cells.disjoint          ? 0
+                              : may_leave_its_cells(f) ? kNoIndex
+                                                       : only_frame_of(cells.map, f);
+    if (frame != kNoIndex)
+      groups[frame].push_back(k);
+    else
+      groups.push_back({k});
   }
+  if (!cells.disjoint || groups.size() > 1) measure_all(bodies, groups, found, execution);
   keep_deepest(found, execution);
   return found;
 }

@@ -1,6 +1,6 @@
 // Which bodies overlap, among those that no diagram proves disjoint. Cells of one diagram are convex and disjoint, and a hull
-// lies in cells of its fragment. So only two kinds of pairs need a look: pieces of the same cell, and pieces of parts that
-// have diagrams of their own (base/cell_map.hpp). Without either there is no cost.
+// lies in the cells of its fragment. So few pairs need a look: pieces of the same cell, hulls of whole parts in several cells,
+// and pieces of parts that have diagrams of their own (base/cell_map.hpp). Without these there is no cost.
 #pragma once
 
 #include <cstdint>

@@ -13,6 +13,8 @@ constexpr double kRoundingInSteps = 2;
 constexpr std::size_t kBlock = 8;
 /// A sum of normals that is a smaller share of the area is noise.
 constexpr double kCancelled = 1e-9;
+/// m²: the reciprocal of a smaller area may be infinite.
+constexpr double kLeastArea = 1e-200;
 
 Vec3d turned(const Vec3d& v) { return {v.x == 0 ? 0 : -v.x, v.y == 0 ? 0 : -v.y, v.z == 0 ? 0 : -v.z}; }
 
@@ -146,7 +148,8 @@ void ContactSharer::share(std::uint32_t number, std::vector<Bond>& bonds) {
   }
   for (const Sum& sum : sums_) {
     pacer_.step();
-    if (sum.own == sum.other || !(sum.area > sum.noise)) continue;  // one fragment, or only rims of cuts
+    if (sum.own == sum.other || !(sum.area > std::max(sum.noise, kLeastArea)))
+      continue;  // one fragment, or only rims of cuts
     if (!is_wanted(sum.own) && !is_wanted(sum.other)) continue;
     const double l = length(sum.normal);
     Vec3d from_own = (1 / l) * sum.normal;
