@@ -72,10 +72,15 @@ void Game::weigh(const std::vector<std::size_t>& things, const std::string& answ
   const nlohmann::json report = nlohmann::json::parse(answer, nullptr, false);
   const nlohmann::json::json_pointer path("/report/solid/volume");
   if (!report.is_object() || !report.contains(path) || !report[path].is_number()) return;
+  double volume = report[path].get<double>();
+  // Fragments count overlaps of parts once, and the unbroken thing must weigh as much as its fragments.
+  const nlohmann::json::json_pointer overlaps("/report/contacts/volume");
+  if (report.contains(overlaps) && report[overlaps].is_number())
+    volume = std::max(volume - report[overlaps].get<double>(), 0.1 * volume);
   for (const std::size_t thing : things) {
     if (weighed_.contains(thing)) continue;
     const scenes::SceneObject& object = scene_.objects[things_[thing].scene_object];
-    const double factor = report[path].get<double>() / object.mesh->unit_mass.mass;
+    const double factor = volume / object.mesh->unit_mass.mass;
     if (factor > 0 && std::isfinite(factor) && factor != 1) scale_mass(thing, factor);
   }
 }

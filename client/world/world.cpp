@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
+#include <span>
 
 #include "client/world/state.hpp"
 
@@ -31,11 +32,10 @@ struct ApartFilter : btOverlapFilterCallback {
     const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
     return object ? static_cast<const Body*>(object->getUserPointer()) : nullptr;
   }
-  /// Null: several fragments, or none.
-  const Fragment* fragment_of(const Body& body) const {
-    return body.kind == Body::Kind::kGroup && body.members.size() == 1
-               ? &objects[body.object]->fragments->set.fragments[body.members[0]]
-               : nullptr;
+  /// The indices of a body's fragments; none if it is not broken.
+  static std::span<const std::uint32_t> fragments_of(const Body& body) {
+    return body.kind == Body::Kind::kGroup ? std::span<const std::uint32_t>(body.members)
+                                           : std::span<const std::uint32_t>();
   }
   /// After a hit only the newer fragment may name the other.
   static bool names(const Fragment& a, const Fragment& b) {
@@ -49,9 +49,12 @@ struct ApartFilter : btOverlapFilterCallback {
     if (first == nullptr || second == nullptr) return true;
     if (first->crumb && second->crumb) return false;
     if (first->object != second->object) return true;
-    const Fragment *a_alone = fragment_of(*first), *b_alone = fragment_of(*second);
-    return a_alone == nullptr || b_alone == nullptr ||
-           (!names(*a_alone, *b_alone) && !names(*b_alone, *a_alone));
+    for (const std::uint32_t f : fragments_of(*first))
+      for (const std::uint32_t g : fragments_of(*second)) {
+        const std::vector<Fragment>& all = objects[first->object]->fragments->set.fragments;
+        if (names(all[f], all[g]) || names(all[g], all[f])) return false;
+      }
+    return true;
   }
 };
 

@@ -173,9 +173,9 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
     json.key("hulls")
         .begin_object()
         .member("count", report.hulls->hulls)
+        .member("excess", report.hulls->excess)
         .member("flat", report.hulls->flat)
         .member("simplified", report.hulls->simplified)
-        .member("excess", report.hulls->excess)
         .end_object();
   if (report.kept_cells) json.key("keep").begin_object().member("cells", *report.kept_cells).end_object();
   if (const auto& levels = fractured.hierarchy.levels; !levels.empty()) {

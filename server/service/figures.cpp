@@ -95,6 +95,7 @@ Certificate certificate_in(const json& c) {
   const auto read = [&](const char* name, auto& figure) { figure = c.value(name, figure); };
   read("open_edges", result.open_edges);
   read("volume_in", result.volume_in);
+  read("volume_once", result.volume_once);
   read("volume_out", result.volume_out);
   read("volume_file", result.volume_file);
   read("relative_error", result.relative_error);

@@ -15,8 +15,9 @@ using nlohmann::json;
 FracturedSolid two_halves_in_levels() {
   FracturedSolid made = two_halves();
   made.hierarchy.levels.resize(2);
-  made.hierarchy.levels[0].clusters = {{11, kNoIndex, 2, 2.0, {1, 0.5, 0.5}}};
-  made.hierarchy.levels[1].clusters = {{21, 0, 1, 1.0, {0.5, 0.5, 0.5}}, {22, 0, 1, 1.0, {1.5, 0.5, 0.5}}};
+  made.hierarchy.levels[0].clusters = {{11, kNoIndex, 2, 2.0, 1, {1, 0.5, 0.5}}};
+  made.hierarchy.levels[1].clusters = {{21, 0, 1, 1.0, 1, {0.5, 0.5, 0.5}},
+                                       {22, 0, 1, 1.0, 1, {1.5, 0.5, 0.5}}};
   made.hierarchy.levels[1].bonds = made.set.bonds;
   made.hierarchy.cluster_of_fragment = {0, 1};
   made.anchored = {.held = {0, 1}, .count = 1};

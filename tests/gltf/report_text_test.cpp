@@ -165,7 +165,7 @@ TEST(ReportText, TheCertificateHasItsNumbersAsTheyStandInTheFile) {
   certificate.relative_error = 1e-17;
   certificate.fragments = 3;
   const json document = certificate_document(certificate);
-  EXPECT_EQ(document.size(), 17u);
+  EXPECT_EQ(document.size(), 18u);
   EXPECT_EQ(document.at("volume_in").dump(), "2");
   EXPECT_EQ(document.at("relative_error").get<double>(), 1e-17);
   EXPECT_EQ(document.at("fragments"), 3);
