@@ -37,7 +37,7 @@ constexpr std::size_t kPartsPerHull = 2;
 /// Corners this near to a plane are on it, relative to the size of the solid: ten steps of floats.
 constexpr double kOnPlane = 1e-6;
 
-struct Part {
+struct ConvexPiece {
   Polyhedron solid;  ///< if parts were merged: the first one's
   double volume = 0;
   std::vector<Vec3f> corners;  ///< all that its hull must contain
@@ -80,14 +80,14 @@ class Decomposition {
  private:
   void add_shells(std::span<const Vec3f> points, TriangleSpan triangles);
   double trial_volume(std::span<const Vec3d> points);
-  void make_hull(Part& part);
-  void finish(Part& part);
-  double cost(const Part& part, const NotchPlanes::Candidate& candidate, double most);
+  void make_hull(ConvexPiece& part);
+  void finish(ConvexPiece& part);
+  double cost(const ConvexPiece& part, const NotchPlanes::Candidate& candidate, double most);
   bool split(std::size_t k);
   std::size_t worst() const;
-  double common_volume(const Part& a, const Part& b);
-  bool touch(const Part& a, const Part& b) const;
-  bool may_merge(const Part& a, const Part& b, double common) const;
+  double common_volume(const ConvexPiece& a, const ConvexPiece& b);
+  bool touch(const ConvexPiece& a, const ConvexPiece& b) const;
+  bool may_merge(const ConvexPiece& a, const ConvexPiece& b, double common) const;
   void merge();
 
   const HullLimits limits_;
@@ -95,7 +95,7 @@ class Decomposition {
   Pacer pacer_;
   PartsScratch& s_;
   double size_ = 0, on_plane_ = 0;
-  std::vector<Part> parts_;
+  std::vector<ConvexPiece> parts_;
 };
 
 /// One part for each outward shell. Inward shells are cavities, which are left out.
@@ -128,8 +128,8 @@ void Decomposition::add_shells(std::span<const Vec3f> points, TriangleSpan trian
       solid.edges.push_back({s_.number[t[k]], s_.number[t[k == 2 ? 0 : k + 1]]});
     solid.faces.push_back({static_cast<std::uint32_t>(solid.edges.size()), l > 0 ? (1 / l) * n : Vec3d{}});
   }
-  for (Part& part : parts_) part.volume = volume_of(part.solid, pacer_);
-  std::erase_if(parts_, [](const Part& p) { return !(p.volume > 0); });
+  for (ConvexPiece& part : parts_) part.volume = volume_of(part.solid, pacer_);
+  std::erase_if(parts_, [](const ConvexPiece& p) { return !(p.volume > 0); });
 }
 
 /// Slightly less than the volume of their hull; 0 if they are flat.
@@ -140,7 +140,7 @@ double Decomposition::trial_volume(std::span<const Vec3d> points) {
 }
 
 /// Makes the hull of the corners. Flat corners get neither a hull nor a volume.
-void Decomposition::make_hull(Part& part) {
+void Decomposition::make_hull(ConvexPiece& part) {
   const auto& triangles = s_.builder.build(part.corners, kMaxHullPoints, execution_, {}, kHullTolerance);
   part.is_simplified = s_.builder.stopped_early();
   part.hull = {};
@@ -162,7 +162,7 @@ void Decomposition::make_hull(Part& part) {
   part.hull_volume = volume_within(part.hull.points, part.hull.triangles);
 }
 
-void Decomposition::finish(Part& part) {
+void Decomposition::finish(ConvexPiece& part) {
   part.corners.reserve(part.solid.points.size());
   pacer_.each(0, part.solid.points.size(), [&](std::size_t k) {
     part.corners.push_back(to_float(part.solid.points[k]));
@@ -173,7 +173,7 @@ void Decomposition::finish(Part& part) {
 }
 
 /// The cost of a cut, relative to the part's hull. HUGE_VAL if the part stays whole, a body has no hull, or it exceeds `most`.
-double Decomposition::cost(const Part& part, const NotchPlanes::Candidate& candidate, double most) {
+double Decomposition::cost(const ConvexPiece& part, const NotchPlanes::Candidate& candidate, double most) {
   s_.cutter.cut(part.solid, candidate.plane, on_plane_, pacer_);
   const std::span<const PolyhedronCutter::Body> bodies = s_.cutter.bodies();
   if (bodies.size() < 2) return HUGE_VAL;
@@ -192,7 +192,7 @@ double Decomposition::cost(const Part& part, const NotchPlanes::Candidate& candi
 }
 
 bool Decomposition::split(std::size_t k) {
-  Part& part = parts_[k];
+  ConvexPiece& part = parts_[k];
   const CutPlane* best = nullptr;
   double least = HUGE_VAL;
   for (const NotchPlanes::Candidate& c : s_.notches.find(part.solid, part.hull, size_, kTried, execution_)) {
@@ -203,7 +203,7 @@ bool Decomposition::split(std::size_t k) {
   }
   if (!best) return false;
   s_.cutter.cut(part.solid, *best, on_plane_, pacer_);
-  std::vector<Part> made(s_.cutter.bodies().size());
+  std::vector<ConvexPiece> made(s_.cutter.bodies().size());
   for (std::size_t b = 0; b < made.size(); ++b) {
     s_.cutter.write(s_.cutter.bodies()[b], made[b].solid, pacer_);
     made[b].volume = s_.cutter.bodies()[b].volume;
@@ -227,14 +227,14 @@ std::size_t Decomposition::worst() const {
   return worst;
 }
 
-double Decomposition::common_volume(const Part& a, const Part& b) {
+double Decomposition::common_volume(const ConvexPiece& a, const ConvexPiece& b) {
   s_.points = a.hull.points;
   s_.points.insert(s_.points.end(), b.hull.points.begin(), b.hull.points.end());
   return volume_within(s_.points,
                        s_.builder.build(s_.points, kMaxHullPoints, execution_, {}, kHullTolerance));
 }
 
-bool Decomposition::touch(const Part& a, const Part& b) const {
+bool Decomposition::touch(const ConvexPiece& a, const ConvexPiece& b) const {
   Box wide = a.box;
   const Vec3d reach{on_plane_, on_plane_, on_plane_};
   wide.add(a.box.min - reach);
@@ -242,7 +242,7 @@ bool Decomposition::touch(const Part& a, const Part& b) const {
   return wide.intersects(b.box);
 }
 
-bool Decomposition::may_merge(const Part& a, const Part& b, double common) const {
+bool Decomposition::may_merge(const ConvexPiece& a, const ConvexPiece& b, double common) const {
   return common - a.hull_volume - b.hull_volume <= kFreeMerge * common ||
          common <= (1 + kMergedExcess * (limits_.excess - 1)) * (a.volume + b.volume);
 }
@@ -267,7 +267,7 @@ void Decomposition::merge() {
         second = b;
       }
     if (least == HUGE_VAL) break;
-    Part &to = parts_[first], &from = parts_[second];
+    ConvexPiece &to = parts_[first], &from = parts_[second];
     to.corners.insert(to.corners.end(), from.corners.begin(), from.corners.end());
     to.box.add(from.box);
     to.volume += from.volume;
@@ -283,10 +283,10 @@ void Decomposition::merge() {
 ConvexParts Decomposition::run(std::span<const Vec3f> points, TriangleSpan triangles) {
   ConvexParts out;
   add_shells(points, triangles);
-  Part whole;
+  ConvexPiece whole;
   whole.corners.assign(points.begin(), points.end());
   for (const Vec3f& p : points) whole.box.add(to_double(p));
-  for (const Part& p : parts_) whole.volume += p.volume;
+  for (const ConvexPiece& p : parts_) whole.volume += p.volume;
   make_hull(whole);
   if (whole.hull_volume == 0) return out;
   size_ = whole.box.longest_side();
@@ -296,7 +296,7 @@ ConvexParts Decomposition::run(std::span<const Vec3f> points, TriangleSpan trian
     parts_.clear();
     parts_.push_back(std::move(whole));
   } else {
-    for (Part& p : parts_) finish(p);
+    for (ConvexPiece& p : parts_) finish(p);
     while (parts_.size() < kPartsPerHull * limits_.count) {
       const std::size_t k = worst();
       if (k == parts_.size()) break;
@@ -304,7 +304,7 @@ ConvexParts Decomposition::run(std::span<const Vec3f> points, TriangleSpan trian
     }
     merge();
   }
-  for (Part& p : parts_) {
+  for (ConvexPiece& p : parts_) {
     out.simplified += p.is_simplified;
     out.excess += p.hull_volume;
     if (p.volume > 0) out.largest_excess = std::max(out.largest_excess, p.hull_volume / p.volume);

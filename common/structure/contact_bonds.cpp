@@ -13,7 +13,7 @@ namespace fracture {
 namespace {
 
 /// A sum of normals that is a smaller share of the area is noise.
-constexpr double kCancelled = 1e-9;
+constexpr double kCancelledNormals = 1e-9;
 
 bool is_before(const Bond& x, const Bond& y) {
   return std::tie(x.a, x.b, x.across_parts) < std::tie(y.a, y.b, y.across_parts);
@@ -44,7 +44,7 @@ std::vector<Bond> one_for_each_pair(std::vector<Bond> bonds, const Execution& ex
     }
     if (end - k > 1) {
       sum.centroid = (1 / sum.area) * moment;
-      if (const double l = length(normal); l > kCancelled * sum.area) sum.normal = (1 / l) * normal;
+      if (const double l = length(normal); l > kCancelledNormals * sum.area) sum.normal = (1 / l) * normal;
     } else {
       sum.area = first.area;
     }

@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kKhrName = "KHR_physics_rigid_bodies";
+constexpr const char* kRigidBodies = "KHR_physics_rigid_bodies";
 
 /// A sphere with texture coordinates, next to a square frame.
 Mesh sphere_and_frame() {
@@ -119,18 +119,18 @@ TEST(IntactScene, PartsHaveCollidersThatDoNotMove) {
   const std::vector<json> nodes = parts(file);
   ASSERT_EQ(nodes.size(), 2u);
   EXPECT_FALSE(nodes[0].contains("children")) << "a sphere has one hull";
-  EXPECT_TRUE(nodes[0]["extensions"][kKhrName]["collider"]["geometry"]["convexHull"]);
+  EXPECT_TRUE(nodes[0]["extensions"][kRigidBodies]["collider"]["geometry"]["convexHull"]);
   ASSERT_EQ(nodes[1]["children"].size(), 4u) << "a frame has one for each bar";
-  std::set<std::size_t> meshes{nodes[0]["extensions"][kKhrName]["collider"]["geometry"]["mesh"]};
+  std::set<std::size_t> meshes{nodes[0]["extensions"][kRigidBodies]["collider"]["geometry"]["mesh"]};
   for (const json& child : nodes[1]["children"]) {
     const json& node = file.document["nodes"].at(child.get<std::size_t>());
-    meshes.insert(node["extensions"][kKhrName]["collider"]["geometry"]["mesh"].get<std::size_t>());
-    EXPECT_FALSE(node["extensions"][kKhrName].contains("motion"));
+    meshes.insert(node["extensions"][kRigidBodies]["collider"]["geometry"]["mesh"].get<std::size_t>());
+    EXPECT_FALSE(node["extensions"][kRigidBodies].contains("motion"));
   }
   EXPECT_EQ(meshes.size(), 5u);
   for (const json& node : nodes) {
     const json extensions = node.value("extensions", json::object());
-    EXPECT_FALSE(extensions.value(kKhrName, json::object()).contains("motion"));
+    EXPECT_FALSE(extensions.value(kRigidBodies, json::object()).contains("motion"));
     EXPECT_NEAR(node["extras"]["intact"]["mass"].get<double>(),
                 500 * node["extras"]["intact"]["volume"].get<double>(), 1e-6);
   }

@@ -13,28 +13,28 @@
 namespace fracture::test {
 namespace {
 
-using Points = std::vector<Vec3d>;
+using Corners = std::vector<Vec3d>;
 
 /// Three steps of the grid, of hulls together a few metres long.
 constexpr double kGrid = 3e-5;
 
-Points box(const Vec3d& low, const Vec3d& high) {
-  Points points;
+Corners box_corners(const Vec3d& low, const Vec3d& high) {
+  Corners points;
   for (int k = 0; k < 8; ++k)
     points.push_back({k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z});
   return points;
 }
 
-Points moved(Points points, const Vec3d& by) {
+Corners moved_corners(Corners points, const Vec3d& by) {
   for (Vec3d& p : points) p = p + by;
   return points;
 }
 
 /// The unit cube about the origin, turned by 45° about an axis.
-Points turned_cube(int axis) {
+Corners turned_cube(int axis) {
   const double s = std::sqrt(0.5);
-  Points points;
-  for (Vec3d p : box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5})) {
+  Corners points;
+  for (Vec3d p : box_corners({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5})) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const double x = p[u], y = p[v];
     p[u] = s * (x - y);
@@ -44,7 +44,7 @@ Points turned_cube(int axis) {
   return points;
 }
 
-HullDepth measure(const Points& a, const Points& b) {
+HullDepth measure(const Corners& a, const Corners& b) {
   const Execution execution;
   Pacer pacer(execution);
   HullOverlap overlap;
@@ -57,35 +57,35 @@ void expect_near(const Vec3d& a, const Vec3d& b) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 1e-4) << k;
 }
 
-const Points kCube = box({0, 0, 0}, {1, 1, 1});
+const Corners kCube = box_corners({0, 0, 0}, {1, 1, 1});
 
 TEST(HullOverlap, OfBoxesIsTheLeastOfTheThreeAxes) {
-  const HullDepth x = measure(kCube, moved(kCube, {0.7, 0.1, -0.2}));
+  const HullDepth x = measure(kCube, moved_corners(kCube, {0.7, 0.1, -0.2}));
   EXPECT_NEAR(x.depth, 0.3, kGrid);
   expect_near(x.normal, {1, 0, 0});
-  const HullDepth z = measure(kCube, moved(kCube, {0.7, 0.8, -0.9}));
+  const HullDepth z = measure(kCube, moved_corners(kCube, {0.7, 0.8, -0.9}));
   EXPECT_NEAR(z.depth, 0.1, kGrid);
   expect_near(z.normal, {0, 0, -1});
 }
 
 TEST(HullOverlap, TouchingIsNoneAndAMillionthApartIsApart) {
-  EXPECT_NEAR(measure(kCube, moved(kCube, {1, 0, 0})).depth, 0, kGrid);
-  EXPECT_NEAR(measure(kCube, moved(kCube, {1 + 1e-6, 0, 0})).depth, -1e-6, 1e-9);
-  EXPECT_LT(measure(kCube, moved(kCube, {1.5, 1.5, 1.5})).depth, -0.1);
+  EXPECT_NEAR(measure(kCube, moved_corners(kCube, {1, 0, 0})).depth, 0, kGrid);
+  EXPECT_NEAR(measure(kCube, moved_corners(kCube, {1 + 1e-6, 0, 0})).depth, -1e-6, 1e-9);
+  EXPECT_LT(measure(kCube, moved_corners(kCube, {1.5, 1.5, 1.5})).depth, -0.1);
 }
 
 TEST(HullOverlap, OfTheSameCubeAndOfOneInside) {
   EXPECT_NEAR(measure(kCube, kCube).depth, 1, kGrid);
-  EXPECT_NEAR(measure(kCube, box({0.4, 0.4, 0.4}, {0.6, 0.6, 0.6})).depth, 0.6, kGrid);
+  EXPECT_NEAR(measure(kCube, box_corners({0.4, 0.4, 0.4}, {0.6, 0.6, 0.6})).depth, 0.6, kGrid);
   // Nearer to the side -y: it leaves the cube there, by 0.1 + 0.2.
-  const HullDepth out = measure(kCube, box({0.4, 0.1, 0.4}, {0.6, 0.3, 0.6}));
+  const HullDepth out = measure(kCube, box_corners({0.4, 0.1, 0.4}, {0.6, 0.3, 0.6}));
   EXPECT_NEAR(out.depth, 0.3, kGrid);
   expect_near(out.normal, {0, -1, 0});
 }
 
 TEST(HullOverlap, OfATurnedCubeIsMeasuredToItsEdge) {
   // Its edges are half of the diagonal from its middle.
-  const Points turned = moved(turned_cube(2), {1 + std::sqrt(0.5) - 0.2, 0.5, 0.5});
+  const Corners turned = moved_corners(turned_cube(2), {1 + std::sqrt(0.5) - 0.2, 0.5, 0.5});
   const HullDepth found = measure(kCube, turned);
   EXPECT_NEAR(found.depth, 0.2, kGrid);
   expect_near(found.normal, {1, 0, 0});
@@ -93,14 +93,14 @@ TEST(HullOverlap, OfATurnedCubeIsMeasuredToItsEdge) {
 
 TEST(HullOverlap, OfTwoCrossedEdgesIsAlongTheirCommonNormal) {
   // An edge along z at x = sqrt(1/2), and one along y at x = 2 sqrt(1/2) - 0.1 - sqrt(1/2). No face is that near.
-  const HullDepth found = measure(turned_cube(2), moved(turned_cube(1), {std::sqrt(2.0) - 0.1, 0, 0}));
+  const HullDepth found = measure(turned_cube(2), moved_corners(turned_cube(1), {std::sqrt(2.0) - 0.1, 0, 0}));
   EXPECT_NEAR(found.depth, 0.1, kGrid);
   expect_near(found.normal, {1, 0, 0});
 }
 
 TEST(HullOverlap, OfTetrahedraBetweenTheirSlantedFaces) {
-  const Points corner{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  Points opposite;
+  const Corners corner{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Corners opposite;
   for (const Vec3d& p : corner) opposite.push_back(Vec3d{0.6, 0.6, 0.6} - p);
   // x + y + z is at most 1 in the one, and at least 3 * 0.6 - 1 in the other.
   EXPECT_NEAR(measure(corner, opposite).depth, 0.2 / std::sqrt(3.0), kGrid);
@@ -108,11 +108,11 @@ TEST(HullOverlap, OfTetrahedraBetweenTheirSlantedFaces) {
 
 TEST(HullOverlap, FarFromTheOriginAsNearIt) {
   const Vec3d far{1e5, -2e5, 3e5};
-  EXPECT_NEAR(measure(moved(kCube, far), moved(kCube, far + Vec3d{0.7, 0, 0})).depth, 0.3, kGrid);
+  EXPECT_NEAR(measure(moved_corners(kCube, far), moved_corners(kCube, far + Vec3d{0.7, 0, 0})).depth, 0.3, kGrid);
 }
 
 TEST(HullOverlap, FlatOrSmallHullsAreNoTrouble) {
-  const Points sheet = box({0, 0, 0.5}, {1, 1, 0.5}), point{{0.5, 0.5, 0.25}};
+  const Corners sheet = box_corners({0, 0, 0.5}, {1, 1, 0.5}), point{{0.5, 0.5, 0.25}};
   EXPECT_NEAR(measure(kCube, sheet).depth, 0.5, kGrid);
   EXPECT_NEAR(measure(kCube, point).depth, 0.25, kGrid);
   EXPECT_LE(measure(sheet, sheet).depth, kGrid);
@@ -121,7 +121,7 @@ TEST(HullOverlap, FlatOrSmallHullsAreNoTrouble) {
 }
 
 /// By all normals of faces and all cross products of edges.
-double depth_by_separating_axes(const std::array<Points, 2>& hulls,
+double depth_by_separating_axes(const std::array<Corners, 2>& hulls,
                                 const std::array<std::vector<std::array<std::uint32_t, 3>>, 2>& triangles) {
   std::vector<Vec3d> axes;
   std::array<std::vector<Vec3d>, 2> edges;
@@ -152,7 +152,7 @@ TEST(HullOverlap, AgreesWithAllSeparatingAxes) {
   Random random(20261129);
   int apart = 0;
   for (int round = 0; round < 300; ++round) {
-    std::array<Points, 2> hulls;
+    std::array<Corners, 2> hulls;
     std::array<std::vector<std::array<std::uint32_t, 3>>, 2> triangles;
     const double distance = 2 * random.uniform();
     for (std::size_t h = 0; h < 2; ++h) {
