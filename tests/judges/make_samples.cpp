@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "common/contacts/contacts.hpp"
 #include "common/gltf/gltf_writer.hpp"
 #include "tests/gltf/two_halves.hpp"
 #ifdef FRACTURE_HAS_PIPELINE
@@ -50,8 +51,9 @@ void write_variants(const std::filesystem::path& folder, const std::string& name
 std::optional<FracturedSolid> fracture_of(Mesh mesh, FractureParameters parameters, GltfOptions& options) {
   StageTimings timings;
   const Execution execution;
-  const Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, execution);
+  Expected<Solid> solid = make_solid(std::make_shared<const Mesh>(std::move(mesh)), {}, execution);
   if (!solid) return std::nullopt;
+  keep_contacts(*solid, {}, execution);  // as the server does
   parameters.hulls = Hulls::kConvex;
   const Expected<Diagram> diagram = make_diagram(*solid, parameters, execution, timings);
   if (!diagram) return std::nullopt;
