@@ -1,8 +1,8 @@
 #include "common/hits/difference.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 

@@ -93,7 +93,8 @@ TEST(HullOverlap, OfATurnedCubeIsMeasuredToItsEdge) {
 
 TEST(HullOverlap, OfTwoCrossedEdgesIsAlongTheirCommonNormal) {
   // An edge along z at x = sqrt(1/2), and one along y at x = 2 sqrt(1/2) - 0.1 - sqrt(1/2). No face is that near.
-  const HullDepth found = measure(turned_cube(2), moved_corners(turned_cube(1), {std::sqrt(2.0) - 0.1, 0, 0}));
+  const HullDepth found =
+      measure(turned_cube(2), moved_corners(turned_cube(1), {std::sqrt(2.0) - 0.1, 0, 0}));
   EXPECT_NEAR(found.depth, 0.1, kGrid);
   expect_near(found.normal, {1, 0, 0});
 }
@@ -108,7 +109,8 @@ TEST(HullOverlap, OfTetrahedraBetweenTheirSlantedFaces) {
 
 TEST(HullOverlap, FarFromTheOriginAsNearIt) {
   const Vec3d far{1e5, -2e5, 3e5};
-  EXPECT_NEAR(measure(moved_corners(kCube, far), moved_corners(kCube, far + Vec3d{0.7, 0, 0})).depth, 0.3, kGrid);
+  EXPECT_NEAR(measure(moved_corners(kCube, far), moved_corners(kCube, far + Vec3d{0.7, 0, 0})).depth, 0.3,
+              kGrid);
 }
 
 TEST(HullOverlap, FlatOrSmallHullsAreNoTrouble) {
