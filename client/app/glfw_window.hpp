@@ -15,7 +15,8 @@ namespace fracture::app {
 /// thread.
 class GlfwWindow {
  public:
-  /// Size in pixels. kNoGraphics, with the system's reason, if there is no display or no such context.
+  /// Opens a window of this size in pixels. Returns kNoGraphics if the machine has no display, or if the system
+  /// refuses an OpenGL context. The error contains the system's reason.
   static Expected<std::unique_ptr<GlfwWindow>> open(int width, int height);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;

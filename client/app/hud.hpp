@@ -9,7 +9,7 @@ void draw_hud(const PanelState& state, const Snapshot& now, const protocol::Clie
 void draw_help(const PanelState& state);
 /// `aim`: where a ball would fly, in pixels of the window.
 void draw_hint(const PanelState& state, const glm::vec2& aim);
-/// Draws numbers on the fragments, for the debug view of groups.
+/// Draws each fragment's number on it. The debug view of groups uses this.
 void draw_fragment_ids(const game::Moment& moment, const render::Camera& camera, int width, int height);
 
 }  // namespace fracture::app

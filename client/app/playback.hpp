@@ -2,8 +2,8 @@
 //
 // The playhead follows the frames' time, but never passes the newest snapshot. So the picture is as late as
 // the steps are. If the game keeps up, that is one or two steps. If a step takes several frames, it is the
-// length of a step, and the motion is spread over these frames. The playhead runs slightly faster than time,
-// so that a delay that is no longer needed disappears.
+// length of a step, and the motion is spread over these frames. The playhead runs slightly faster than time.
+// So it catches up when steps become faster.
 #pragma once
 
 #include <deque>

@@ -32,7 +32,7 @@ class PlayedGame {
   const LiveGame* seen() const { return game_ ? game_.get() : rewind_.playing(); }
   /// A past moment to show instead of the game; null if there is none.
   const game::Moment* past() const { return rewind_.shown(); }
-  /// The newest state, slightly later than the state shown. Null if there is no game yet, or while its
+  /// The newest state. The picture shows a slightly earlier one. Null before the game starts and while a
   /// recording is replayed.
   const Snapshot* now() const { return game_ ? &game_->playback.latest() : nullptr; }
   /// Whether the game accepts the player's actions.

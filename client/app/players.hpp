@@ -14,7 +14,7 @@ struct Players {
 };
 
 /// Listens, or joins and waits for the host's header. `options` become the host's, with fixed_step. The link
-/// is null if there is no other player. kUnavailable, kBadJson.
+/// is null in a game for one player. Errors: kUnavailable, kBadJson.
 Expected<Players> meet(Options& options);
 /// Checks that the scene is the same as the host's. Otherwise tells the host and returns kBadParameter.
 Expected<void> agree(Players& players, const Options& options, const scenes::Scene& scene);

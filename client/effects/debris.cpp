@@ -14,7 +14,7 @@ struct Crumbling {
   float puffs;            ///< per square metre of broken bond
   float density;          ///< opacity of a puff
   float crumbs;           ///< per square metre of broken bond
-  float size;             ///< metres, for the larger crumbs
+  float size;             ///< of the larger crumbs, metres
   float stretch;
   bool rays;   ///< whether a hit leaves cracks
   bool clear;  ///< leaves no mark, because a mark would be painted on the surface behind the clear object

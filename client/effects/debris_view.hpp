@@ -1,5 +1,5 @@
-// Draws debris over a picture of the scene: marks on the surfaces, crumbs with light and shadow, and dust
-// that fades where it meets a surface. OpenGL 3.3 core.
+// Draws debris over a picture of the scene with OpenGL 3.3 core. Surfaces get marks, and crumbs get light and
+// shadow. Dust is more transparent near surfaces.
 #pragma once
 
 #include <span>
@@ -22,8 +22,8 @@ class DebrisView {
   /// For pictures in this tier. kGraphicsDriver if the driver rejects a shader.
   static Expected<DebrisView> create(render::Tier tier = render::Tier::kLow);
 
-  /// Draws into `framebuffer`, as the overlay of Renderer::draw or right after it (low tier), while its frame
-  /// block and shadow maps are still bound. Returns the number of draw calls, 0 if there is no debris.
+  /// Draws into `framebuffer`, as the overlay of Renderer::draw or right after it (low tier). The renderer's
+  /// frame block and shadow maps must still be bound. Returns the number of draw calls: 0 without debris.
   std::size_t draw(const Debris& debris, std::span<const PlacedMark> marks, const render::Camera& camera,
                    GLuint framebuffer, int width, int height);
 

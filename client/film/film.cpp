@@ -241,7 +241,7 @@ Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
   std::filesystem::create_directories(path, error);
   if (!std::filesystem::is_directory(path, error))
     return fail(ErrorCode::kFileAccess, "Cannot create the folder " + path + ".");
-  // Otherwise, nobody could see where a shorter film ends and the rest of a longer one begins.
+  // Refuses a folder with frames. A shorter film would end with the last frames of the older one.
   for (std::filesystem::directory_iterator at(path, error), end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     if (name.starts_with("frame-") && name.ends_with(".png"))

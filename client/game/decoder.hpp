@@ -28,7 +28,7 @@ struct Decoded {
   std::shared_ptr<const std::string> glb;  ///< as received
   std::shared_ptr<const world::PreparedFragments> fragments;
   std::vector<Layer> layers;
-  std::string location;  ///< of the answer, for the next hit to refer to; empty if the server gave none
+  std::string location;  ///< the answer's address, which the next hit states; empty if unknown
 };
 
 /// Runs on the calling thread. `before`: the answer that this one changes after a hit; null for a complete

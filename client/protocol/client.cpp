@@ -285,7 +285,7 @@ struct Client::State {
     co_return answer;
   }
 
-  /// Notices when the server appears or disappears while there are no requests.
+  /// Checks whether the server is reachable while no request is running.
   asio::awaitable<void> heartbeat() {
     const HttpRequest version{.target = "/version"};
     while (!stopping) {

@@ -1,5 +1,5 @@
-// Positions and colours of the fragments in a picture, for the gallery's views. Pure functions of the model:
-// no OpenGL and no physics (the game client has its own).
+// The positions and colours of fragments in the gallery's views. They depend only on the model and use no
+// OpenGL and no physics. The game client has its own.
 #pragma once
 
 #include <optional>

@@ -99,7 +99,7 @@ void set_material(SceneObject& object, const std::string& name) {
   object.look = material->look;
   object.at_start = false;
   object.strength = material->critical_speed * object.density * object.mesh->unit_mass.mass;
-  // A held object does not gain speed as a whole, so it breaks where it is hit.
+  // A hit cannot push a held object away. So a weaker hit breaks it, near the point of impact.
   if (object.held) object.strength = std::min(object.strength, 25 * material->critical_speed);
 }
 

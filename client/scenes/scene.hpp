@@ -104,8 +104,8 @@ std::vector<std::string> scene_names();
 Expected<Scene> make_scene(const std::string& name);
 
 /// A scene of these files and of all readable files in these folders (at most 40), in rows above the ground,
-/// with low objects in front. `unit`: as for load_asset. An unreadable file gives a warning; kEmptyMesh if
-/// there is no readable one.
+/// with low objects in front. `unit`: as for load_asset. An unreadable file gives a warning. Returns kEmptyMesh
+/// if no file is readable.
 Expected<Scene> scene_of_files(const std::vector<std::string>& paths, const std::string& unit = {});
 
 /// A digest, as 64 hexadecimal digits, of everything that decides how the scene moves and breaks: meshes,

@@ -13,7 +13,7 @@ inline constexpr int kRate = 48000;  ///< samples per second: 400 for each step 
 /// A voice, with its loudness separate from its samples.
 struct Clip {
   std::vector<float> samples;  ///< mono; the largest magnitude is 1; empty: inaudible
-  double pressure = 0;         ///< Pa at one metre, for a sample of 1
+  double pressure = 0;         ///< Pa: the pressure at a distance of 1 m that a sample of 1 stands for
 };
 
 /// An impulse (N·s) that lasts `contact` seconds excites these modes. The result is a sum of damped sines,

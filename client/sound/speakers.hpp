@@ -1,5 +1,5 @@
-// Plays clips at positions through OpenAL Soft, for a listener at another position. It uses the machine's
-// device, or renders into memory (ALC_SOFT_loopback), which needs no device and is independent of real time.
+// Plays clips through OpenAL Soft. Each clip has a position, and so does the listener. The sound goes to the
+// machine's device or into memory (ALC_SOFT_loopback), which needs no device and is independent of real time.
 //
 // OpenAL has one current context per process, so create only one Speakers at a time and call it from one
 // thread.

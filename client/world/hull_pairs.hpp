@@ -21,8 +21,8 @@ namespace fracture::world {
 /// the next step (Chung and Wang, "Quick elimination of non-interference polytopes in virtual environments",
 /// 1996).
 ///
-/// If there is no such direction, GJK starts from the corners between which the nearest points were in the
-/// last step. It ends at once if they still are there (Cameron, "Enhancing GJK: computing minimum and
+/// If no such direction is known, GJK starts from the corners that were nearest in the last step. If they are
+/// still the nearest, it ends at once (Cameron, "Enhancing GJK: computing minimum and
 /// penetration distances between convex polyhedra", 1997). If the result is unclear (hulls overlap by about
 /// their margins or more), Bullet decides. A pair that has hardly moved is not checked (steady_pairs.hpp).
 class HullPair final : public btCollisionAlgorithm {

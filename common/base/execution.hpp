@@ -54,7 +54,7 @@ struct Execution {
     if (within) within->reaches(end);
   }
 
-  /// Throws Interrupted if the work is no longer wanted. Cheap enough to call once per few hundred items. No
+  /// Throws Interrupted if the work was cancelled or has timed out. Call it once per few hundred items: no
   /// thread may compute for more than 10 ms of processor time without a poll (base/pacer.hpp).
   void poll() const {
     if (watch) watch();

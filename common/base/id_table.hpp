@@ -1,6 +1,6 @@
-// A small map from ids to numbers, for a few ids out of very many. Its size depends on its contents, not on
-// the id space (stamped_map.hpp is faster if the id space is small or the map is used often). Open addressing
-// (Knuth, volume 3, 6.4).
+// A map from a few ids of a large id space to numbers. Its size depends on its contents, not on the id space.
+// stamped_map.hpp is faster if the id space is small or the map is used often. Open addressing (Knuth, volume
+// 3, 6.4).
 #pragma once
 
 #include <bit>

@@ -1,4 +1,4 @@
-// Tells the system about memory in use: that its contents are no longer needed, or that all of it will be
+// Tells the system that allocated memory has no useful contents any more, or that all of it will soon be
 // written.
 #pragma once
 
@@ -16,7 +16,7 @@ void forget_pages(void* memory, std::size_t bytes);
 class PagesBehind {
  public:
   PagesBehind(void* memory, std::size_t bytes) : memory_(static_cast<char*>(memory)), bytes_(bytes) {}
-  /// The first `read` bytes are no longer needed; positions beyond the end count as the end.
+  /// Forgets the first `read` bytes, or all bytes if there are fewer.
   void through(std::size_t read);
 
  private:

@@ -18,8 +18,8 @@ template <class T, std::size_t kBlock = 64>
 class SharedBlocks {
  public:
   SharedBlocks() = default;
-  /// Takes over the array. If its elements are trivially destructible, it stays where it is in memory and is
-  /// freed when none of its blocks is used any more. Otherwise each block is freed separately.
+  /// Takes ownership of the array. Trivially destructible elements are not moved, and the array is freed when
+  /// its last block is released. Other elements are moved into blocks, which are freed separately.
   explicit SharedBlocks(std::vector<T> all) : size_(all.size()) {
     if constexpr (!std::is_trivially_destructible_v<T>) {
       for (std::size_t k = 0; k < size_; k += kBlock) {

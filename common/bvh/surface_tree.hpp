@@ -23,7 +23,7 @@ class SurfaceTree {
   /// min(distance from p to the surface, most), m. Other triangles that are farther away do not change its
   /// bits, unless the nearest triangle is a needle hidden by rounding. Throws Interrupted.
   double distance(const Vec3d& p, double most, Pacer& pacer) const;
-  /// min(distance from the triangle to the surface, most), m, for the triangle's nearest point. Throws
+  /// Returns the distance between the triangle and the surface, m, or `most` if that is less. Throws
   /// Interrupted.
   double distance_of(const std::array<Vec3d, 3>& triangle, double most, Pacer& pacer) const;
   /// Whether the surface is nearer to p than this, m. Stops at the first such triangle.

@@ -36,7 +36,7 @@ Scene building() {
   set_material(scene, "concrete");
   for (SceneObject& object : scene.objects) {
     object.breakage.sites = object.name == "slab" ? 40 : 24;
-    if (object.name == "slab") {  // thin for its span, so it breaks where it lands
+    if (object.name == "slab") {  // a wide, thin slab is weak, so it breaks when it lands
       object.breakage.parameters["bond_strength"] = 1e6;
       object.strength *= 0.3;
     }

@@ -15,7 +15,7 @@ Scene concrete() {
   object.breakage.parameters["anchor_plane"] = ground_plane(-height / 2 + 0.03);
   scene.objects.push_back(object);
   set_material(scene, "concrete");
-  // Old, weak concrete, so that the ball goes through where it hits.
+  // The concrete is old and weak, so the ball makes a hole.
   scene.objects.front().breakage.parameters["bond_strength"] = 6e5;
   scene.ball_radius = 0.26;
   scene.ball_density = 7800;
