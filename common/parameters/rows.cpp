@@ -133,34 +133,6 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.parts.materials; }));
 }
 
-void add_hull_rows(std::vector<ParameterSpec>& rows) {
-  const std::size_t first = rows.size();
-  rows.push_back(with_member(
-      {.name = "max_hulls",
-       .type = Type::kInteger,
-       .min = 1,
-       .max = kMostHulls,
-       .doc =
-           "Maximum number of convex hulls per fragment. Only ragged chunks, fragments that were merged, and fragments with openings "
-           "have several hulls. A hull extends beyond its fragment only at the outer surface, so the hulls of neighbouring "
-           "fragments do not overlap."},
-      [](auto& r) -> auto& { return r.fracture.hull_limits.count; }));
-  rows.push_back(with_member(
-      {.name = "hull_excess",
-       .type = Type::kNumber,
-       .low = 1,
-       .high = 1e6,
-       .doc =
-           "If a fragment's hulls have more than this many times its volume, the fragment is divided into parts with one hull each, "
-           "at most `max_hulls`. So things can fly through a window frame or a ring. Not divided are curved shards, ragged chunks "
-           "with cuts, and fragments of more than 10,000 triangles. With a large value, no fragment is divided."},
-      [](auto& r) -> auto& { return r.fracture.hull_limits.excess; }));
-  for (std::size_t k = first; k < rows.size(); ++k)
-    rows[k].matters = [](const RequestParameters& r) {
-      return r.physics != Physics::kNone || r.ue_collision != UeCollision::kNone;
-    };
-}
-
 void add_output_rows(std::vector<ParameterSpec>& rows) {
   rows.push_back(with_member(
       {.name = "dual",
@@ -196,7 +168,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .doc =
            "`ucx`: the collision hulls are also written as nodes named UCX_..., which Unreal uses as collision geometry."},
       [](auto& r) -> auto& { return r.ue_collision; }));
-  add_hull_rows(rows);
+  for (ParameterSpec& spec : hull_parameter_rows()) rows.push_back(std::move(spec));
   rows.push_back(with_member(
       {.name = "pivot",
        .type = Type::kChoice,

@@ -25,6 +25,9 @@ std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites);
 /// The rows for local hits, which are part of structure_parameter_rows().
 std::vector<ParameterSpec> hit_parameter_rows();
 
+/// The rows for the number of collision hulls.
+std::vector<ParameterSpec> hull_parameter_rows();
+
 /// The rows for rough cuts.
 std::vector<ParameterSpec> rough_parameter_rows();
 
