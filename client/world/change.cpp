@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace fracture::world {
 namespace {
@@ -31,11 +32,11 @@ Expected<ChangedFragments> apply_change(const FragmentSet& before, FragmentChang
       if (at == number.end()) return fail(ErrorCode::kMalformedMesh, no_such(id));
       out.replaced.push_back(at->second);
     }
-  // Pairs of a changed fragment come from the new answer.
-  for (const std::uint32_t replaced : out.replaced)
-    for (const std::uint64_t other : set.fragments[replaced].apart)
-      if (const auto at = number.find(other); at != number.end())
-        std::erase(set.fragments[at->second].apart, set.fragments[replaced].id);
+  // Pairs of a changed fragment come from the new answer. Either of the two fragments may list the pair.
+  std::unordered_set<std::uint64_t> replaced;
+  for (const std::uint32_t k : out.replaced) replaced.insert(set.fragments[k].id);
+  for (Fragment& fragment : set.fragments)
+    std::erase_if(fragment.apart, [&](std::uint64_t id) { return replaced.contains(id); });
   for (const std::uint64_t id : change.gone) {
     const auto at = number.find(id);
     if (at == number.end()) return fail(ErrorCode::kMalformedMesh, no_such(id));  // the file lists it twice

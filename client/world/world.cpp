@@ -49,12 +49,17 @@ struct ApartFilter : btOverlapFilterCallback {
     if (first == nullptr || second == nullptr) return true;
     if (first->crumb && second->crumb) return false;
     if (first->object != second->object) return true;
-    for (const std::uint32_t f : fragments_of(*first))
-      for (const std::uint32_t g : fragments_of(*second)) {
-        const std::vector<Fragment>& all = objects[first->object]->fragments->set.fragments;
-        if (names(all[f], all[g]) || names(all[g], all[f])) return false;
-      }
-    return true;
+    return !any_names(*first, *second) && !any_names(*second, *first);
+  }
+  /// Whether a fragment of `body` lists one of `other`. Linear in the fragments of `body` if none lists any.
+  bool any_names(const Body& body, const Body& other) const {
+    for (const std::uint32_t f : fragments_of(body)) {
+      const std::vector<Fragment>& all = objects[body.object]->fragments->set.fragments;
+      if (all[f].apart.empty()) continue;
+      for (const std::uint32_t g : fragments_of(other))
+        if (names(all[f], all[g])) return true;
+    }
+    return false;
   }
 };
 

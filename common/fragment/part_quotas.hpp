@@ -20,8 +20,9 @@ namespace fracture {
 /// distributed in addition.
 class PartQuotas {
  public:
-  /// `part_of`: the part, or group of parts, of a piece. `volumes`: per piece. `left`: per part, the number
-  /// of pieces that remain after the unions so far. Throws Interrupted.
+  /// `part_of`: the part, or group of parts, of a piece. `volumes`: per group of pieces, by its name; the pieces
+  /// of a group share a cell and a group of parts. `left`: per part, the number of pieces that remain after the
+  /// unions so far. Throws Interrupted.
   PartQuotas(const Pieces& pieces, const std::function<std::uint32_t(std::uint32_t)>& part_of,
              const std::vector<double>& volumes, std::vector<std::uint32_t> left, std::uint32_t wanted,
              const Execution& execution);

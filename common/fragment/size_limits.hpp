@@ -33,9 +33,9 @@ struct SizeLimits {
 
 /// Effect of the limits.
 struct SizeFigures {
-  std::uint32_t united = 0;  ///< pieces that became part of another, including `joined`
-  std::uint32_t joined = 0;  ///< pieces that became part of a piece of another part in their cell
-  std::uint32_t alone = 0;   ///< pieces below the minimum volume that stay, because they touch no other
+  std::uint32_t united =
+      0;  ///< pieces that became part of another, because of a limit or across parts in their cell
+  std::uint32_t alone = 0;  ///< pieces below the minimum volume that stay, because they touch no other
   /// Parts of the solid, or groups of parts that hold together and share fragments; 0 unless SizeLimits::fragments is set.
   std::uint32_t parts = 0;
   double min_volume = 0;  ///< m³, the minimum volume that was applied

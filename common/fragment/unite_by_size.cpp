@@ -124,7 +124,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   SizeFigures figures;
   if (pieces.pieces.empty()) return figures;
   Pacer pacer(execution);
-  if (across != nullptr) figures.united = figures.joined = join_in_cells(pieces, *across, groups, pacer);
+  if (across != nullptr) figures.united = join_in_cells(pieces, *across, groups, pacer);
   if (!limits.any()) return figures;
   const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution);
   std::uint32_t count = 0;

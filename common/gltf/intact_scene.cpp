@@ -74,7 +74,10 @@ void IntactScene::write_part(JsonText& json, std::size_t part, std::size_t first
   const Fragment& f = fractured_.intact->parts[part];
   json.key("extras").begin_object().key("intact").begin_object();
   json.member("part", f.source_part).member("volume", body_volume(f));
-  json.member("mass", body_volume(f) * options.density).end_object().end_object().end_object();
+  json.member("mass", body_volume(f) * options.density * f.density_share)
+      .end_object()
+      .end_object()
+      .end_object();
 }
 
 void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const {

@@ -54,10 +54,10 @@ void trim_hull(CollisionHull& hull, const Vec3d& pivot, std::span<const TrimPlan
     Box box;
     for (const Vec3f& p : hull.points) box.add(pivot + to_double(p));
     if (!box.intersects(plane.other)) continue;
-    if (whole == 0) whole = volume_of(hull);
+    if (whole == 0) whole = volume_within(hull.points, hull.triangles);
     CollisionHull rest = trimmed(hull, plane.normal, offset, execution);
     if (rest.points.empty()) continue;
-    const double share = volume_of(rest) / whole;
+    const double share = volume_within(rest.points, rest.triangles) / whole;
     if (!(share >= kLeastShareAtContacts)) continue;
     hull = std::move(rest);
     of_fragment.least_share = std::fmin(of_fragment.least_share, share);
@@ -65,15 +65,6 @@ void trim_hull(CollisionHull& hull, const Vec3d& pivot, std::span<const TrimPlan
 }
 
 }  // namespace
-
-double volume_of(const CollisionHull& hull) {
-  const Vec3d origin = to_double(hull.points[0]);
-  double six_volumes = 0;
-  for (const auto& t : hull.triangles)
-    six_volumes += dot(to_double(hull.points[t[0]]) - origin,
-                       cross(to_double(hull.points[t[1]]) - origin, to_double(hull.points[t[2]]) - origin));
-  return six_volumes / 6;
-}
 
 CollisionHull trimmed(const CollisionHull& hull, const Vec3d& normal, double offset,
                       const Execution& execution) {

@@ -46,9 +46,6 @@ class ContactPlanes {
   std::vector<std::uint32_t> first_;  // per part, and the end
 };
 
-/// m³
-double volume_of(const CollisionHull& hull);
-
 /// The rest of a hull in the half-space; no points if that is flat, or nothing. `normal` and `offset` as TrimPlane has
 /// them, in the frame of the hull. Throws Interrupted.
 CollisionHull trimmed(const CollisionHull& hull, const Vec3d& normal, double offset,

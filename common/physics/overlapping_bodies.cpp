@@ -71,7 +71,18 @@ void keep_deepest(std::vector<Overlap>& all, const Execution& execution) {
             all.end());
 }
 
-/// Fragments with a piece of the same cell, ascending.
+/// The box of all hulls of a body.
+Box box_of(const Bodies& bodies, std::uint32_t body) {
+  Box box;
+  for (std::uint32_t h = 0; h < bodies.hulls[body]->hulls.size(); ++h) {
+    const Box hull = box_of(bodies, body, h);
+    box.add(hull.min);
+    box.add(hull.max);
+  }
+  return box;
+}
+
+/// Fragments with a piece of the same cell whose boxes meet, ascending.
 std::vector<BodyPair> sharing_a_cell(const Bodies& bodies, const Execution& execution) {
   Pacer pacer(execution);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> owners;  // site, body
@@ -83,11 +94,19 @@ std::vector<BodyPair> sharing_a_cell(const Bodies& bodies, const Execution& exec
   std::vector<BodyPair> pairs;
   for (std::size_t first = 0, last = 0; first < owners.size(); first = last) {
     while (last < owners.size() && owners[last].first == owners[first].first) ++last;
-    for (std::size_t k = first; k < last; ++k)
-      for (std::size_t l = k + 1; l < last; ++l) {
+    if (last - first < 2) continue;
+    std::vector<Box> boxes;
+    for (std::size_t k = first; k < last; ++k) {
+      pacer.step(4);
+      boxes.push_back(box_of(bodies, owners[k].second));
+    }
+    const BoxTree tree(boxes, execution);
+    for (const BoxTree::Task& task : tree.pair_tasks(1))
+      tree.each_pair(task, [&](std::uint32_t i, std::uint32_t j) {
         pacer.step();
-        if (owners[k].second != owners[l].second) pairs.push_back({owners[k].second, owners[l].second});
-      }
+        const auto [a, b] = std::minmax(owners[first + i].second, owners[first + j].second);
+        if (a != b) pairs.push_back({a, b});
+      });
   }
   sort_with_polls(execution, pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

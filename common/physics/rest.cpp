@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/physics/hull_maker.hpp"
 #include "common/physics/hull_trim.hpp"
 
 namespace fracture {
 namespace {
 
-/// A compound takes a cut for each two of its hulls that overlap.
+/// One cut for each two hulls of the bodies that overlap, at most.
 constexpr int kMostCuts = 64;
 
 /// Two hulls that overlap, in the frame of the world.
@@ -48,8 +49,8 @@ struct Cut {
 Cut cut(const Clash& clash, double end_a, double begin_b, const Execution& execution) {
   Cut made;
   const auto share = [](const CollisionHull& rest, const CollisionHull& whole) {
-    const double volume = volume_of(whole);
-    return rest.points.empty() || !(volume > 0) ? 0 : volume_of(rest) / volume;
+    const double volume = volume_within(whole.points, whole.triangles);
+    return volume > 0 ? volume_within(rest.points, rest.triangles) / volume : 0;
   };
   made.a = trimmed(clash.a, clash.normal, end_a - dot(clash.normal, clash.pivot_a), execution);
   made.b = trimmed(clash.b, -1.0 * clash.normal, dot(clash.normal, clash.pivot_b) - begin_b, execution);
@@ -61,14 +62,15 @@ Cut cut(const Clash& clash, double end_a, double begin_b, const Execution& execu
 /// Trims two bodies until they overlap by no more than the tolerance. Returns by how much they do.
 double trim_apart(const BodyPair& pair, const Bodies& bodies, const FragmentSet& set, CollisionHulls& hulls,
                   double tolerance, const Execution& execution) {
+  const double gap = std::fmin(kHullInset, tolerance);  // in small solids, less than the inset
   for (int k = 0; k < kMostCuts; ++k) {
     const Overlap overlap = deepest_overlap(bodies, pair, execution);
     if (overlap.depth <= tolerance) return overlap.depth;
     const Clash clash = clash_of(overlap, set, hulls);
     const double middle = 0.5 * (clash.last_a + clash.first_b);
-    std::array<Cut, 3> cuts{cut(clash, clash.first_b - kHullInset, clash.first_b, execution),
-                            cut(clash, clash.last_a, clash.last_a + kHullInset, execution),
-                            cut(clash, middle - 0.5 * kHullInset, middle + 0.5 * kHullInset, execution)};
+    std::array<Cut, 3> cuts{cut(clash, clash.first_b - gap, clash.first_b, execution),
+                            cut(clash, clash.last_a, clash.last_a + gap, execution),
+                            cut(clash, middle - 0.5 * gap, middle + 0.5 * gap, execution)};
     Cut& best = *std::max_element(cuts.begin(), cuts.end(),
                                   [](const Cut& x, const Cut& y) { return x.least() < y.least(); });
     if (!(best.least() > 0)) return overlap.depth;

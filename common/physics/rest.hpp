@@ -40,7 +40,7 @@ struct RestFigures {
   std::uint32_t systems = 0;   ///< collision systems, at most 32
   double deepest = 0;          ///< m: the deepest overlap of two bodies that may collide; 0: none overlap
   double tolerance = 0;        ///< m
-  double least_share = 1;      ///< of its volume that a trimmed hull kept
+  double least_share = 1;      ///< of its volume that a trimmed hull kept, at least
   bool operator==(const RestFigures&) const = default;
 };
 

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include "common/physics/collision_hulls.hpp"
+#include "common/pipeline/overlaps.hpp"
+
 namespace fracture {
 
 Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& parameters,
@@ -9,8 +12,6 @@ Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& 
   FractureParameters whole;
   whole.pattern = PointsPattern{{solid.box.center()}};
   whole.pivot = Pivot::kSource;
-  whole.hulls = parameters.hulls;
-  whole.hull_limits = parameters.hull_limits;
   whole.parts = Parts::kApart;
   whole.contact_strength = 0;
   Execution within = execution;
@@ -21,7 +22,13 @@ Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& 
   if (!diagram) return tl::unexpected(std::move(diagram.error()));
   Expected<FracturedSolid> made = fracture(solid, *diagram, whole, within, timings);
   if (!made) return tl::unexpected(std::move(made.error()));
-  return IntactSolid{std::move(made->set.fragments), std::move(made->hulls)};
+  FragmentSet& set = made->set;
+  count_overlaps_once(solid, parameters.parts == Parts::kTogether, set, execution);
+  // Static colliders never collide with each other, so their hulls need no rest.
+  CollisionHulls hulls;
+  if (parameters.hulls == Hulls::kConvex)
+    hulls = make_collision_hulls(set, {}, parameters.hull_limits, execution);
+  return IntactSolid{std::move(set.fragments), std::move(hulls)};
 }
 
 }  // namespace fracture

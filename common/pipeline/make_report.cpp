@@ -226,9 +226,12 @@ void report_rest(const RestFigures& rest, Remarks& remarks) {
   if (rest.left > 0)
     remarks.warn(
         "The hulls of " + counted(rest.left, "pair", "pairs") + " of fragments overlap, the deepest by " +
-        short_number(rest.deepest) +
-        " m, and the file's format has no collision filters, so engines push these fragments apart when "
-        "they start. Use physics=khr, or turn collisions between them off in the engine.");
+        short_number(rest.deepest) + " m, so engines push these fragments apart when they start. " +
+        (rest.filtered > 0
+             ? "32 collision systems cannot exclude so many pairs. Ask for fewer fragments, or join overlapping "
+               "parts in a modelling tool."
+             : "The file's format has no collision filters. Use physics=khr, or turn collisions between "
+               "them off in the engine."));
   if (rest.least_share < kLeastShareAtContacts)
     remarks.note(
         "Some collision hulls keep only " + short_number(100 * rest.least_share) +

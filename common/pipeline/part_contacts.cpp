@@ -71,6 +71,9 @@ std::vector<Fragment> outlines(const RestrictedDiagram& d, const Ownership& owne
   return made;
 }
 
+/// Whether pieces of the two parts join if they overlap. The parts are then in one group.
+bool joins_if_overlapping(const Contact& c) { return c.kind == ContactKind::kOverlapping && c.area > 0; }
+
 /// Finds pieces in one cell that overlap but share no contact surface.
 class OverlapsInCells {
  public:
@@ -78,12 +81,12 @@ class OverlapsInCells {
       : d_(d), pieces_(pieces.pieces), execution_(execution), pacer_(execution) {
     std::vector<std::uint32_t> count(d.solid.parts.size() + 1, 0);
     for (const Contact& c : d.solid.contacts->contacts)
-      if (c.kind == ContactKind::kOverlapping) ++count[c.a + 1];
+      if (joins_if_overlapping(c)) ++count[c.a + 1];
     for (std::size_t p = 1; p < count.size(); ++p) count[p] += count[p - 1];
     first_ = count;
     others_.resize(first_.back());
     for (const Contact& c : d.solid.contacts->contacts)
-      if (c.kind == ContactKind::kOverlapping) others_[count[c.a]++] = c.b;
+      if (joins_if_overlapping(c)) others_[count[c.a]++] = c.b;
   }
 
   /// Adds each pair that is not in `contacts`, which must be ascending.

@@ -92,10 +92,10 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
 Verdict judge_rest(const Rest& rest, HullFilters filters) {
   Verdict verdict;
   const RestFigures& f = rest.figures;
-  if (filters == HullFilters::kNone || (f.left == 0 && f.deepest <= f.tolerance)) return verdict;
-  verdict.violations.push_back(std::to_string(f.left) +
-                               " pairs of bodies that may collide overlap, the deepest by " +
-                               text_of(f.deepest) + " m, more than " + text_of(f.tolerance));
+  // Pairs that neither filters nor trimming keep apart are counted, and a warning says so (make_report.cpp).
+  if (filters == HullFilters::kNone || f.left > 0 || f.deepest <= f.tolerance) return verdict;
+  verdict.violations.push_back("bodies that may collide overlap by " + text_of(f.deepest) + " m, more than " +
+                               text_of(f.tolerance) + ", and no pair is counted");
   return verdict;
 }
 

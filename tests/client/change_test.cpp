@@ -352,5 +352,14 @@ TEST(Change, IsAskedForWhereABallComesAtBondedFragmentsInTime) {
   EXPECT_EQ(asked(20, 15, 500), 0u) << "farther than is foreseen";
 }
 
+// Only the newer fragment lists a pair. When the other one is replaced, the pair is gone.
+TEST(Change, APairOfAReplacedFragmentIsForgottenByTheOther) {
+  FragmentSet set = cubes(3, 1, 1, kSide);
+  set.fragments[0].apart = {set.fragments[1].id, set.fragments[2].id};
+  const Expected<ChangedFragments> changed = apply_change(set, eighths(set, {1}));
+  ASSERT_TRUE(changed) << changed.error().detail;
+  EXPECT_EQ(changed->set.fragments[0].apart, std::vector<std::uint64_t>{set.fragments[2].id});
+}
+
 }  // namespace
 }  // namespace fracture::world

@@ -164,6 +164,43 @@ TEST(PartJoins, AreSoundWithEveryKindOfDiagram) {
   }
 }
 
+// Two cubes of 8 that overlap in 1 x 1.5 x 1.5. The pieces of their fragment, and its clusters, weigh as much as it.
+TEST(PartJoins, PiecesOfAFragmentWeighAsMuchAsIt) {
+  const Solid solid = solid_in_contact({box({0, 0, 0}, {2, 2, 2}), box({1, 0.5, 0.5}, {3, 2.5, 2.5})});
+  FractureParameters p = cut_by({{1.5, 1, 1}});
+  p.parts = Parts::kTogether;
+  p.levels = {2};
+  const Fractured whole = fracture_solid(solid, p);
+  ASSERT_EQ(whole.set.fragments.size(), 1u);
+  const Fragment& f = whole.set.fragments[0];
+  const double common = 1 * 1.5 * 1.5;
+  EXPECT_NEAR(f.density_share * f.mass.volume, 16 - common, 1e-9);
+  StageTimings timings;
+  const Expected<FracturedSolid> made =
+      refracture(whole.solid, whole.diagram, p, {.fragment = f.id, .sites = 6, .seed = 1}, {}, timings);
+  ASSERT_TRUE(made) << made.error().detail;
+  double pieces = 0, clusters = 0;
+  for (const Fragment& piece : made->set.fragments) {
+    pieces += piece.density_share * piece.mass.volume;
+    for (const FragmentPrimitive& primitive : piece.primitives) EXPECT_EQ(primitive.part, kNoIndex);
+  }
+  for (const Cluster& c : made->hierarchy.levels.at(0).clusters) clusters += c.density_share * c.volume;
+  EXPECT_NEAR(pieces, 16 - common, 1e-9);
+  EXPECT_NEAR(clusters, 16 - common, 1e-9);
+}
+
+// Nested boxes weigh as much as the outermost one, however many there are.
+TEST(PartJoins, NestedPartsWeighAsMuchAsTheOutermost) {
+  std::vector<Mesh> boxes;
+  for (int k = 0; k < 5; ++k)
+    boxes.push_back(box({0.1 * k, 0.1 * k, 0.1 * k}, {2 - 0.1 * k, 2 - 0.1 * k, 2 - 0.1 * k}));
+  const Fractured made = together(boxes, cut_by({{0.5, 1, 1}, {1.5, 1, 1}}));
+  double sum = 0;
+  for (const Fragment& f : made.set.fragments) sum += f.density_share * f.mass.volume;
+  EXPECT_NEAR(sum, 8, 1e-6);
+  EXPECT_NEAR(made.set.certificate.volume_once, 8, 1e-6);
+}
+
 // A hit in the lowest plank of forty: fragments of the upper half keep their ids and bytes.
 TEST(PartJoins, AHitSeparatesOnlyThePartsNearIt) {
   FractureParameters p = wood_like(10);
