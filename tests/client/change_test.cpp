@@ -354,7 +354,7 @@ TEST(Change, IsAskedForWhereABallComesAtBondedFragmentsInTime) {
 
 // Only the newer fragment lists a pair. When the other one is replaced, the pair is gone.
 TEST(Change, APairOfAReplacedFragmentIsForgottenByTheOther) {
-  FragmentSet set = cubes(3, 1, 1, kSide);
+  FragmentSet set = cubes(3, 1, kSide);
   set.fragments[0].apart = {set.fragments[1].id, set.fragments[2].id};
   const Expected<ChangedFragments> changed = apply_change(set, eighths(set, {1}));
   ASSERT_TRUE(changed) << changed.error().detail;
