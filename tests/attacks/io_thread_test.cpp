@@ -23,7 +23,7 @@ double long_turns(const ServeProcess& server) {
 /// Runs the attack and judges it. Before the fix, each of its requests caused such a long turn.
 void attack(Siege& siege, const std::string& name, const std::string& before, int attackers, int least,
             const std::function<int(const std::string& from, int n)>& once) {
-  const double long_before = long_turns(siege.server);
+  [[maybe_unused]] const double long_before = long_turns(siege.server);
   siege.attack(attackers, least, once);
   int requests = 0;
   for (const auto& [status, count] : siege.statuses) requests += count;

@@ -88,7 +88,7 @@ TEST_P(MemoryAttack, WhatIsResidentStaysWithinTheBudgetAndOthersAreServed) {
   siege.neighbours->stop();
   // At rest the server holds no more than it reports, in addition to what every server holds.
   std::string metrics;
-  const auto at_rest = [&] {
+  [[maybe_unused]] const auto at_rest = [&] {
     metrics = ask(siege.server.admin_port, "GET", "/metrics").body;
     const Exposition m = parse_exposition(metrics);
     return m["fracture_memory_limit_bytes"] == static_cast<double>(siege.memory) &&

@@ -103,7 +103,7 @@ struct WireAttack : testing::TestWithParam<std::string> {
 
 TEST_P(WireAttack, IsRefusedOnceInFewWords) {
   constexpr std::size_t kFewWords = 12'000;
-  constexpr std::uint64_t kMuch = 300u << 20;
+  [[maybe_unused]] constexpr std::uint64_t kMuch = 300u << 20;
   if (GetParam() == "Farm" && !Farm::missing().empty()) GTEST_SKIP() << Farm::missing();
   if (GetParam() == "Nginx" && !Proxy::installed(Proxy::Kind::kNginx))
     GTEST_SKIP() << "nginx is not installed";
