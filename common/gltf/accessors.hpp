@@ -9,26 +9,26 @@
 
 namespace fracture {
 
-/// 65,535 would be the restart index of a 16-bit strip and is not allowed as an index.
+/// A 16-bit index may not be 65,535, because that value restarts a strip.
 inline constexpr std::size_t kMaxShortVertices = 65535;
 
-/// The accessors, whose JSON grows alongside that of the meshes.
+/// Collects the accessors. Their JSON is written at the same time as that of the meshes.
 class Accessors {
  public:
-  /// Borrowed.
+  /// `execution` is borrowed.
   explicit Accessors(const Execution& execution) : execution_(execution), json_(execution) {
     json_.begin_array();
   }
 
   const Execution& execution() const { return execution_; }
   BufferContents& contents() { return contents_; }
-  /// Almost all have an array of their own.
+  /// Reserves memory. Almost every accessor has its own array.
   void expect(std::size_t accessors) {
     json_.reserve(accessors * 130);
     contents_.expect(accessors);
   }
 
-  /// Over what lies in the view from byte `offset` on; returns the accessor's index.
+  /// Adds an accessor to the view's data from byte `offset` on. Returns the accessor's index.
   std::size_t add(std::size_t view, std::size_t offset, int component, std::size_t count, const char* type,
                   const Vec3f* min = nullptr, const Vec3f* max = nullptr) {
     json_.begin_object().member("bufferView", view);

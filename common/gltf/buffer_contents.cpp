@@ -16,7 +16,7 @@ void BufferContents::write(std::uint8_t* buffer, const Execution& execution) con
     begin.push_back(buffer);
     buffer += aligned(view.size);
   }
-  constexpr std::uint64_t kBlock = std::uint64_t{1} << 18;  // bytes that are worth a thread
+  constexpr std::uint64_t kBlock = std::uint64_t{1} << 18;  // bytes per block: enough to be worth a thread
   const WorkBlocks blocks(execution, pieces_.size(), kBlock,
                           [this](std::size_t k) { return pieces_[k].bytes + 64; });
   parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t first, std::size_t last) {

@@ -1,6 +1,6 @@
-// What will lie in the buffer of the file: bufferViews, and which array of which mesh is written where in them. The text of
-// the file stands before its buffer and says only how large everything is; so that is settled first, and then each array is
-// written where it will stay, on all threads.
+// The contents of the file's buffer: its bufferViews, and the position of each mesh's arrays in them. The JSON text comes
+// before the buffer in the file and needs only the sizes of the arrays. So the sizes are determined first. Then all threads
+// write the arrays directly to their final positions.
 #pragma once
 
 #include <cstddef>
@@ -25,18 +25,18 @@ class BufferContents {
     std::size_t size = 0;
   };
 
-  /// Makes room for so many arrays at once: there may be millions, and none moves while they become more.
+  /// Reserves memory for this many arrays at once, because reallocating millions of entries would be slow.
   void expect(std::size_t arrays) { pieces_.reserve(arrays); }
 
-  /// The view of this name; made where there is none.
+  /// Returns the index of the view with this name. Adds the view if it does not exist yet.
   std::size_t view(const std::string& name, int stride, int target) {
     const auto [at, fresh] = number_.try_emplace(name, views_.size());
     if (fresh) views_.push_back({stride, target});
     return at->second;
   }
 
-  /// The next `bytes` bytes of the view, from a multiple of four on or (`next`) right behind the last ones: kWrite(source,
-  /// out, pacer) will write them. Returns where in the view they are. The source is borrowed until write().
+  /// Appends `bytes` bytes to the view, which kWrite(source, out, pacer) will write later. They begin at a multiple of four, or
+  /// with `next` directly after the previous ones. Returns their offset in the view. `source` is borrowed until write().
   template <auto kWrite, class Source>
   std::size_t put(std::size_t view, std::size_t bytes, const Source& source, bool next = false) {
     const std::size_t at = next ? views_[view].size : aligned(views_[view].size);
@@ -49,9 +49,9 @@ class BufferContents {
   }
 
   const std::vector<View>& views() const { return views_; }
-  /// Of the buffer: its views one after the other, each from a multiple of four on.
+  /// Size of the buffer in bytes: all views in order, each beginning at a multiple of four.
   std::size_t size() const;
-  /// `buffer`: size() zeros. Throws Interrupted.
+  /// Writes all arrays. `buffer` must contain size() zeros. Throws Interrupted.
   void write(std::uint8_t* buffer, const Execution& execution) const;
 
   static std::size_t aligned(std::size_t size) { return (size + 3) / 4 * 4; }
@@ -63,7 +63,7 @@ class BufferContents {
     void (*write)(const void* source, std::span<std::uint8_t> out, Pacer& pacer);
   };
 
-  std::map<std::string, std::size_t> number_;  // of views
+  std::map<std::string, std::size_t> number_;  // index of each view
   std::vector<View> views_;
   std::vector<Piece> pieces_;
 };

@@ -10,11 +10,11 @@
 namespace fracture {
 namespace {
 
-/// A beginning that no name made from the source's has: Cluster_, or Cluster with the lowest number from 2 on
-/// that is free.
+/// Returns a prefix that no name made from the source's names has: Cluster_, or otherwise Cluster<number>_ with
+/// the lowest free number from 2 on.
 std::string free_prefix(const Mesh& source, Pacer& pacer) {
   constexpr std::string_view kWord = "Cluster";
-  std::set<std::string> taken;  // what stands between that word and the first _ after it
+  std::set<std::string> taken;  // texts between that word and the first _ after it
   for (const std::string& name : source.node_names) {
     pacer.step(4);
     const std::string ascii = ascii_name(name);
@@ -34,7 +34,7 @@ ClusterNodes::ClusterNodes(const FracturedSolid& fractured, std::size_t first_no
     : hierarchy_(fractured.hierarchy) {
   Pacer pacer(execution);
   prefix_ = free_prefix(*fractured.set.source, pacer);
-  std::vector<std::size_t> begin;  // per level: its first node, counted from first_node
+  std::vector<std::size_t> begin;  // per level: index of its first node in nodes_
   for (std::size_t level = 0; level < hierarchy_.levels.size(); ++level) {
     begin.push_back(nodes_.size());
     for (std::size_t c = 0; c < hierarchy_.levels[level].clusters.size(); ++c) {

@@ -1,6 +1,6 @@
-// The hierarchy as nodes: a cluster is a node without a mesh and without a transform whose children are the
-// clusters of the next finer level, or the fragments. They stand behind all other nodes, so that a file
-// without a hierarchy is what it always was.
+// The hierarchy as nodes. A cluster is a node without a mesh and without a transform. Its children are the
+// clusters of the next finer level, or the fragments. Cluster nodes follow all other nodes, so they do not
+// change the indices of the others.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@ namespace fracture {
 
 class ClusterNodes {
  public:
-  /// `first_node`: the index of the first cluster's node. Throws Interrupted.
+  /// `first_node`: node index of the first cluster. Throws Interrupted.
   ClusterNodes(const FracturedSolid& fractured, std::size_t first_node, const Execution& execution);
 
-  /// What the root's children are: the coarsest clusters, or the fragments (nodes 1, 2, …) where there are no
+  /// Node indices of the root's children: the coarsest clusters, or the fragments (nodes 1, 2, …) if there are no
   /// levels.
   const std::vector<std::size_t>& roots() const { return roots_; }
   /// Appends the nodes.

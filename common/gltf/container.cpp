@@ -15,8 +15,8 @@ void append_u32(std::vector<std::uint8_t>& out, std::size_t value) {
   for (const int shift : {0, 8, 16, 24}) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-/// Calls append(begin, size) for the whole of `large`, in blocks whose size is a multiple of three. What is through goes: it
-/// would be in memory twice, as it was and as it has become.
+/// Calls append(begin, size) for all of `large`, in blocks whose size is a multiple of three. Memory that has been read is
+/// released, because otherwise the data would be in memory twice.
 template <class Bytes, class Append>
 void consume(Bytes large, const Execution& execution, const Append& append) {
   constexpr std::size_t kBlock = kBytesBetweenPolls / 3 * 3;

@@ -10,16 +10,16 @@
 
 namespace fracture {
 
-/// Writes the member bufferViews, where there are any.
+/// Writes the member bufferViews, if there are any views.
 void write_views(JsonText& json, const BufferContents& contents);
 
-/// Where the text begins in a GLB: behind its header and that of the chunk (glTF 2.0, section 4.4).
+/// Offset of the JSON text in a GLB: it follows the file header and the chunk header (glTF 2.0, section 4.4).
 inline constexpr std::size_t kGlbText = 20;
 
-/// Completes the document that `json` holds (its object is still open) with the member buffers and writes the contents
-/// behind it. Throws InternalError beyond 4 GiB, Interrupted.
+/// Completes the document in `json`, whose object is still open, with the member buffers, and writes the buffer's contents
+/// after it. Throws InternalError if the file would exceed 4 GiB, and Interrupted.
 std::vector<std::uint8_t> pack_glb(JsonText json, const BufferContents& contents, const Execution& execution);
-/// As pack_glb: the JSON text, the buffer as base64 (RFC 4648) inside it.
+/// Like pack_glb(), but returns JSON text that contains the buffer as base64 (RFC 4648).
 std::vector<std::uint8_t> pack_gltf(JsonText json, const BufferContents& contents,
                                     const Execution& execution);
 

@@ -12,15 +12,15 @@
 namespace fracture {
 namespace {
 
-/// What is seen of a kind: octaves of noise, how deep, and how rough.
+/// The appearance of a kind of relief: octaves of noise, depth and roughness.
 struct Relief {
-  std::array<std::uint32_t, 2> cells;  ///< of the first octave, along u and v
+  std::array<std::uint32_t, 2> cells;  ///< number in the first octave's lattice, along u and v
   int octaves;
-  double fade;       ///< of each octave to the next
-  double height;     ///< in widths of the texture
-  double pits;       ///< share of the height that lies in pits
-  double roughness;  ///< mean
-  double spread;     ///< of the roughness with height
+  double fade;       ///< amplitude of each octave relative to the previous one
+  double height;     ///< amplitude, in widths of the texture
+  double pits;       ///< how deep pits are: heights below -0.25 are deepened by 4 times this
+  double roughness;  ///< at height 0
+  double spread;     ///< decrease of the roughness per unit of height
 };
 
 constexpr Relief relief_of(CutDetail detail) {
@@ -36,7 +36,7 @@ constexpr Relief relief_of(CutDetail detail) {
   }
 }
 
-/// 0 at lattice points; repeats after `cells`.
+/// Gradient noise: 0 at lattice points; repeats after `cells` lattice cells.
 double noise(double x, double y, const std::array<std::uint32_t, 2>& cells, std::uint64_t seed) {
   const auto cx = static_cast<std::uint32_t>(x), cy = static_cast<std::uint32_t>(y);
   const double fx = x - cx, fy = y - cy;
@@ -53,7 +53,7 @@ double noise(double x, double y, const std::array<std::uint32_t, 2>& cells, std:
   return top + v * (bottom - top);
 }
 
-/// Heights from -1 to 1 of all pixels.
+/// Returns the heights of all pixels: -1 to 1, and down to -2 in pits.
 std::vector<double> heights(const Relief& relief, std::uint64_t seed) {
   std::vector<double> height(std::size_t{kDetailSide} * kDetailSide, 0);
   double share = 1, all = 0;
@@ -89,7 +89,7 @@ DetailMaps make_maps(CutDetail detail) {
   std::vector<std::array<std::uint8_t, 3>> normal, roughness;
   for (std::uint32_t y = 0; y < kDetailSide; ++y)
     for (std::uint32_t x = 0; x < kDetailSide; ++x) {
-      // Slopes along u and along the texture's up, which is against v.
+      // Slopes along u and along the texture's up direction, which is -v.
       const double scale = relief.height * kDetailSide / 2;
       const double du = scale * (at(x + 1, y) - at(x + kDetailSide - 1, y));
       const double dv = scale * (at(x, y + kDetailSide - 1) - at(x, y + 1));

@@ -1,4 +1,4 @@
-// Relief for cut faces: small textures that repeat without a seam, made by rule.
+// Relief for cut faces: small procedural textures that repeat without a seam.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@ enum class CutDetail { kNone, kStone, kConcrete, kWood, kBrick };
 
 inline constexpr std::string_view kCutDetailNames[] = {"none", "stone", "concrete", "wood", "brick"};
 
-/// A tangent-space normal map (glTF 2.0, 3.9.3) and a map of roughness (its green channel, 3.9.2; metallic 0 in
-/// blue), both PNG of kDetailSide x kDetailSide pixels.
+/// A tangent-space normal map (glTF 2.0, 3.9.3) and a roughness map (green channel, 3.9.2; the blue channel is metallic 0).
+/// Both are PNG images of kDetailSide x kDetailSide pixels.
 struct DetailMaps {
   std::vector<std::uint8_t> normal, roughness;
 };
 
 inline constexpr std::uint32_t kDetailSide = 256;
 
-/// Made at the first call, by gradient noise (Perlin 2002) on a lattice that repeats, in octaves that halve: the same
-/// bytes everywhere. Not of kNone.
+/// Returns the maps, which the first call makes: gradient noise (Perlin 2002) on a repeating lattice, in octaves of halved
+/// cell size. Every machine makes the same bytes. `detail` must not be kNone.
 const DetailMaps& detail_maps(CutDetail detail);
-/// They were made before.
+/// Whether the maps have already been made.
 bool has_detail_maps(CutDetail detail);
 
 }  // namespace fracture

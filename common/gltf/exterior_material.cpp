@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What light does at a surface, which a preset decides, is in these as well.
+/// Extensions that also describe how light interacts with a surface. The preset decides that, so they are removed.
 constexpr const char* kOfOtherMaterials[] = {"KHR_materials_pbrSpecularGlossiness",
                                              "KHR_materials_transmission",
                                              "KHR_materials_volume",

@@ -1,4 +1,4 @@
-// The materials of the outside of fragments: those that the asset brings, or what a preset makes of them.
+// The materials of the outside of fragments: those of the asset, possibly changed by a preset.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,37 @@
 namespace fracture {
 
 enum class ExteriorChoice {
-  kAuto,      ///< what has no material of its own is made of the preset's
-  kAsset,     ///< all as the asset has it
-  kMaterial,  ///< everything is made of the preset's material, in the colours that it has
+  kAuto,      ///< surfaces without a material get the preset's
+  kAsset,     ///< all surfaces stay as they are in the asset
+  kMaterial,  ///< all surfaces get the preset's properties, but keep their colours
 };
 
-/// What the outside of a thing of some material is like. Without a value nothing is known of it.
+/// The look of the outside of an object made of a certain material. Properties without a value are unknown.
 struct ExteriorLook {
   ExteriorChoice choice = ExteriorChoice::kAuto;
-  std::optional<Vec3d> color{};       ///< base colour of what has none, linear, 0 … 1
+  std::optional<Vec3d> color{};       ///< base colour of surfaces without one, linear, 0 … 1
   std::optional<double> roughness{};  ///< 0 … 1
   std::optional<double> metallic{};   ///< 0 … 1
-  std::optional<double> opacity{};    ///< 0 … 1; not set: as the surface's
+  std::optional<double> opacity{};    ///< 0 … 1; not set: that of the surface
   bool any() const { return color || roughness || metallic || opacity; }
   friend bool operator==(const ExteriorLook&, const ExteriorLook&) = default;
 };
 
-/// glTF material objects beside those of the source, which stay as they are: parts that are not fractured have them, too.
+/// Additional glTF material objects. The source's materials stay unchanged, because parts that are not fractured use them.
 struct ExteriorMaterials {
   std::vector<nlohmann::json> materials{};
-  /// Per material of the source, and last of what has none: index into `materials`; kNoIndex: the source's own.
+  /// For each material of the source, then for surfaces without one: index into `materials`. kNoIndex: the source's own.
   std::vector<std::uint32_t> of_source{};
 
-  /// Index into `materials` for a material of the source (or kNoIndex); kNoIndex: as the source has it.
+  /// Index into `materials` for a material of the source (kNoIndex: none). Returns kNoIndex if the source's own is used.
   std::uint32_t of(std::uint32_t source) const {
     if (of_source.empty()) return kNoIndex;
     return of_source[source < of_source.size() ? source : of_source.size() - 1];
   }
 };
 
-/// Names are those of the source's materials, "Exterior" of what has none. Colours of vertices stay: they are factors of a
-/// white base colour. Throws Interrupted.
+/// Materials keep the names of the source's materials; the one for surfaces without a material is called "Exterior".
+/// If the source has vertex colours, that one is white, because vertex colours multiply it. Throws Interrupted.
 ExteriorMaterials exterior_materials(const ExteriorLook& look, const Mesh& source,
                                      const Execution& execution = kUninterrupted);
 

@@ -7,10 +7,10 @@
 namespace fracture {
 namespace {
 
-/// Raised when a key changes its meaning or goes away; new keys do not change it.
+/// Incremented when a key changes its meaning or is removed. New keys do not change it.
 constexpr int kExtrasVersion = 1;
 
-/// `id(index)`: the id of the bond's fragment or cluster.
+/// `id(index)`: returns the id of a bond's fragment or cluster.
 template <class Id>
 void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptions& options, const Id& id) {
   const auto column = [&](const char* name, auto&& of) {
@@ -34,7 +34,7 @@ void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptio
   json.end_object();
 }
 
-/// The id of what a fragment or a cluster of `level` belongs to; null on the coarsest level.
+/// Writes the id of the cluster to which a fragment, or a cluster of `level`, belongs. Null on the coarsest level.
 void write_parent(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::uint32_t parent) {
   json.key("parent");
   if (level == 0)
@@ -43,7 +43,7 @@ void write_parent(JsonText& json, const Hierarchy& hierarchy, std::size_t level,
     json.value(hierarchy.levels[level - 1].clusters.at(parent).id);
 }
 
-/// The levels above the fragments, coarsest first.
+/// Writes the levels above the fragments, coarsest first.
 void write_levels(JsonText& json, const Hierarchy& hierarchy, const GltfOptions& options) {
   json.key("levels").begin_array();
   for (std::size_t level = 0; level < hierarchy.levels.size(); ++level) {
@@ -69,7 +69,7 @@ void write_levels(JsonText& json, const Hierarchy& hierarchy, const GltfOptions&
   json.end_array();
 }
 
-/// The parts that a fragment has pieces of, if there are several.
+/// Writes the parts whose pieces the fragment contains, if there are several.
 void write_parts(JsonText& json, const Fragment& fragment) {
   if (fragment.part_cells.empty()) return;
   json.key("parts").begin_array();

@@ -1,5 +1,5 @@
-// What this service says in `extras.fracture`, which every tool keeps: figures of the whole on the root,
-// figures of a fragment on its node. Keyed by fragment id, never by node index: tools reorder nodes.
+// The contents of `extras.fracture`, which every tool keeps: data about the whole result on the root node, and
+// data about a fragment on its node. Fragments are named by id, never by node index, because tools reorder nodes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,19 +10,19 @@
 
 namespace fracture {
 
-/// {version, algorithm, mesh, parameters, report, certificate, lattice, bonds {a, b, area, centroid, normal,
-/// strength (N)}, filtered {a, b}, levels}: one entry for each level above the fragments, coarsest first, {level, id,
-/// parent, fragments, volume, mass, center_of_mass, bonds}, its figures in columns; absent without a hierarchy; with
-/// a delta `delta {new, changed, gone}`, ids. `filtered` has the ids of the two fragments of each pair that the collision
-/// filters exclude, in a delta of pairs with a new or changed fragment; absent if there are none.
+/// Writes {version, algorithm, mesh, parameters, report, lattice, interior_materials, certificate, bonds {a, b, area,
+/// centroid, normal, strength (N)}, filtered {a, b}, delta {new, changed, gone}, levels}. `filtered`: pairs of ids that the
+/// collision filters exclude (in a delta, only pairs with a new or changed fragment); absent if there are none. `delta`: ids;
+/// only in a delta. `levels`: one entry for each level above the fragments, coarsest first: {level, id, parent, fragments,
+/// volume, mass, center_of_mass, bonds}, in columns; absent without a hierarchy.
 void write_root_extras(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options);
 
-/// {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, sites}
+/// Writes {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, parts (if several), sites}.
 void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std::size_t index,
                            const GltfOptions& options);
 
-/// {cluster, level, parent, fragments, volume, mass, center_of_mass}. Its id is called `cluster`: only
-/// fragments have an `id`.
+/// Writes {cluster, level, parent, fragments, volume, mass, center_of_mass}. The cluster's id is called `cluster`,
+/// because only fragments have an `id`.
 void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::size_t cluster,
                           const GltfOptions& options);
 

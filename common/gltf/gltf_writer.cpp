@@ -47,7 +47,7 @@ void write_string_array(JsonText& json, std::string_view key, const std::vector<
   json.end_array();
 }
 
-/// The source's material extensions, then ours that occur in the file.
+/// Writes the source's material extensions, then our own that occur in the file.
 void write_extensions_used(JsonText& json, const FragmentSet& set, const GltfOptions& options,
                            const SceneLayout& layout) {
   std::vector<std::string> used = set.source->library->extensions_used;
@@ -78,7 +78,7 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
   }
 }
 
-/// Where in the text the figures of the whole stand.
+/// Returns the position of the root's `extras.fracture` object in the text.
 TextRange write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                      const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
   json.begin_object().member("name", "Fracture");
@@ -132,7 +132,7 @@ void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOption
   }
 }
 
-/// Where in the text the figures of the whole stand.
+/// Returns the position of the root's `extras.fracture` object in the text.
 TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                       const SceneLayout& layout, const std::vector<WholeNode>& whole,
                       const IntactScene& intact, const Execution& execution) {
@@ -159,7 +159,7 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   return figures;
 }
 
-/// The source's materials, textures and samplers in source order, behind the materials those of the cuts and of the outside.
+/// Writes the source's materials, textures and samplers in their order. Materials of cuts and of the outside follow.
 void write_materials(JsonText& json, const MaterialLibrary& library, const GltfOptions& options) {
   json.key("materials").begin_array();
   for (const auto& material : library.materials) json.value(material);
@@ -218,7 +218,7 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const std::ve
   json.end_array();
 }
 
-/// About as long as the text becomes, rather longer: a text that grows is moved.
+/// Estimated length of the text. Rather too large, because a text that outgrows its memory is copied.
 std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& layout) {
   const FragmentSet& set = fractured.set;
   std::size_t hulls = 0, sites = 0, bonds = set.bonds.size(), clusters = 0;
@@ -233,7 +233,7 @@ std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& 
   return 4096 + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
 }
 
-/// About as many as there will be, rather more.
+/// Estimated number of accessors, rather too large.
 std::size_t expected_accessors(const FragmentSet& set, const SceneLayout& layout) {
   std::size_t sum = 0;
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {

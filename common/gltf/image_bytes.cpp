@@ -15,7 +15,7 @@ std::size_t big_endian(Bytes bytes) {
   return std::size_t{bytes[0]} << 24 | std::size_t{bytes[1]} << 16 | std::size_t{bytes[2]} << 8 | bytes[3];
 }
 
-/// PNG specification, 11.3.2 and 11.3.4.3.
+/// Whether glTF readers must ignore the chunk. Chunks: PNG specification, 11.3.2 and 11.3.4.3.
 bool to_be_ignored(std::string_view type, Bytes data) {
   if (type == "iCCP") return true;
   if (type == "gAMA") return data.size() != 4 || big_endian(data) != 45455;
@@ -40,7 +40,7 @@ std::vector<Bytes> image_pieces(Bytes bytes, Pacer& pacer) {
       const std::size_t length = big_endian(bytes.subspan(at));
       if (length > bytes.size() - at - 12) break;
       const std::string_view type(reinterpret_cast<const char*>(&bytes[at + 4]), 4);
-      if (type == "IDAT") break;  // all of these stand before the pixels
+      if (type == "IDAT") break;  // chunks to ignore come before the pixels
       const std::size_t next = at + 12 + length;
       if (to_be_ignored(type, bytes.subspan(at + 8, length))) {
         if (at > kept) pieces.push_back(bytes.subspan(kept, at - kept));

@@ -21,7 +21,7 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
   if (!fractured.intact || fractured.intact->parts.empty()) return;
   const std::vector<Fragment>& parts = fractured.intact->parts;
   constexpr std::string_view kSuffix = "_intact";
-  // Room for the longest thing a hull's name adds, so that those are at most kMaxName bytes as well.
+  // Leaves room for the longest suffix of a hull or collider, so that their names have at most kMaxName bytes, too.
   constexpr std::size_t kRoom = kMaxName - std::string_view("_00_collider").size();
   UniqueNames names(layout, fractured.set.fragments.size(), execution);
   names.take("Intact");

@@ -1,12 +1,12 @@
-// The unbroken solid as a second scene, so that one file has both things that an engine swaps:
+// The unbroken solid as a second scene. One file then has both objects that an engine swaps:
 //
 //   scene "Intact" ── root (identity; extras.intact: digest of the mesh)
 //                      ├─ part 0  mesh with the source's materials; extras.intact: part, volume, mass; static collider
 //                      │   └─ colliders of a part with several hulls, UCX_ hulls: identity, no extras
 //                      ├─ part 1 …
-//                      └─ what was not fractured: the same meshes as in the scene of the fragments
+//                      └─ parts that were not fractured: the same meshes as in the scene of the fragments
 //
-// Nothing here has extras.fracture, by which readers know fragments. The file's default scene is that of the fragments.
+// No node here has extras.fracture, because readers recognize fragments by it. The default scene is that of the fragments.
 #pragma once
 
 #include <cstddef>
@@ -23,19 +23,19 @@ namespace fracture {
 
 class IntactScene {
  public:
-  /// Without nodes and meshes if the solid has no FracturedSolid::intact. Its nodes follow those of the layout and `whole`,
-  /// and so do its meshes. Throws Interrupted.
+  /// The scene has no nodes or meshes if FracturedSolid::intact is not set. Its nodes and meshes follow those of the layout
+  /// and `whole`. Throws Interrupted.
   IntactScene(const FracturedSolid& fractured, const GltfOptions& options, const SceneLayout& layout,
               const std::vector<WholeNode>& whole, const Execution& execution);
 
   bool is_empty() const { return names_.empty(); }
   std::size_t root() const { return first_node_; }
   std::size_t node_count() const { return node_count_; }
-  /// The meshes of all hulls, one after the other.
+  /// Index of the first hull mesh. The meshes of all hulls are consecutive.
   std::size_t first_hull_mesh() const { return first_mesh_ + names_.size(); }
   std::size_t hull_count() const { return first_hull_.empty() ? 0 : first_hull_.back(); }
 
-  /// Elements of the arrays of nodes and meshes. Throw Interrupted; write_meshes() as MeshWriter.
+  /// Write elements of the arrays `nodes` and `meshes`. Throw Interrupted; write_meshes() also InternalError (MeshWriter).
   void write_nodes(JsonText& json, const GltfOptions& options) const;
   void write_meshes(JsonText& json, const GltfOptions& options, MeshWriter& writer) const;
 
@@ -52,9 +52,9 @@ class IntactScene {
   const Execution& execution_;
   const bool has_physics_, ucx_;
   std::size_t first_node_ = 0, node_count_ = 0;
-  std::size_t first_mesh_ = 0, first_shape_ = 0;  ///< of OMI_physics_shape
+  std::size_t first_mesh_ = 0, first_shape_ = 0;  ///< indices; the second in OMI_physics_shape
   std::vector<std::string> names_;                ///< per part
-  std::vector<std::size_t> first_hull_;           ///< per part + 1
+  std::vector<std::size_t> first_hull_;           ///< one per part, and the end
   std::vector<std::string> whole_names_;
   std::size_t first_whole_mesh_ = 0;
 };

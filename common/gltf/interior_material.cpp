@@ -18,23 +18,23 @@ namespace {
 using nlohmann::json;
 
 const Vec3d kGrey{0.55, 0.5, 0.45};
-/// Cuts whose colours differ by less in each component, in roots of linear light, look alike.
+/// Cuts look alike if their colours differ by at most this in each component, in square roots of linear light.
 constexpr double kAlike = 0.06;
 
-/// Without a say of its own the outside decides where nothing else does.
+/// Share of the outside's colour (InteriorLook::mix). If not set: 1, or 0 if a colour or a material is given.
 double share_of_outside(const InteriorLook& look) {
   if (look.choice == InteriorChoice::kPlain) return 0;
   return look.mix.value_or(look.color || !look.material.empty() ? 0 : 1);
 }
 
-/// The textures of detail_maps(), whose first has this index, where the material has none of its own.
+/// Adds the textures of detail_maps() if the material has none yet. `texture`: index of the first one.
 void add_detail(json& material, std::size_t texture) {
   json& pbr = sound_pbr(material);
   if (!material.contains("normalTexture")) material["normalTexture"] = {{"index", texture}};
   if (!pbr.contains("metallicRoughnessTexture")) pbr["metallicRoughnessTexture"] = {{"index", texture + 1}};
 }
 
-/// The look apart from the colours of the parts.
+/// Returns the look of all cuts, before the colours of the parts are mixed in.
 Expected<ReusedMaterial> common_look(const InteriorLook& look, const Mesh& mesh, const Execution& execution) {
   ReusedMaterial base{plain_interior_material(), kGrey};
   if (!look.material.empty()) {
@@ -52,8 +52,8 @@ Expected<ReusedMaterial> common_look(const InteriorLook& look, const Mesh& mesh,
   return base;
 }
 
-/// Names that no material of the source has. A file of fragments that breaks again already has an "Interior", so its new cuts
-/// get "Interior_2".
+/// Makes names that no material of the source has. If a file of fragments is fractured again, it already has an "Interior",
+/// so its new cuts get "Interior_2".
 class FreeNames {
  public:
   explicit FreeNames(const json& materials) {
@@ -61,7 +61,7 @@ class FreeNames {
       if (const auto name = material.find("name"); name != material.end() && name->is_string())
         taken_.insert(name->get<std::string>());
   }
-  /// `number`: of the materials with this stem, counted from 1, the one to name.
+  /// Returns the stem with the lowest free number from `number` on. The number 1 is omitted.
   std::string take(const std::string& stem, std::size_t number) {
     for (;; ++number)
       if (const std::string name = number == 1 ? stem : stem + "_" + std::to_string(number);
@@ -73,11 +73,11 @@ class FreeNames {
   std::set<std::string> taken_;
 };
 
-/// The colours of the cuts of parts, of one kind: opaque or translucent.
+/// The colours of cuts of one kind of parts: opaque or translucent.
 struct Kind {
   ColorHistogram colors;
   ColorGroups groups;
-  std::uint32_t first = 0;  ///< of its materials
+  std::uint32_t first = 0;  ///< index of its first material
 };
 
 class Mixer {
@@ -95,7 +95,7 @@ class Mixer {
       pacer_.step(8);
       if (is_mixed(part)) kinds_[is_clear(part)].colors.add(mixed(part), std::max(part.volume, 1e-30));
     }
-    // A slot each for what nothing is known of, opaque and clear, and a quarter of the others for what is clear.
+    // Two materials are for parts of unknown colour: one opaque, one clear. Clear parts get a quarter of the others.
     const std::size_t most = kMostInteriorMaterials - 2, clear = kinds_[true].colors.empty() ? 0 : most / 4;
     make_materials(kinds_[false], most - clear, false);
     make_materials(kinds_[true], kinds_[false].colors.empty() ? most : clear, true);
@@ -159,7 +159,7 @@ class Mixer {
   InteriorMaterials result_{.uvs = look_.uvs, .detail = look_.has_maps ? CutDetail::kNone : look_.detail};
 };
 
-/// The inner side of a wall looks as the cuts do, without textures: it has no place on one.
+/// Returns the material of inner sides of walls. It looks like the cuts, but without textures: all its UVs are 0.
 json cavity_of(json cut, const Vec3d& base_color, std::string name) {
   json pbr = sound_pbr(cut);
   if (pbr.contains("baseColorTexture")) set_base_color(cut, base_color);
@@ -171,15 +171,15 @@ json cavity_of(json cut, const Vec3d& base_color, std::string name) {
   return cavity;
 }
 
-/// Ice in crumbs scatters all light, as snow does: its albedo is 0.8 to 0.9 (Wiscombe and Warren 1980, A model for the
-/// spectral albedo of snow).
+/// Returns crushed ice. It scatters nearly all light, like snow: its albedo is 0.8 to 0.9 (Wiscombe and Warren 1980, A model
+/// for the spectral albedo of snow).
 json crushed_of(const json& cut) {
   return {{"name", cut["name"].get<std::string>() + "_Crushed"},
           {"pbrMetallicRoughness",
            {{"baseColorFactor", {0.85, 0.88, 0.9, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
 }
 
-/// Sand and lime or cement, without relief of its own: matt.
+/// Returns mortar: sand and lime or cement, so it is matt. It has no relief.
 json mortar_of(const json& cut, const Vec3d& color) {
   return {{"name", cut["name"].get<std::string>() + "_Mortar"},
           {"pbrMetallicRoughness",
@@ -235,7 +235,7 @@ std::optional<Vec3d> linear_color(std::string_view hex) {
     const auto [end, error] = std::from_chars(begin, begin + 2, byte, 16);
     if (error != std::errc{} || end != begin + 2) return std::nullopt;
     const double s = byte / 255.0;
-    // Rounded to six digits: the last bits of pow() differ between C libraries.
+    // Rounded to six digits, because the last bits of pow() differ between C libraries.
     const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
     color[k] = std::nearbyint(linear * 1e6) / 1e6;
   }

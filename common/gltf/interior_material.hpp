@@ -1,4 +1,4 @@
-// The materials of the cut faces: each part's looks like what it was cut from.
+// The materials of the cut faces. The cuts of a part look like the part's surface.
 #pragma once
 
 #include <cstdint>
@@ -16,89 +16,89 @@
 
 namespace fracture {
 
-/// How the inside takes part in the look of the outside.
+/// How the look of the inside depends on that of the outside.
 enum class InteriorChoice {
-  kAuto,     ///< parts have the colour of their surfaces, as far as `mix` says; an atlas is not shown
-  kPlain,    ///< all parts have the same colour, which is none of their surfaces'
-  kTexture,  ///< as kAuto, but whatever textures `material` has are shown
+  kAuto,     ///< cuts get the colour of their part's surface, weighted by `mix`; no atlas is shown
+  kPlain,    ///< all parts get the same colour, independent of their surfaces
+  kTexture,  ///< as kAuto, but all textures of `material` are shown
 };
 
-/// Where textures lie on cut faces: their planar UVs, which are metres, times `scale`, plus (u, v).
+/// Texture coordinates of cut faces: their planar UVs, which are in metres, times `scale`, plus (u, v).
 struct CutUvs {
   double scale = 1;
   double u = 0, v = 0;
   friend bool operator==(const CutUvs&, const CutUvs&) = default;
 };
 
-/// Of cuts through what lets light through.
+/// Opacity of cuts through translucent parts.
 inline constexpr double kClearOpacity = 0.5;
 
-/// What the inside looks like. Whatever is not set comes from the source's material named by `material`, or
-/// else from a plain matt grey called "Interior".
+/// The look of the inside. Members that are not set come from the source's material `material`. If that is empty,
+/// they come from a plain matt grey called "Interior".
 struct InteriorLook {
-  std::string material{};             ///< name or index of a material of the source, whose look is reused
-  std::optional<std::string> name{};  ///< of the material in the file
+  std::string material{};             ///< name or index of the source's material to reuse
+  std::optional<std::string> name{};  ///< name of the material in the file
   std::optional<Vec3d> color{};  ///< base colour, linear, 0 … 1; replaces the reused base colour texture
   std::optional<double> roughness{};  ///< 0 … 1
   std::optional<double> metallic{};   ///< 0 … 1
-  std::optional<double> opacity{};    ///< 0 … 1; not set: 1, kClearOpacity where the surface is translucent
+  std::optional<double> opacity{};    ///< 0 … 1; not set: 1, or kClearOpacity if the surface is translucent
   InteriorChoice choice = InteriorChoice::kAuto;
-  /// Share of the surface's colour in the base colour, 0 … 1; above 0 in the place of a texture. Not set: all where
-  /// neither `material` nor `color` is, else none.
+  /// Share of the surface's colour in the base colour, 0 … 1. If above 0, the colour replaces a texture. Not set: 1 if neither
+  /// `material` nor `color` is set, otherwise 0.
   std::optional<double> mix{};
-  double shade = 0.8;  ///< how much of its light that colour keeps
-  double crushed = 0;  ///< cuts of fragments below this share of the mean that is asked for are white, 0 … 1
+  double shade = 0.8;  ///< factor for the brightness of the surface's colour
+  double crushed = 0;  ///< 0 … 1: share of the requested mean volume; cuts of smaller fragments are white
   std::optional<Vec3d>
-      mortar{};  ///< base colour of the joints between bricks, as `color`; none: as other cuts
+      mortar{};  ///< base colour of the joints between bricks, linear; not set: that of other cuts
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;
-  /// Whoever reads the file has the maps of `detail`, which are left out; the cuts lie under them all the same.
+  /// The client already has the maps of `detail`, so the file omits them. The cuts are made to fit them nevertheless.
   bool has_maps = false;
   friend bool operator==(const InteriorLook&, const InteriorLook&) = default;
 };
 
-/// glTF material objects, and which of them the cuts of each part have.
+/// glTF material objects for cuts, and which of them each part uses.
 struct InteriorMaterials {
-  std::vector<nlohmann::json> materials{};  ///< at least one; all names begin with that of the first
-  std::vector<std::uint32_t> of_part{};     ///< empty: all parts have the first
-  /// Of the inner sides of walls, one for each of `materials` but those of mortar and of what is crushed, and of its
-  /// look: empty where there are no walls.
+  std::vector<nlohmann::json> materials{};  ///< at least one; all names have the same stem
+  std::vector<std::uint32_t> of_part{};     ///< empty: all parts use the first one
+  /// Materials of the inner sides of walls: one for each of `materials`, except for mortar and crushed cuts, with the same
+  /// look. Empty if there are no walls.
   std::vector<nlohmann::json> cavities{};
   CutUvs uvs{};
-  CutDetail detail = CutDetail::kNone;  ///< its two textures stand behind those of the source
-  /// So many of the first `materials` have the normal map of a detail, here or in an earlier answer: their cuts need
-  /// tangents.
+  CutDetail detail = CutDetail::kNone;  ///< its two textures follow those of the source
+  /// Number of materials, from the first one, that have a detail's normal map (in this file, or already at the client). Their
+  /// cuts need tangents.
   std::uint32_t in_relief = 0;
-  /// The last of `materials` is for the cuts of fragments smaller than this, m³. 0: of none, and there is no such
+  /// m³: fragments with a smaller volume use the last of `materials` for their cuts. If 0, there is no such
   /// material.
   double crushed_below = 0;
-  std::uint32_t mortar = kNoIndex;  ///< index into `materials`, for kMortarMaterial; kNoIndex: there is none
+  std::uint32_t mortar = kNoIndex;  ///< index into `materials`, for kMortarMaterial; kNoIndex: none
 
-  /// Index into `materials` and `cavities`.
+  /// Index into `materials` and `cavities` for the cuts of a part.
   std::uint32_t of(std::size_t part) const { return part < of_part.size() ? of_part[part] : 0; }
-  /// Index into `materials`, for the cuts of a fragment of this volume.
+  /// Index into `materials` for the cuts of a fragment with this volume (m³).
   std::uint32_t of(std::size_t part, double fragment_volume) const {
     return fragment_volume < crushed_below ? static_cast<std::uint32_t>(materials.size() - 1) : of(part);
   }
 };
 
-/// Parts whose cuts look alike share one; there are at most so many, and those of mortar and of what is crushed.
+/// Maximum number of materials, not counting those of mortar and crushed cuts. Parts whose cuts look alike share one.
 inline constexpr std::size_t kMostInteriorMaterials = 16;
 
-/// A reused material is called "Interior_<its name>", so that tools still tell cut faces from the outside. Its
-/// textures tile with the planar UVs of the cuts, one repeat a metre, if they tile on the outside; an atlas or a
-/// palette, of which a cut would show anything, gives its mean colour. kBadParameter (`interior_material`) with the
-/// names there are in extra.known when the source has no such material. `pieces`: how many fragments are asked for, which says
-/// what look.crushed is a share of: not how many there are, so that hits leave what they do not touch as it was.
+/// A reused material is called "Interior_<its name>", so that tools still recognize cut faces. If its textures tile on the
+/// outside, they also tile on the cuts, once per metre of the planar UVs. An atlas or a palette is replaced by its mean
+/// colour, because a cut would show arbitrary places of it. Error: kBadParameter (`interior_material`) if the source has no
+/// such material; extra.known lists the names it has. `pieces`: the requested number of fragments, which defines the mean
+/// volume for look.crushed. The actual number would not do: a hit would change fragments that it does not touch.
 /// Throws Interrupted.
 Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const Solid& solid,
                                                const Execution& execution = kUninterrupted,
                                                std::uint32_t pieces = 1);
 
-/// The matt grey.
+/// Returns the plain matt grey.
 nlohmann::json plain_interior_material();
 
-/// "#rrggbb" in sRGB (IEC 61966-2-1) to linear components; nothing for any other text.
+/// Converts "#rrggbb" in sRGB (IEC 61966-2-1) to linear components. Returns nothing for any other text.
 std::optional<Vec3d> linear_color(std::string_view srgb_hex);
 
 }  // namespace fracture

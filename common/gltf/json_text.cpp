@@ -8,7 +8,7 @@ const Execution& JsonText::never_stopped() {
   return execution;
 }
 
-// As std::string grows, but with polls.
+// Grows the text as std::string does, but with polls.
 void JsonText::grow(std::size_t by) {
   std::string longer;
   longer.reserve(std::max(text_.size() + by, 2 * text_.capacity()));

@@ -1,6 +1,6 @@
-// JSON written straight into a string: no document in between (the writer is on the path to a frame), numbers
-// by std::to_chars, the shortest text that reads back as the same double (invariant I4). Texts of hundreds of
-// megabytes are written, and grow, in steps between which the execution is polled.
+// Writes JSON directly into a string. No document is built first, because the writer must be fast enough for a frame.
+// std::to_chars gives the shortest text that reads back as the same double (invariant I4). Texts may be hundreds
+// of megabytes long, so they are written, and grow, in steps between which the execution is polled.
 #pragma once
 
 #include <charconv>
@@ -19,12 +19,12 @@
 
 namespace fracture {
 
-/// Commas are its own business; nesting and keys are the caller's. Keys are trusted text (no escaping). What
-/// writes may throw Interrupted.
+/// The class adds commas; the caller is responsible for nesting and keys. Keys are trusted text and are not escaped.
+/// Functions that write may throw Interrupted.
 class JsonText {
  public:
   JsonText() : JsonText(never_stopped()) {}
-  /// Borrowed.
+  /// `execution` is borrowed.
   explicit JsonText(const Execution& execution) : pacer_(execution) {}
 
   const std::string& text() const { return text_; }
@@ -46,14 +46,14 @@ class JsonText {
 
   template <std::integral Integer>
   requires(!std::same_as<Integer, bool>) JsonText& value(Integer number) { return put_number(number); }
-  /// Floats are written as the double they are exactly, so that every reader gets the stored bits back.
+  /// Floats are converted to double first, which is exact. So every reader gets the stored bits back.
   JsonText& value(double number) {
     if (!std::isfinite(number)) throw InternalError("a number for the file is not finite");
-    if (number == 0 && std::signbit(number)) return put("-0.0");  // "-0" is an integer to some readers
+    if (number == 0 && std::signbit(number)) return put("-0.0");  // some readers parse "-0" as an integer
     return put_number(number);
   }
-  /// As a float, by the shortest text that reads back as the same float: for figures of which many are written and
-  /// nobody needs more. What is too large or too small for a float stays a double.
+  /// Writes the shortest text that reads back as the same float. It is for long lists of numbers that need no more
+  /// precision. Numbers too large or too small for a float are written as doubles.
   JsonText& rounded(double number) {
     if (!(std::fabs(number) <= std::numeric_limits<float>::max())) return value(number);
     const auto rounded = static_cast<float>(number);
@@ -73,10 +73,10 @@ class JsonText {
     return end_array();
   }
   JsonText& null() { return put("null"); }
-  /// A finished document, in its own order of keys.
+  /// Writes a finished document with its keys in the document's order.
   JsonText& value(const nlohmann::json& document);
 
-  /// JSON that was written elsewhere, as it is.
+  /// Writes text that is JSON already, unchanged.
   JsonText& value_text(std::string_view json) {
     make_room(1);
     separate();
@@ -96,7 +96,7 @@ class JsonText {
     if (text_.capacity() - text_.size() < bytes) grow(bytes);
   }
   void grow(std::size_t by);
-  /// Text of any length.
+  /// Appends text of any length.
   void append(std::string_view raw);
   void separate() {
     if (comma_) text_ += ',';

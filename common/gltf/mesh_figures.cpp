@@ -41,7 +41,7 @@ std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, bool me
                                  const Execution& execution) {
   std::vector<MeshFigures> figures;
   resize_with_polls(execution, figures, fragments.size());
-  constexpr std::uint64_t kBlock = 1u << 17;  // corners that are worth a thread
+  constexpr std::uint64_t kBlock = 1u << 17;  // corners per block: enough to be worth a thread
   const WorkBlocks blocks(execution, fragments.size(), kBlock,
                           [&](std::size_t k) { return fragments[k].indices.size() + 32; });
   parallel_for_blocks(execution, blocks, [&](std::size_t, std::size_t begin, std::size_t end) {

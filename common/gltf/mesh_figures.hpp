@@ -1,4 +1,4 @@
-// What the text of the file says of a mesh's arrays, and whether they fit together.
+// Numbers about a mesh's arrays that the JSON text needs, and a check that the arrays are consistent.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@ namespace fracture {
 
 struct MeshFigures {
   Bounds bounds;           ///< of the positions
-  std::size_t merged = 0;  ///< merged_corners(), where they are written
+  std::size_t merged = 0;  ///< merged_corners(), if EXT_mesh_manifold is written
 };
 
-/// Throws InternalError when the fragment contradicts its own description (attribute lengths, index ranges, primitives that
-/// do not cover the indices); Interrupted. `mesh_manifold`: where it has a topology, EXT_mesh_manifold will be written.
+/// Throws InternalError if the fragment is inconsistent (attribute lengths, index ranges, primitives that do not cover the
+/// indices). Throws Interrupted. `mesh_manifold`: EXT_mesh_manifold will be written for fragments with a topology.
 MeshFigures measure(const Fragment& fragment, bool mesh_manifold, Pacer& pacer);
-/// One for each, on the threads of the execution. Throws as measure().
+/// Measures all fragments on the execution's threads. Throws the same exceptions.
 std::vector<MeshFigures> measure(const std::vector<Fragment>& fragments, bool mesh_manifold,
                                  const Execution& execution);
 

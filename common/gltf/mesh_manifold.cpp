@@ -10,7 +10,7 @@
 namespace fracture {
 namespace {
 
-/// visit(corner, first vertex of its topology) for each corner that is at another one.
+/// Calls visit(corner, first vertex of its topology) for each corner with a different vertex.
 template <class Visit>
 void each_merged(const Fragment& f, Pacer& pacer, const Visit& visit) {
   pacer.each(0, f.indices.size(), [&](std::size_t k) {
@@ -19,7 +19,7 @@ void each_merged(const Fragment& f, Pacer& pacer, const Visit& visit) {
   });
 }
 
-/// Numbers of type Index one after the other.
+/// Writes numbers of type Index one after the other.
 template <class Index>
 class IndexSink {
  public:

@@ -1,4 +1,4 @@
-// EXT_mesh_manifold: a closed solid stays one although its vertices are split along attribute seams.
+// EXT_mesh_manifold: keeps a solid closed for readers although its vertices are split along attribute seams.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace fracture {
 
-/// How many corners of the fragment are at a vertex that is not the first of its topology. Throws InternalError where the
-/// topology names a vertex that is not there; Interrupted.
+/// Number of triangle corners whose vertex is not the first one of its topology. Throws InternalError if the topology has a
+/// vertex index out of range. Throws Interrupted.
 std::size_t merged_corners(const Fragment& fragment, Pacer& pacer);
 
-/// What a fragment's mesh already has in the file.
+/// The data of a fragment's mesh that is already in the file.
 struct WrittenMesh {
   std::size_t index_view, indices_at;  ///< the run of indices of all primitives
   std::size_t positions;               ///< accessor
@@ -21,9 +21,9 @@ struct WrittenMesh {
   std::size_t merged;                  ///< merged_corners()
 };
 
-/// The mesh's member "EXT_mesh_manifold": a primitive over the whole run of indices in which every corner at
-/// a vertex that is not the first of its topology (Fragment::topology) is replaced by that first one (a
-/// sparse accessor), and the same replacements as mergeIndices (corners) and mergeValues (vertices).
+/// Writes the mesh's member "EXT_mesh_manifold". It has a primitive with all indices, in which a sparse accessor
+/// replaces each vertex by the first one of its topology (Fragment::topology). It also lists these replacements as
+/// mergeIndices (corners) and mergeValues (vertices).
 void write_mesh_manifold(JsonText& json, const Fragment& fragment, const WrittenMesh& mesh,
                          Accessors& accessors);
 

@@ -12,7 +12,7 @@
 namespace fracture {
 namespace {
 
-/// Does the material (or one of its extensions) have a normal map? Only those need tangents.
+/// Whether the material (or one of its extensions) has a normal map. Only such materials need tangents.
 bool has_normal_texture(const nlohmann::json& value, Pacer& pacer) {
   if (!value.is_object()) return false;
   pacer.step(8);
@@ -63,8 +63,8 @@ std::size_t MeshWriter::put_positions(const std::vector<Vec3f>& positions, const
   return accessors_.add(view, at, component_type::kFloat, positions.size(), "VEC3", &bounds.min, &bounds.max);
 }
 
-// The source has normals and tangents where its own materials need them (import/complete_attributes.hpp). If those of its
-// cuts need some that it does not have, these are made for the cuts: the outside stays as it is.
+// The source has normals and tangents if its own materials need them (import/complete_attributes.hpp). If it has none but
+// the materials of its cuts need them, they are made for the cuts only, and the outside stays unchanged.
 void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures) {
   bool any_mapped = false, any_mapped_cuts = false;
   for (std::size_t k = 0; k < f.primitives.size(); ++k) {
@@ -140,7 +140,7 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
 
   json.begin_object().member("name", name).key("primitives").begin_array();
   for (std::size_t k = 0, next = 0; k < f.primitives.size(); k = next) {
-    // Cuts through several parts that look alike are one primitive.
+    // Cuts through several parts become one primitive if they look alike.
     FragmentPrimitive p = f.primitives[k];
     for (next = k + 1; next < f.primitives.size() && materials_[next] == materials_[k] &&
                        f.primitives[next].material == p.material;

@@ -1,4 +1,4 @@
-// The meshes of the file: fragments with all their attributes, and collision hulls with positions alone.
+// Writes the meshes of the file: fragments with all their attributes, and collision hulls with positions only.
 #pragma once
 
 #include <cstddef>
@@ -17,28 +17,28 @@
 
 namespace fracture {
 
-/// Writes their JSON, and puts their arrays into the contents of the buffer; it and the meshes are needed until those are
-/// written.
+/// Writes the JSON of meshes and adds their arrays to the buffer's contents. The writer and the meshes must exist until the
+/// buffer has been written.
 class MeshWriter {
  public:
-  /// The file has the materials of the library, then those of the interior and its cavities, then those of the exterior.
+  /// Materials are in this order in the file: library, interior, cavities, exterior.
   MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior,
              const ExteriorMaterials& exterior, bool mesh_manifold, Accessors& accessors);
 
-  /// Attribute accessors shared by the primitives, indices of all of them in one run.
+  /// Writes a fragment. Its primitives share their attribute accessors, and their indices are consecutive.
   void write(JsonText& json, const Fragment& fragment, const MeshFigures& figures, const std::string& name);
-  /// The same of what was not fractured: it keeps the source's materials.
+  /// Writes a mesh that was not fractured. It keeps the source's materials.
   void write_whole(JsonText& json, const Fragment& mesh, const MeshFigures& figures, const std::string& name);
-  /// One primitive without a material. Throws InternalError when a triangle names a point that is not there.
+  /// Writes a hull as one primitive without a material. Throws InternalError if a triangle has an index out of range.
   void write(JsonText& json, const CollisionHull& hull, const std::string& name);
 
  private:
   void write(JsonText& json, const Fragment& fragment, const MeshFigures& figures, const std::string& name,
              const ExteriorMaterials& exterior);
-  /// Index of a material of the file; none without a material.
+  /// Index of the primitive's material in the file; nothing if it has no material.
   std::optional<std::size_t> material_of(const Fragment& fragment, const FragmentPrimitive& p,
                                          const ExteriorMaterials& exterior) const;
-  /// Returns the accessor.
+  /// Returns the accessor's index.
   std::size_t put_positions(const std::vector<Vec3f>& positions, const Bounds& bounds);
   void put_attributes(const Fragment& fragment, const MeshFigures& figures);
   /// Whether a primitive's material has a normal map, so that it needs tangents.
@@ -50,10 +50,10 @@ class MeshWriter {
   bool mesh_manifold_;
   const InteriorMaterials& interior_;
   const ExteriorMaterials& exterior_;
-  std::size_t first_interior_ = 0, first_exterior_ = 0;  ///< of the materials of the file
+  std::size_t first_interior_ = 0, first_exterior_ = 0;  ///< indices of materials in the file
   std::vector<bool> normal_mapped_;
   std::deque<MovedUvs> moved_uvs_;
-  // Of the mesh that is written: its attributes, and the material of each primitive.
+  // The mesh that is being written: its attributes, and the material of each primitive.
   enum class Bearers { kAll, kMapped, kMappedCuts };
   struct Attribute {
     std::string semantic;

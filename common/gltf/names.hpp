@@ -1,5 +1,5 @@
-// Names that every tool accepts: ASCII letters, digits and _, at most 63 bytes (Unreal's and Blender's common
-// ground).
+// Names that every tool accepts: ASCII letters, digits and _, at most 63 bytes (Unreal and Blender both accept
+// these).
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace fracture {
 
 inline constexpr std::size_t kMaxName = 63;
 
-/// The name with every other byte replaced by _, cut to `room` bytes; "mesh" where nothing is left.
+/// Replaces disallowed bytes with _ and shortens the name to `room` bytes. Returns "mesh" for an empty name.
 inline std::string ascii_name(std::string_view name, std::size_t room = kMaxName) {
   std::string result;
   for (const char c : name.substr(0, std::min(room, name.size()))) {
@@ -21,14 +21,14 @@ inline std::string ascii_name(std::string_view name, std::size_t room = kMaxName
   return result.empty() ? "mesh" : result;
 }
 
-/// The number in at least `width` digits.
+/// Returns the number with at least `width` digits.
 inline std::string padded(std::size_t number, std::size_t width) {
   std::string digits = std::to_string(number);
   if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
   return digits;
 }
 
-/// "<source>_007": begins with the source node's name; unique because the number is. At most `room` bytes.
+/// Returns "<source>_007": the source node's name and the number, which makes it unique. At most `room` bytes.
 inline std::string fragment_name(std::string_view source, std::size_t number, std::size_t count,
                                  std::size_t room = kMaxName) {
   const std::size_t width = std::to_string(count - 1).size();

@@ -1,4 +1,4 @@
-// OMI_physics_body and OMI_physics_shape (Open Metaverse Interoperability Group): what Godot imports.
+// OMI_physics_body and OMI_physics_shape (Open Metaverse Interoperability Group): the extensions that Godot imports.
 #pragma once
 
 #include "common/fragment/fragments.hpp"
@@ -8,17 +8,17 @@
 
 namespace fracture {
 
-/// The document's member "OMI_physics_shape": one convex shape for each hull mesh of the fragments, in the same order, then
-/// one for each of the intact solid. Nothing without hulls.
+/// Writes the document's member "OMI_physics_shape": one convex shape for each hull mesh of the fragments, in the same
+/// order, then one for each hull of the intact solid. Writes nothing if there are no hulls.
 void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout,
                                 const IntactScene& intact);
 
-/// The node's member "OMI_physics_body" of a fragment: dynamic motion with mass and centre (no inertia: Godot
-/// computes its own), and the collider where it is one hull.
+/// Writes the member "OMI_physics_body" of a fragment's node: dynamic motion with mass and centre, without inertia
+/// (Godot computes it), and the collider if the fragment has a single hull.
 void write_omi_physics_body(JsonText& json, const Fragment& fragment, std::size_t index,
                             const SceneLayout& layout, const GltfOptions& options);
 
-/// The same member of a compound's child node.
+/// Writes the same member for a compound's child node.
 void write_omi_physics_collider(JsonText& json, std::size_t shape);
 
 }  // namespace fracture

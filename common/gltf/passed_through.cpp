@@ -10,7 +10,7 @@
 namespace fracture {
 namespace {
 
-/// The given triangles, which are sorted by material, with the wedges they use in order of first use.
+/// Returns a mesh of the given triangles, which are sorted by material. Its wedges are in order of first use.
 Fragment mesh_of(const Mesh& mesh, const std::uint32_t* first, const std::uint32_t* last,
                  std::vector<std::uint32_t>& new_wedge, Pacer& pacer) {
   Fragment result;

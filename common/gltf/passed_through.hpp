@@ -1,5 +1,5 @@
-// The parts of the scene that were not fractured (Mesh::passed_through), as plain mesh nodes: under their own
-// names, without extras.fracture, without physics.
+// The parts of the scene that were not fractured (Mesh::passed_through), as plain mesh nodes. They keep their names and
+// have neither extras.fracture nor physics.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 namespace fracture {
 
 struct WholeNode {
-  std::string name;  ///< the source's, as ASCII; a number is added where another node or mesh has it
-  /// What the mesh writer needs of a fragment: positions in the frame of the scene, attributes, indices,
+  std::string name;  ///< the source's, as ASCII; a number is added if the name is taken
+  /// Only the members that the mesh writer needs: positions in the scene's frame, attributes, indices, and
   /// primitives in material order (triangles without a material last).
   Fragment mesh;
 };
 
-/// One for each node of the source that keeps triangles, in source order. Throws Interrupted.
+/// Returns one for each node of the source that keeps triangles, in the source's order. Throws Interrupted.
 std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
                                    const Execution& execution);
 

@@ -1,4 +1,4 @@
-// PNG out (ISO/IEC 15948): 8-bit RGB, for the few images that are made and not passed through.
+// Writes PNG images (ISO/IEC 15948): 8-bit RGB, for the few images that are generated and not copied.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace fracture {
 
-/// `pixels`: width * height, rows from the top.
+/// `pixels`: width * height of them, top row first.
 std::vector<std::uint8_t> write_png(std::span<const std::array<std::uint8_t, 3>> pixels, std::uint32_t width,
                                     std::uint32_t height);
 

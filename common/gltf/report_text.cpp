@@ -39,7 +39,7 @@ void write_rough_cuts(JsonText& json, const RoughCuts& cuts) {
   json.member("triangles", cuts.triangles).end_object();
 }
 
-/// Names of what was asked, and of what came of it, stand between those of the volumes.
+/// Members are in alphabetical order, so limits and their effects are listed among the volumes.
 void write_size(JsonText& json, const SizeReport& size) {
   const SizeLimits& limits = size.limits;
   const VolumeDistribution& volumes = size.volumes;
@@ -129,7 +129,7 @@ void write_rest(JsonText& json, const RestFigures& rest) {
       .end_object();
 }
 
-/// Members of an object.
+/// Writes only the members of the object.
 void write_proof(JsonText& json, const Certificate& c) {
   json.member("open_edges", c.open_edges)
       .member("volume_in", c.volume_in)

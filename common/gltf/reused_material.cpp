@@ -20,7 +20,7 @@ std::string name_of(const json& material) {
   return name != material.end() && name->is_string() ? name->get<std::string>() : std::string();
 }
 
-/// A name stands for the first material that is called so; what is no name but a number is an index.
+/// Returns the first material with this name, or otherwise the one with this index; kNoIndex if there is neither.
 std::uint32_t find_material(const std::string& wanted, const json& materials) {
   for (std::uint32_t k = 0; k < materials.size(); ++k)
     if (name_of(materials[k]) == wanted) return k;
@@ -30,13 +30,13 @@ std::uint32_t find_material(const std::string& wanted, const json& materials) {
   return number && index < materials.size() ? index : kNoIndex;
 }
 
-/// What of a texture the triangles of a material show, and in which colours.
+/// The region of a texture that the triangles of a material show, and their colours.
 struct Shown {
   std::array<double, 2> low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
   double uv_area = 0, area = 0;
   std::array<double, 3> color{};
 
-  /// More than a whole texture along an axis, or all of it twice over: it was made to repeat.
+  /// Whether the texture is meant to repeat: triangles show more than all of it along an axis, or twice its area.
   bool repeats() const {
     constexpr double kWhole = 1.02, kTwice = 2;
     return high[0] - low[0] > kWhole || high[1] - low[1] > kWhole || uv_area >= kTwice;
@@ -78,7 +78,7 @@ double number_or(const json& object, const char* name, double otherwise) {
   return it != object.end() && it->is_number() ? it->get<double>() : otherwise;
 }
 
-/// The material without its textures: what these said of roughness and metal is not known.
+/// Returns the material without its textures. If roughness and metalness had one, they get default values.
 json flat(const json& source, const Vec3d& color) {
   json material = {{"name", source["name"]}};
   json copy = source;
@@ -108,12 +108,12 @@ nlohmann::json& sound_pbr(json& material) {
 void set_base_color(json& material, const Vec3d& linear) {
   json& pbr = sound_pbr(material);
   pbr.erase("baseColorTexture");
-  // Four digits are more than a screen shows, and keep the text short.
+  // Four digits are more than a screen can show, and they keep the text short.
   for (std::size_t k = 0; k < 3; ++k)
     pbr["baseColorFactor"][k] = std::nearbyint(std::clamp(linear[static_cast<int>(k)], 0.0, 1.0) * 1e4) / 1e4;
   if (const auto extensions = material.find("extensions");
       extensions != material.end() && extensions->is_object()) {
-    extensions->erase("KHR_materials_pbrSpecularGlossiness");  // readers that know it would take its colour
+    extensions->erase("KHR_materials_pbrSpecularGlossiness");  // readers that support it would use its colour
     if (extensions->empty()) material.erase("extensions");
   }
 }

@@ -24,7 +24,7 @@ SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& opt
   first_hull_.push_back(mesh);
   digits_ = std::max<std::size_t>(2, std::to_string(std::max<std::size_t>(most, 1) - 1).size());
 
-  // Room for the longest thing a hull's name adds, so that those are at most kMaxName bytes as well.
+  // Leaves room for the longest suffix of a hull or collider, so that their names have at most kMaxName bytes, too.
   const std::size_t room =
       has_hulls() ? kMaxName - digits_ - std::string_view("__collider").size() : kMaxName;
   names_.reserve(count);
@@ -33,7 +33,7 @@ SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& opt
     pacer.step(4);
     const std::uint32_t node = set.fragments[k].node;
     const std::string_view source = node < sources.size() ? std::string_view(sources[node]) : "mesh";
-    // A fragment that is called UCX_ would itself be taken for collision geometry.
+    // Unreal would take a fragment whose name begins with UCX_ for collision geometry.
     std::string base(ucx_ && source.starts_with("UCX_") ? 1 : 0, '_');
     base += source;
     names_.push_back(fragment_name(base, k, count, room));

@@ -1,4 +1,4 @@
-// Collision hulls as Unreal's importer looks for them: by name.
+// Collision hulls for Unreal's importer, which recognizes them by name.
 #pragma once
 
 #include "common/gltf/json_text.hpp"
@@ -6,8 +6,8 @@
 
 namespace fracture {
 
-/// The UCX_<fragment>_NN nodes of a fragment, elements of the array of nodes: children of the fragment at the
-/// identity that draw its hull meshes, without extras.fracture, so that nothing takes them for fragments.
+/// Writes the UCX_<fragment>_NN nodes of a fragment into the array of nodes. They are children of the fragment, without a
+/// transform, and draw its hull meshes. They have no extras.fracture, so no reader takes them for fragments.
 void write_ucx_nodes(JsonText& json, std::size_t fragment, const SceneLayout& layout);
 
 }  // namespace fracture

@@ -1,4 +1,4 @@
-// Names of which no two are equal.
+// Makes names unique.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@ namespace fracture {
 
 class UniqueNames {
  public:
-  /// The names of the fragments, hulls and colliders are taken. Throws Interrupted.
+  /// Reserves the names of the fragments, hulls and colliders. Throws Interrupted.
   UniqueNames(const SceneLayout& layout, std::size_t fragments, const Execution& execution);
 
   void take(std::string name);
-  /// The name as ASCII with `suffix`, at most `room` bytes. If it is taken, with the lowest number from 2 on that makes it
-  /// new before the suffix.
+  /// Returns the name as ASCII with `suffix`, at most `room` bytes. If it is taken, a number is inserted before the suffix:
+  /// the lowest one from 2 on that makes the name unique.
   std::string add(std::string_view source, std::string_view suffix = {}, std::size_t room = kMaxName);
 
  private:
   std::set<std::string> taken_;
-  std::map<std::string, std::size_t> last_number_;  ///< that the same name was given
+  std::map<std::string, std::size_t> last_number_;  ///< highest number that each name was given
 };
 
 }  // namespace fracture

@@ -36,10 +36,10 @@ void write_each(std::span<const Value> values, Room out, Pacer& pacer, const Sto
 
 std::uint16_t narrow(std::uint32_t index, std::size_t) { return static_cast<std::uint16_t>(index); }
 
-/// Well inside what validators accept, well outside what rounding three floats does.
+/// The tolerance is well below that of validators, and well above the rounding of three floats.
 bool is_unit(const Vec3d& v) { return std::abs(dot(v, v) - 1) < 1e-5; }
 
-/// The unit vector in floats; false where there is no direction.
+/// Scales v to unit length. Returns false if v has no direction.
 bool normalise(Vec3d& v) {
   const double l = length(v);
   if (!(l > 1e-30) || !std::isfinite(l)) return false;
@@ -51,8 +51,8 @@ Vec3f to_float(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-/// For vertices without a normal: the direction of the first triangle at each that has one. Found for all of
-/// them at once, when the first is asked about.
+/// Replaces missing normals: a vertex gets the normal of the first triangle at it that has one. The first call
+/// of at() finds these triangles for all vertices.
 class TriangleNormals {
  public:
   TriangleNormals(const Fragment& fragment, Pacer& pacer) : fragment_(fragment), pacer_(pacer) {}
@@ -83,7 +83,7 @@ class TriangleNormals {
 
   const Fragment& fragment_;
   Pacer& pacer_;
-  std::vector<std::uint32_t> first_;  // per vertex: where in the indices that triangle begins
+  std::vector<std::uint32_t> first_;  // per vertex: position of that triangle in the indices
 };
 
 Vec3d perpendicular_to(const Vec3d& n) {
@@ -91,7 +91,7 @@ Vec3d perpendicular_to(const Vec3d& n) {
   return normalise(t) ? t : Vec3d{1, 0, 0};
 }
 
-/// Normals and tangents of cuts, from their positions and texture coordinates alone.
+/// Computes normals and tangents of cuts from their positions and texture coordinates only.
 class CutFrames {
  public:
   CutFrames(const Fragment& fragment, Pacer& pacer)
@@ -104,7 +104,7 @@ class CutFrames {
       }
     }
   }
-  /// The fragment's own, if it has normals.
+  /// Returns the fragment's own normal if it has normals.
   Vec3d normal(std::size_t v) const {
     Vec3d n = fragment_.attributes.normals.empty() ? normals_[v] : to_double(fragment_.attributes.normals[v]);
     return normalise(n) ? n : Vec3d{0, 0, 1};
@@ -121,7 +121,7 @@ class CutFrames {
     const Vec3d e1 = at(1) - at(0), e2 = at(2) - at(0), n = cross(e1, e2);
     Vec3d right;
     if (!fragment_.attributes.uvs.empty()) {
-      const std::vector<Vec2f>& uvs = fragment_.attributes.uvs[0];  // planar in every set
+      const std::vector<Vec2f>& uvs = fragment_.attributes.uvs[0];  // cuts have planar UVs in every set
       const double v0 = uvs[corners[0]].y, v1 = uvs[corners[1]].y - v0, v2 = uvs[corners[2]].y - v0;
       const double u0 = uvs[corners[0]].x, u1 = uvs[corners[1]].x - u0, u2 = uvs[corners[2]].x - u0;
       right = (u1 * v2 < u2 * v1 ? -1.0 : 1.0) * (v2 * e1 - v1 * e2);
@@ -198,7 +198,7 @@ void write_cut_tangents(const Fragment& fragment, Room out, Pacer& pacer) {
   const CutFrames frames(fragment, pacer);
   write_each(std::span(fragment.positions), out, pacer, [&](const Vec3f&, std::size_t v) {
     const Vec3f t = to_float(frames.tangent(v));
-    return Vec4f{t.x, t.y, t.z, 1};  // as the vertices of cuts have it whose source has tangents
+    return Vec4f{t.x, t.y, t.z, 1};  // the same handedness as for cuts of a source with tangents
   });
 }
 
@@ -211,7 +211,7 @@ void write_moved_uvs(const MovedUvs& moved, Room out, Pacer& pacer) {
   for (const FragmentPrimitive& p : f.primitives) {
     if (!is_of_cuts(p.material)) continue;
     pacer.each(p.first_index, p.first_index + p.index_count, [&](std::size_t k) {
-      const std::uint32_t vertex = f.indices[k];  // of cut faces alone: the outside has vertices of its own
+      const std::uint32_t vertex = f.indices[k];  // used by cut faces only: the outside has separate vertices
       const Vec2f uv{static_cast<float>(moved.to.scale * uvs[vertex].x + moved.to.u),
                      static_cast<float>(moved.to.scale * uvs[vertex].y + moved.to.v)};
       std::memcpy(&out[vertex * sizeof(uv)], &uv, sizeof(uv));

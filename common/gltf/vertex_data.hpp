@@ -1,5 +1,5 @@
-// Arrays of a mesh as the file stores them: float32, one bufferView for each attribute, valid by the letter of the
-// specification (unit normals and tangents, handedness exactly +1 or -1, colours in [0, 1]); indices of 16 or 32 bits.
+// Writes a mesh's arrays as the file stores them: float32, one bufferView for each attribute, and 16-bit or 32-bit indices.
+// They are strictly valid: unit normals and tangents, handedness exactly +1 or -1, colours in [0, 1].
 #pragma once
 
 #include <array>
@@ -16,29 +16,29 @@ namespace fracture {
 struct Bounds {
   Vec3f min, max;
 };
-/// Of one position or more. Throws Interrupted.
+/// Returns the bounds of at least one position. Throws Interrupted.
 Bounds bounds_of(const std::vector<Vec3f>& positions, Pacer& pacer);
 
-/// Texture coordinates of a fragment of which those of its cuts are moved to where their material has its picture.
+/// Texture coordinates of a fragment. Those of its cuts are moved to the place of their material's picture.
 struct MovedUvs {
   const Fragment& fragment;
   std::size_t set;
   CutUvs to;
 };
 
-// For BufferContents::put(): all of them write the whole of `out` and throw Interrupted.
+// Functions for BufferContents::put(). All of them fill `out` and throw Interrupted.
 
 using Room = std::span<std::uint8_t>;
-/// As many bytes as there is room for, from `first` on.
+/// Copies as many bytes as `out` has, beginning with `first`.
 void write_bytes(const std::uint8_t& first, Room out, Pacer& pacer);
 void write_positions(const std::vector<Vec3f>& positions, Room out, Pacer& pacer);
-/// Normals that are unit keep their bits, others are normalised; one without direction takes that of the
-/// first triangle at it that has one.
+/// Unit normals keep their bits; others are normalised. A zero normal becomes the normal of the first triangle
+/// at its vertex that has one.
 void write_normals(const Fragment& fragment, Room out, Pacer& pacer);
-/// As normals; one without direction takes any that is perpendicular to the vertex normal.
+/// Like write_normals(), but a zero tangent becomes any direction perpendicular to the vertex normal.
 void write_tangents(const Fragment& fragment, Room out, Pacer& pacer);
-/// Normals and tangents for the cuts of a fragment whose source has none: the mean of the triangles of cuts at each
-/// vertex by their area, and the direction of growing u across it. Vertices of the outside get any.
+/// Normals and tangents for cuts if the source has none. A normal is the mean of the cut triangles at the vertex, weighted
+/// by area; a tangent is the direction in which u grows. Vertices of the outside get arbitrary values.
 void write_cut_normals(const Fragment& fragment, Room out, Pacer& pacer);
 void write_cut_tangents(const Fragment& fragment, Room out, Pacer& pacer);
 void write_uvs(const std::vector<Vec2f>& uvs, Room out, Pacer& pacer);
