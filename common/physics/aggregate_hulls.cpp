@@ -14,27 +14,27 @@
 namespace fracture {
 namespace {
 
-/// Where there is a rest: what has so many times the usual number of cells is one.
+/// If a rest is expected, a fragment with more than this many times the usual number of cells is a rest.
 constexpr std::size_t kManyCells = 16;
-/// Of more cells than this only those near a neighbour are asked whether it is in the way: so many.
+/// If there are more than kFewCells cells, only the kNearCells cells nearest to a neighbour supply bisectors.
 constexpr std::size_t kFewCells = 64, kNearCells = 16;
-constexpr int kRounds = 4;  // of k-means: cells are few
-/// Of the extent of some cells: corners on a bisector are beyond it by rounding. A fraction of the least inset.
+constexpr int kRounds = 4;  // of k-means; enough for a few cells
+/// Relative to the extent of the cells: corners beyond a bisector by less are on it. A fraction of the least inset.
 constexpr double kRounding = 4e-6;
-/// Of its distance from its own bisector, the middle of the largest cell keeps so much from another's.
+/// The share of the distance from the largest cell's middle to its bisector that any other bisector must keep.
 constexpr double kRoomToKeep = 0.5;
 
 /// One cell's share of a fragment.
 struct Share {
-  std::uint32_t body;  ///< of Fragment::bodies
+  std::uint32_t body;  ///< index into Fragment::bodies
   SiteId site;
-  Vec3d middle;  ///< of the corners, local
-  double size;   ///< of their box, m³
+  Vec3d middle;  ///< mean of the corners, local
+  double size;   ///< volume of their box, m³
   std::uint32_t cluster;
 };
 
 struct Plane {
-  Vec3d normal;  ///< of the local frame, not of unit length
+  Vec3d normal;  ///< in the local frame, not of unit length
   double offset;
   double scale;  ///< 1 / |normal|
   double height(const Vec3d& p) const { return scale * (dot(normal, p) - offset); }
@@ -67,7 +67,7 @@ class FewHulls {
     s_.maker.rounding = rounding;
   }
 
-  /// At most `most`.
+  /// Adds at most `most` hulls.
   void make(const Fragment& f, std::size_t most, FragmentHulls& out) {
     f_ = &f;
     find_shares(f.sites.size() > kFewCells);
@@ -80,8 +80,8 @@ class FewHulls {
       if (!s_.members.empty()) add(out);
     }
   }
-  /// Of very many cells: one for each `cells` of them that follow one another, as their sites do on a curve through
-  /// the solid. Near-linear.
+  /// Adds one hull for every `cells` consecutive cells of a fragment with very many. Consecutive cells are near each other,
+  /// because sites are ordered along a curve through the solid. Near-linear.
   void make_of_rest(const Fragment& f, std::size_t cells, FragmentHulls& out) {
     f_ = &f;
     find_shares(true);
@@ -98,8 +98,8 @@ class FewHulls {
   const CellMap& map() const { return diagram_.map(); }
   const Vec3d& site(SiteId s) const { return diagram_.site(s); }
 
-  /// Whose share a body is: that of the cell that the middle of its corners lies in. `walks`: from cell to cell, where
-  /// there are too many to look at all for each.
+  /// Finds the cell of each body, which contains the mean of its corners. `walks`: walk from cell to cell, because there
+  /// are too many cells to test all of them for each body.
   void find_shares(bool walks) {
     s_.shares.clear();
     VoronoiDiagram::Walk walk;
@@ -141,7 +141,7 @@ class FewHulls {
 
   void find_neighbors() {
     s_.neighbors.clear();
-    // Those that have a share in this fragment: another piece of its cells may be another fragment.
+    // Only cells with a body in this fragment: other pieces of its cells may be in other fragments.
     s_.own.clear();
     for (const Share& share : s_.shares) s_.own.push_back(share.site);
     sort_with_polls(execution_, s_.own.begin(), s_.own.end());
@@ -157,7 +157,7 @@ class FewHulls {
     s_.neighbors.erase(std::unique(s_.neighbors.begin(), s_.neighbors.end()), s_.neighbors.end());
   }
 
-  /// Cells near each other together: k-means (Lloyd 1982) from seeds far from each other (Gonzalez 1985).
+  /// Groups cells that are near each other: k-means (Lloyd 1982) with seeds far from each other (Gonzalez 1985).
   void divide(std::size_t most) {
     std::vector<Share>& shares = s_.shares;
     std::vector<Vec3d>& seeds = s_.seeds;
@@ -197,14 +197,14 @@ class FewHulls {
     }
   }
 
-  /// Behind it lies cell j. In the local frame of the fragment: u · (x' - i) <= |u|² / 2, where x' is the image of x.
+  /// Cell j is behind it. In the fragment's local frame: u · (x' - i) <= |u|² / 2, where x' is the image of x.
   Plane bisector(SiteId i, SiteId j) const {
     const Vec3d u = site(j) - site(i), normal = diagram_.facet_normal(i, j);
     const Vec3d pivot = map() ? map().at(site(i)).image(f_->pivot) : f_->pivot;
     return {normal, 0.5 * dot(u, u) + dot(u, site(i) - pivot), 1 / length(normal)};
   }
 
-  /// Members whose bisectors with j may be asked: any of them keeps its cell out, and the near ones take least.
+  /// Members whose bisectors with j are tried. Any bisector keeps cell j out; those of near members cut away least.
   std::span<const Share* const> members_near(SiteId j) {
     if (s_.members.size() <= kFewCells) return s_.members;
     pacer_.step(s_.members.size());
@@ -222,7 +222,7 @@ class FewHulls {
     return s_.near;
   }
 
-  /// The bisector of j and one of these members that takes least of the corners away, and leaves the largest cell.
+  /// Returns the bisector of j and a member that cuts away least, and leaves room around the middle of the largest cell.
   Plane best_bisector(SiteId j, std::span<const Share* const> members, const Share& largest) const {
     Plane best = bisector(largest.site, j);
     const double room = kRoomToKeep * best.height(largest.middle);
@@ -240,7 +240,7 @@ class FewHulls {
     return best;
   }
 
-  /// The hull of the members, within the cells of the fragment.
+  /// Adds the hull of the members, cut back to the cells of the fragment.
   void add(FragmentHulls& out) {
     const Share* largest = s_.members[0];
     s_.points.clear();
@@ -281,7 +281,7 @@ class FewHulls {
     if (hull.points.size() <= kMaxHullPoints) {
       CollisionHull smaller = hull;
       const double volume =
-          inset(smaller, s_.maker.rounding);  // and rounds: corners that were two may be one
+          inset(smaller, s_.maker.rounding);  // this also rounds corners: two may become one
       if (bounds_a_body(smaller)) {
         out.simplified += simplified;
         out.hulls.push_back(std::move(smaller));
@@ -300,7 +300,7 @@ class FewHulls {
   const Fragment* f_ = nullptr;
 };
 
-/// Pieces of several parts may be in cells of different frames; then each has its own hull.
+/// Whether its cells are in different frames, as pieces of several parts may be. Then each piece has its own hull.
 bool is_in_several_frames(const Fragment& f, const VoronoiDiagram& diagram) {
   return !f.part_cells.empty() && diagram.map().frames().size() > 1;
 }

@@ -1,14 +1,14 @@
-// Few convex hulls for fragments of many cells. One for each cell would multiply the physics; one around several cells
-// reaches into those of other fragments. So neighbouring cells share a hull, cut back until it lies within the cells of
-// its fragment:
+// A few convex hulls for fragments with many cells. One hull per cell would make physics slow. One hull around several
+// cells reaches into the cells of other fragments. So neighbouring cells share a hull, which is cut back until it lies
+// within the cells of its fragment:
 //
-// Let A be some cells of a fragment F, and j the site of a cell that shares a facet with one of F's. Each bisector of j
-// and a site i of A has all of cell j behind it. A convex body that begins in A and is cut by one such bisector for each
-// j meets none of these cells; it hangs together, and who leaves the cells of F goes through one of them. So it lies
-// within them, and hulls of different fragments cannot overlap. Of the bisectors that do, the one is taken that cuts
-// least away; those of A's largest cell always do, and keep all of that.
+// Let A be some cells of a fragment F, and j the site of a cell that shares a facet with one of F's cells. For any site i
+// of A, all of cell j is behind the bisector of i and j. Cut a convex body that begins in A by one such bisector for each
+// j: it then meets none of these cells. It is connected, and any path out of F's cells goes through such a cell. So it is
+// within F's cells, and hulls of different fragments cannot overlap. For each j, the bisector that cuts away least is
+// chosen. The bisectors of A's largest cell are always valid, and keep all of that cell.
 //
-// All that this hangs on is F's cells and their neighbours: a hit elsewhere does not change it.
+// The result depends only on F's cells and their neighbours, so a hit elsewhere does not change it.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@
 
 namespace fracture {
 
-/// Hulls of the fragments of `set` that have more bodies than `most` (> 0), at most so many of each; of the others none
-/// (make_collision_hulls() makes them). `has_rest`: a fragment of very many cells is a rest that stays whole, and has one
-/// for each `cells` of them; none is made if `cells` is 1. `diagram`: whose cells the bodies are shares of. Throws Interrupted.
+/// Makes at most `most` (> 0) hulls for each fragment with more bodies than that. make_collision_hulls() makes those of the
+/// other fragments. `has_rest`: a fragment with very many cells is a rest that stays whole. It gets one hull for every
+/// `cells` cells, or none here if `cells` is 1. `diagram`: the cells that were cut. Throws Interrupted.
 CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
                                     std::uint32_t cells, bool has_rest, const Execution& execution);
 

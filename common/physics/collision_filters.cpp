@@ -10,7 +10,7 @@
 namespace fracture {
 namespace {
 
-/// Per body its class: bodies with the same partners, numbered in the order of their first body; kNoIndex: no partner.
+/// Classes of bodies with the same partners, numbered in the order of their first body. kNoIndex: no partner.
 struct Twins {
   std::vector<std::uint32_t> of_body;
   std::uint32_t count = 0;
@@ -18,7 +18,7 @@ struct Twins {
 
 Twins find_twins(std::size_t bodies, std::span<const BodyPair> pairs, Pacer& pacer) {
   std::vector<std::vector<std::uint32_t>> partners(bodies);
-  for (const BodyPair& pair : pairs) {  // ascending: so are the partners of each body
+  for (const BodyPair& pair : pairs) {  // ascending, so the partners of each body are, too
     pacer.step(4);
     partners[pair.b].push_back(pair.a);
   }
@@ -36,7 +36,7 @@ Twins find_twins(std::size_t bodies, std::span<const BodyPair> pairs, Pacer& pac
   return twins;
 }
 
-/// Per class whether it has a named system: the one with the most pairs that no named one has yet, and so on.
+/// Whether each class gets a named system. Each round names the class with the most pairs not covered yet.
 std::vector<char> name_classes(const Twins& twins, std::span<const BodyPair> pairs, std::uint32_t most,
                                Pacer& pacer) {
   std::vector<char> named(twins.count, 0);
@@ -50,7 +50,7 @@ std::vector<char> name_classes(const Twins& twins, std::span<const BodyPair> pai
       ++open[a];
       ++open[b];
     }
-    const auto best = std::max_element(open.begin(), open.end());  // the first one
+    const auto best = std::max_element(open.begin(), open.end());  // the first of equals
     if (best == open.end() || *best == 0) break;
     named[static_cast<std::size_t>(best - open.begin())] = 1;
   }

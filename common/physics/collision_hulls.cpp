@@ -13,7 +13,7 @@
 namespace fracture {
 namespace {
 
-/// Each position once, though faces that differ there in their attributes have a vertex each.
+/// Lists each position once, although faces with different attributes have separate vertices there.
 void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execution) {
   Pacer pacer(execution);
   maker.corners.clear();
@@ -24,12 +24,12 @@ void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execu
       maker.corner_of[v] = static_cast<std::uint32_t>(maker.corners.size());
       maker.corners.push_back(f.positions[v]);
     } else {
-      maker.corner_of[v] = maker.corner_of[f.topology[v]];  // an earlier one
+      maker.corner_of[v] = maker.corner_of[f.topology[v]];  // an earlier vertex
     }
   }
 }
 
-/// Is every triangle from `first` on wider than so much? Rounding gives narrower ones any plane, or none.
+/// Whether all triangles from index `first` on are wider than `width`. Rounding gives narrower ones any plane, or none.
 bool all_wider(const Fragment& f, std::size_t first, double width) {
   for (std::size_t k = first; k < f.indices.size(); k += 3) {
     const Vec3d a = to_double(f.positions[f.indices[k]]), ab = to_double(f.positions[f.indices[k + 1]]) - a,
@@ -40,10 +40,10 @@ bool all_wider(const Fragment& f, std::size_t first, double width) {
   return true;
 }
 
-/// How many of the triangles of a fragment may bend inwards, all of them at its beginning: the others are cuts by the
-/// bisectors of one cell, which is convex. Its corners were rounded to the seam lattice: so this is only known of what
-/// is far wider than a step of that, and where each cut is wider than a few (corners of a cell that are nearer to each
-/// other become one). (The width of a convex body is at least 2 V / A.)
+/// Number of triangles at the beginning of a fragment that may bend inwards. The others are cuts by the bisectors of one
+/// cell, which is convex. Corners were rounded to the seam lattice. So the number is only known if the fragment is far
+/// wider than a lattice step, and each cut is wider than a few steps: corners of a cell that are closer than that become
+/// one. (The width of a convex body is at least 2 V / A.)
 std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_step) {
   constexpr double kWide = 1e4, kClear = 16;
   // No hull has more triangles than this, and no loop over them has to be polled.
@@ -56,7 +56,7 @@ std::optional<std::size_t> count_uncut(const Fragment& f, const Vec3d& lattice_s
   return f.caps[0].first / 3;
 }
 
-/// One for each body.
+/// Adds one hull for each body.
 void add_bodies(const FragmentSet& set, const Fragment& f, HullMaker& maker, FragmentHulls& out,
                 const Execution& execution) {
   if (f.bodies.empty()) {

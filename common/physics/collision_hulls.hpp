@@ -1,7 +1,7 @@
-// Convex collision hulls: what a physics engine collides instead of the visible mesh. The part of a fragment
-// in one cell lies in that convex cell, hence so does its hull, and hulls of neighbours cannot overlap;
-// shrunk towards their centres they do not even touch (hulls that touch exactly are pushed apart by the
-// solver at spawn).
+// Convex collision hulls, which a physics engine collides instead of the visible mesh. The part of a fragment
+// in one cell lies in that convex cell, and so does its hull. Therefore hulls of neighbours cannot overlap.
+// They are also shrunk towards their centres, so they do not even touch: a solver pushes touching hulls
+// apart at spawn.
 #pragma once
 
 #include <array>
@@ -15,17 +15,17 @@
 
 namespace fracture {
 
-/// Most engines cap convex hulls at 255 or 256 points.
+/// Maximum number of points. Most engines limit convex hulls to 255 or 256.
 inline constexpr std::uint32_t kMaxHullPoints = 255;
-/// What sticks out of a hull by less, of half of its body's least width or some more, is left out (DECISION.md).
+/// Corners that stick out of a hull by less may be left out. Relative to about half of the body's least width (DECISION.md).
 inline constexpr double kHullTolerance = 0.01;
-/// m: how far a hull's faces are moved inwards, about (at least half of it, more on round hulls). In metres,
-/// because the tolerances of the engines are: with none, Rapier's GJK takes some splinters for overlapping
+/// m: the approximate distance that a hull's faces are moved inwards (at least half of it, more on round hulls). It is
+/// absolute, because the tolerances of engines are. Without it, Rapier's GJK reports overlaps of some splinters
 /// (DECISION.md).
 inline constexpr double kHullInset = 4e-4;
-/// Each hull is scaled about its centre by 1 - shrink; the inset is bounded by these, so that a large hull is
-/// inset by more than the rounding of its coordinates, and a splinter keeps its shape. Far from the origin a step of the
-/// seam lattice is more than the inset: there hulls are inset by that, up to the last bound.
+/// Each hull is scaled about its centre by 1 - shrink. The first two bounds limit the shrink for the inset: a large hull is
+/// moved by more than the rounding of its coordinates, and a splinter keeps its shape. Far from the origin, a step of the
+/// seam lattice exceeds the inset. Hulls there are shrunk by the step instead, up to the last bound.
 inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.25, kMostRoundedShrink = 0.75;
 
 /// A convex hull for physics engines, in the fragment's local frame.
@@ -34,28 +34,28 @@ struct CollisionHull {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
 };
 
-/// Of one fragment.
+/// The hulls of one fragment.
 struct FragmentHulls {
   std::vector<CollisionHull> hulls;  ///< one for each body (member cell), or fewer (aggregate_hulls.hpp)
-  std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent): theirs is a small cube
-  std::uint32_t simplified = 0;  ///< had more than kMaxHullPoints extreme points: some were left out
-  double volume = 0;             ///< m³, of all hulls, before they are moved inwards
+  std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent), which get a small cube
+  std::uint32_t simplified = 0;  ///< hulls without some extreme points, because of kMaxHullPoints
+  double volume = 0;             ///< m³: sum of the hulls before they are shrunk
   double excess = 0;  ///< `volume` relative to the fragment's, with closed cavities filled if it was divided
-  /// For hull_trim.hpp: whether the hulls have been trimmed at contacts, if necessary, and the least share of its volume that
-  /// one of the hulls kept.
+  /// For hull_trim.hpp: whether the hulls have been compared with contacts and trimmed if necessary, and the least share of
+  /// its volume that a hull kept.
   bool seen_contacts = false;
   double least_share = 1;
 };
 
 struct HullReport {
-  std::uint32_t hulls = 0, flat = 0, simplified = 0;  ///< as FragmentHulls has them
-  double excess = 0;                                  ///< the largest of a fragment; 0 without hulls
+  std::uint32_t hulls = 0, flat = 0, simplified = 0;  ///< sums of FragmentHulls
+  double excess = 0;                                  ///< the largest one of a fragment; 0 without hulls
   bool operator==(const HullReport&) const = default;
 };
 
 /// A companion of a FragmentSet.
 struct CollisionHulls {
-  std::vector<FragmentHulls> of_fragment;  ///< one for each, or empty: none were asked for
+  std::vector<FragmentHulls> of_fragment;  ///< one for each; empty if none were requested
 
   std::span<const CollisionHull> of(std::size_t fragment) const {
     if (of_fragment.empty()) return {};
@@ -64,9 +64,9 @@ struct CollisionHulls {
   HullReport report() const;
 };
 
-inline constexpr std::uint32_t kMostHulls = 64;  ///< of a fragment, for HullLimits::count
+inline constexpr std::uint32_t kMostHulls = 64;  ///< maximum of HullLimits::count
 
-/// How many hulls a fragment gets.
+/// Limits that decide how many hulls a fragment gets.
 struct HullLimits {
   /// A fragment whose hulls have more than this many times its volume is divided (divided_hulls.hpp). At least 1; near 1, a
   /// bent fragment gets the maximum number of hulls.
@@ -74,9 +74,9 @@ struct HullLimits {
   std::uint32_t count = 4;  ///< at least 1
 };
 
-/// The hulls of every fragment that has a shape, in the fragment's local frame: those in `known`, which may be empty, or one
-/// for each body. Fragments whose hulls exceed `limits.excess` get as many as their openings need, at most `limits.count`.
-/// The set's lattice step says what rounding did to their corners. Throws Interrupted.
+/// Makes the hulls of all fragments with a shape, in their local frames. Hulls in `known`, which may be empty, are kept;
+/// other fragments get one hull for each body. If these exceed `limits.excess`, the fragment gets as many as its openings
+/// need, at most `limits.count`. The set's lattice step tells how far corners were rounded. Throws Interrupted.
 CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const HullLimits& limits,
                                     const Execution& execution);
 

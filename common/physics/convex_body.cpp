@@ -56,7 +56,7 @@ void ConvexBody::cut(const Vec3d& normal, double offset, double rounding) {
   new_corners_.clear();
   new_begin_.assign(1, 0);
   next_.assign(before, kNoIndex);
-  const auto end_face = [&] {  // what has two corners only is an edge on the plane
+  const auto end_face = [&] {  // a face with only two corners is an edge on the plane
     if (new_corners_.size() > new_begin_.back() + 2)
       new_begin_.push_back(static_cast<std::uint32_t>(new_corners_.size()));
     else
@@ -64,9 +64,9 @@ void ConvexBody::cut(const Vec3d& normal, double offset, double rounding) {
   };
   for (std::size_t f = 0; f + 1 < begin_.size(); ++f) {
     const std::uint32_t first = begin_[f], last = begin_[f + 1];
-    std::uint32_t left = kNoIndex, first_entered = kNoIndex;  // where the face leaves and enters what is kept
+    std::uint32_t left = kNoIndex, first_entered = kNoIndex;  // crossings out of the kept part, and into it
     const auto close = [&](std::uint32_t entered) {
-      if (entered == left) return;  // a corner on the plane, and nothing else
+      if (entered == left) return;  // the face has only a corner on the plane
       if (next_.size() <= entered) next_.resize(entered + 1, kNoIndex);
       next_[entered] = left;
     };
@@ -86,7 +86,7 @@ void ConvexBody::cut(const Vec3d& normal, double offset, double rounding) {
     if (first_entered != kNoIndex) close(first_entered);
     end_face();
   }
-  // The rim of the cut, which the faces run along the other way.
+  // The face of the cut runs along the rim, in the direction opposite to the other faces.
   next_.resize(points_.size(), kNoIndex);
   for (std::uint32_t start = 0; start < next_.size(); ++start) {
     for (std::uint32_t v = start; next_[v] != kNoIndex;) {
@@ -97,7 +97,7 @@ void ConvexBody::cut(const Vec3d& normal, double offset, double rounding) {
     }
     end_face();
   }
-  // Only the corners that are left.
+  // Removes unused corners.
   number_.assign(points_.size(), kNoIndex);
   for (const std::uint32_t v : new_corners_) number_[v] = 0;
   std::size_t count = 0;

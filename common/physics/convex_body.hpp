@@ -1,6 +1,6 @@
-// A convex polyhedron that is cut by planes, one after the other (Sutherland & Hodgman 1974, face by face, and the cut
-// closed by its rim). Which corners are kept is decided once for each plane and corner: the surface stays closed, but
-// where, within rounding, a plane passes a corner twice. The caller looks (bounds_a_body).
+// A convex polyhedron that is cut by planes one after the other (Sutherland & Hodgman 1974, face by face; the rim closes
+// the cut). Whether a corner is kept is decided once for each plane. So the surface stays closed, unless rounding makes a
+// plane pass a corner twice. The caller must check that (bounds_a_body).
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@ class ConvexBody {
 
   std::span<const Vec3d> corners() const {
     return points_;
-  }  ///< after a cut those that are kept, and no others
-  /// How far a corner lies beyond the plane, in lengths of the normal, at most; <= 0: the cut would change nothing.
+  }  ///< after a cut, only those that a face still uses
+  /// The largest distance of a corner beyond the plane, in lengths of the normal. If <= 0, the cut would change nothing.
   double beyond(const Vec3d& normal, double offset) const;
-  /// Keeps what has normal · x <= offset. Corners that are no more than `rounding` (in lengths of the normal) off the plane
-  /// lie on it: a plane that grazes a face leaves it whole.
+  /// Keeps the part with normal · x <= offset. Corners at most `rounding` (in lengths of the normal) off the plane count as on
+  /// it, so a plane that grazes a face leaves it whole.
   void cut(const Vec3d& normal, double offset, double rounding);
 
-  /// Corners and triangles, counter-clockwise from outside; nothing where nothing is left.
+  /// Returns corners and triangles, counter-clockwise from outside. Both are empty if nothing is left.
   void write(std::vector<Vec3f>& points, std::vector<std::array<std::uint32_t, 3>>& triangles) const;
 
   std::size_t bytes() const {
@@ -40,12 +40,12 @@ class ConvexBody {
 
  private:
   struct Made {
-    std::uint32_t lo, hi, corner;  ///< where the edge (lo, hi) was cut
+    std::uint32_t lo, hi, corner;  ///< the corner at the cut of the edge (lo, hi)
   };
   std::uint32_t cut_edge(std::uint32_t kept, std::uint32_t gone, double rounding);
 
   std::vector<Vec3d> points_;
-  std::vector<std::uint32_t> corners_, begin_;  // of the faces, one after the other
+  std::vector<std::uint32_t> corners_, begin_;  // of the faces in order
   std::vector<double> height_;                  // per corner, above the plane
   std::vector<Made> made_;
   std::vector<std::uint32_t> next_;  // per corner: the next one on the rim of the cut

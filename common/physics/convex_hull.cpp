@@ -38,8 +38,8 @@ std::uint32_t ConvexHullBuilder::add_face(std::uint32_t a, std::uint32_t b, std:
   return static_cast<std::uint32_t>(faces_.size() - 1);
 }
 
-/// Puts p on the list of the first of the faces that it lies above by more than the tolerance; points above none are
-/// inside, or as good.
+/// Adds p to the list of the first face that it is above by more than the tolerance. Points above no face are inside, apart
+/// from the tolerance.
 void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, std::uint32_t end_face,
                                     Pacer& pacer) {
   for (std::uint32_t f = first_face; f < end_face; ++f) {
@@ -48,7 +48,7 @@ void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, s
     if (h <= face.least) continue;
     next_[p] = face.first_outside;
     face.first_outside = p;
-    // Ties go to the lexicographically last: an extreme point even within a facet of coplanar points.
+    // Ties go to the lexicographically last point, because it is extreme even among coplanar points.
     if (h > face.highest || (h == face.highest && lexicographic_less(face.farthest, p))) {
       face.highest = h;
       face.farthest = p;
@@ -58,8 +58,8 @@ void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, s
   pacer.step(1 + end_face - first_face);
 }
 
-/// The faces that see p, and their boundary in order: around each face from the edge by which it was entered, and
-/// into those beyond its edges before it goes on (Lloyd's implementation, quickhull3d, has it so).
+/// Finds the faces that see p, and their boundary in order. The search is depth-first: it goes around each face, beginning at
+/// the edge where it entered, and into the face across each edge before the next edge (as Lloyd's quickhull3d does).
 void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
   ++stamp_;
   visible_.assign(1, face);
@@ -94,7 +94,7 @@ void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
 }
 
 //       \ unseen /
-//    a --horizon--> b       The faces that see p are taken away. The horizon is one cycle; each of its
+//    a --horizon--> b       The faces that see p are removed. The horizon is one cycle; each of its
 //       \  new   /          edges becomes a triangle (a, b, p). None is degenerate: p on the line a b
 //        \ face /           would lie in the plane of the seen face at that edge, and then that face
 //           p               would not see p.
@@ -138,7 +138,7 @@ void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std
   next_.resize(points_.size());
   stamp_ = 0;
   faces_.clear();
-  // Of the height of the first tetrahedron, not of the length of the body: what is thin keeps its edges.
+  // Relative to the height of the first tetrahedron, not to the body's length, so that thin bodies keep their edges.
   const Vec3d normal = grid_.plane(a, b, c).normal;
   tolerance_ = tolerance * std::fabs(static_cast<double>(grid_.exact_height(normal, a, d))) / length(normal);
   add_face(a, b, c);
@@ -150,7 +150,7 @@ void ConvexHullBuilder::quickhull(const std::array<std::uint32_t, 4>& first, std
   faces_[2].neighbour = {1, 3, 0};
   faces_[3].neighbour = {2, 1, 0};
   for (std::uint32_t p = 0; p < points_.size(); ++p) put_outside(p, 0, 4, pacer);
-  // First come, first served: the hull grows on all sides alike, so that stopping early leaves no side out.
+  // First in, first out: the hull grows evenly on all sides, so stopping early leaves out no side.
   std::uint32_t inserted = 4;
   pending_ = {0, 1, 2, 3};
   for (std::size_t k = 0; k < pending_.size(); ++k) {
@@ -174,7 +174,7 @@ const ConvexHullBuilder::Triangles& ConvexHullBuilder::build(std::span<const Vec
   stopped_early_ = false;
   if (points.size() < 4) return triangles_;
   grid_.round(points, pacer);
-  // What cannot be its own hull is not asked whether it bends outwards, where Quickhull leaves out what hardly does.
+  // A surface with too many points cannot be the hull. It is not tested if Quickhull may leave out points anyway.
   const bool asked = tolerance == 0 || grid_.size() <= max_points;
   const SurfaceHull::Shape shape =
       asked ? surface_.shape_of(grid_, surface, max_points, pacer) : SurfaceHull::Shape::kOther;

@@ -1,7 +1,7 @@
-// Convex hulls of a few to some thousand points, fast enough for the path to a frame: on a grid (hull_grid.hpp), where
-// every orientation is exact in 64-bit integers. The corners of a body that is convex already: surface_hull.hpp.
-// Others: Quickhull (Barber, Dobkin & Huhdanpaa 1996), which there needs no tolerance, cannot fail, and gives the
-// same hull everywhere.
+// Convex hulls of a few to some thousand points, fast enough for a frame. Points are on a grid (hull_grid.hpp), where
+// every orientation is exact in 64-bit integers. Bodies that are already convex use surface_hull.hpp. Others use
+// Quickhull (Barber, Dobkin & Huhdanpaa 1996). On the grid it needs no tolerance, cannot fail, and gives the
+// same hull on every machine.
 #pragma once
 
 #include <array>
@@ -16,21 +16,21 @@
 
 namespace fracture {
 
-/// Keeps its memory from one hull to the next: one builder for each thread.
+/// Reuses its memory for the next hull. Each thread needs its own builder.
 class ConvexHullBuilder {
  public:
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-  /// Triangles of indices into `points` (finite), counter-clockwise from outside; every corner is an extreme
-  /// point of the rounded points, those within a facet are left out. With more than max_points (at least 4)
-  /// extreme points, the hull of a well-spread choice of them, which lies within the whole one. Empty when
+  /// Returns triangles of indices into `points` (finite), counter-clockwise from outside. Every corner is an extreme
+  /// point of the rounded points; points within a facet are left out. If there are more than max_points (at least 4)
+  /// extreme points, it is the hull of a well-spread selection of them, which lies within the full hull. Empty if
   /// the points are flat (within four steps of the grid, 1e-5 of the box) or fewer than four. Valid until the
   /// next call. Throws Interrupted.
-  /// `tolerance`, of the height of a tetrahedron of four far points (half of the least width, about, and at most all of
-  /// it): corners that stick out of a face by less may be left out, so that what is round has as many as its bend needs.
-  /// 0: all extreme points.
-  /// `surface`: where known, the triangles that enclose the body whose corners the points are. Where they are
-  /// convex but for rounding (surface_hull.hpp) they are the hull, or its corners those of them that stick out.
+  /// `tolerance`: corners that stick out of a face by less may be left out, so that a round body has only as many as its
+  /// curvature needs. It is relative to the height of a tetrahedron of four far points: about half of the least width, never
+  /// more than all of it. 0: all extreme points.
+  /// `surface`: the triangles that enclose the body with these corners, if known. If they are convex except for
+  /// rounding (surface_hull.hpp), they are the hull, or the hull is made of only those corners that stick out.
   const Triangles& build(std::span<const Vec3f> points, std::uint32_t max_points,
                          const Execution& execution = {}, const BodySurface& surface = {},
                          double tolerance = 0);
@@ -59,28 +59,28 @@ class ConvexHullBuilder {
     std::array<std::uint32_t, 3> neighbour;
     GridPoint normal;             ///< |component| < 2^39
     std::int64_t offset;          ///< of the plane: dot(normal, v[0]) < 3 * 2^58
-    std::int64_t least;           ///< above() of what is no higher is nothing
+    std::int64_t least;           ///< points with above() at most this are ignored
     std::uint32_t first_outside;  ///< head of the list of points above it that are not on the hull yet
-    std::uint32_t farthest;       ///< of them
-    std::int64_t highest;         ///< above() that one
-    std::uint32_t stamp;          ///< the insertion that looked at it last
-    bool visible;                 ///< from that point
+    std::uint32_t farthest;       ///< point of that list
+    std::int64_t highest;         ///< above() of that point
+    std::uint32_t stamp;          ///< the last insertion that visited this face
+    bool visible;                 ///< from that insertion's point
     bool alive;
   };
-  /// A visible face on the way around the horizon: the edge to look at next, and how many are left.
+  /// A visible face on the way around the horizon: its next edge, and the number of edges left.
   struct Step {
     std::uint32_t face;
     std::uint8_t edge, left;
   };
   struct HorizonEdge {
-    std::uint32_t a, b, unseen;  ///< from a to b as the visible face has it, and the face across
+    std::uint32_t a, b, unseen;  ///< from a to b as in the visible face, and the face across
   };
 
   void quickhull(const std::array<std::uint32_t, 4>& first, std::uint32_t max_points, double tolerance,
                  Pacer& pacer);
   std::int64_t least_above(const GridPoint& normal) const;
   std::uint32_t add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c);
-  /// Twice the area times the distance above the face's plane; exact.
+  /// Twice the face's area times the height of p above its plane; exact.
   std::int64_t above(const Face& f, std::uint32_t p) const {
     const GridPoint& q = points_[p];
     return f.normal.x * q.x + f.normal.y * q.y + f.normal.z * q.z - f.offset;
@@ -92,11 +92,11 @@ class ConvexHullBuilder {
 
   HullGrid grid_;
   SurfaceHull surface_;
-  std::vector<std::uint32_t> number_;  ///< of the grid's points, where these are not all: among those given
-  // Of Quickhull.
+  std::vector<std::uint32_t> number_;  ///< if points were left out: per grid point, its given index
+  // Used by Quickhull.
   std::vector<GridPoint> points_;
   std::vector<Face> faces_;
-  std::vector<std::uint32_t> next_;  ///< of each point: the next of its face's list
+  std::vector<std::uint32_t> next_;  ///< for each point: the next one in its face's list
   std::vector<std::uint32_t> visible_, pending_;
   std::vector<Step> steps_;
   std::vector<HorizonEdge> horizon_;  ///< one cycle

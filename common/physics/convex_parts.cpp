@@ -18,29 +18,29 @@ namespace {
 
 using TriangleSpan = std::span<const std::array<std::uint32_t, 3>>;
 
-/// Number of planes tried for each cut. With 8, a frame takes a fifth less time, but some solids get larger hulls.
+/// Number of planes tried for each cut. With 8, a square frame takes a fifth less, but some solids get larger hulls.
 constexpr std::size_t kTried = 10;
-/// Hulls that only compare planes: points, and tolerance (kHullTolerance). With 24 points, cuts of round parts are worse.
+/// Points and tolerance (kHullTolerance) of hulls that only compare planes. With 24 points, cuts of round parts are worse.
 constexpr std::uint32_t kTrialPoints = 48;
 constexpr double kTrialTolerance = 0.02;
 /// The cost of a cut is the volume of the resulting hulls, relative to the hull of the part, plus these terms. Remaining
 /// excesses count by the root of the sum of their squares, because the first cuts of a ring gain nothing: two halves are then
 /// better than a slice and the rest.
 constexpr double kLeftCost = 0.5;
-/// The plane's votes, the cut's area relative to the hull's surface, and each body beyond two.
+/// Weights of the plane's votes, the cut's area relative to the hull's surface, and each body beyond two.
 constexpr double kVotesWorth = 0.2, kAreaCost = 0.3, kBodyCost = 0.1;
 /// Parts are merged if their common hull is larger than their hulls together by less than this share of its volume, or if it
 /// has less than this share of the allowed excess.
 constexpr double kFreeMerge = 0.02, kMergedExcess = 0.5;
 /// Number of parts made before merging, as a multiple of the number of hulls.
 constexpr std::size_t kPartsPerHull = 2;
-/// Corners this near to a plane are on it, relative to the size of the solid: ten steps of floats.
+/// Corners this near to a plane count as on it, relative to the size of the solid: ten steps of floats.
 constexpr double kOnPlane = 1e-6;
 
 struct ConvexPiece {
   Polyhedron solid;  ///< if parts were merged: the first one's
   double volume = 0;
-  std::vector<Vec3f> corners;  ///< all that its hull must contain
+  std::vector<Vec3f> corners;  ///< all points that its hull must contain
   Box box;
   CollisionHull hull;
   double hull_volume = 0, hull_area = 0;
@@ -98,7 +98,7 @@ class Decomposition {
   std::vector<ConvexPiece> parts_;
 };
 
-/// One part for each outward shell. Inward shells are cavities, which are left out.
+/// Adds one part for each outward shell. Inward shells are cavities, which are left out.
 void Decomposition::add_shells(std::span<const Vec3f> points, TriangleSpan triangles) {
   DisjointSets shells(points.size());
   for (const auto& t : triangles) {
@@ -132,7 +132,7 @@ void Decomposition::add_shells(std::span<const Vec3f> points, TriangleSpan trian
   std::erase_if(parts_, [](const ConvexPiece& p) { return !(p.volume > 0); });
 }
 
-/// Slightly less than the volume of their hull; 0 if they are flat.
+/// The volume of the points' hull, slightly too small; 0 if they are flat.
 double Decomposition::trial_volume(std::span<const Vec3d> points) {
   s_.points.clear();
   pacer_.each(0, points.size(), [&](std::size_t k) { s_.points.push_back(to_float(points[k])); });
@@ -247,8 +247,8 @@ bool Decomposition::may_merge(const ConvexPiece& a, const ConvexPiece& b, double
          common <= (1 + kMergedExcess * (limits_.excess - 1)) * (a.volume + b.volume);
 }
 
-/// Merges the pair whose common hull grows least, until none may be merged and no more than HullLimits::count are left. While there are
-/// more, parts need not touch: two rungs in a line may share a hull across the post between them.
+/// Merges the pair whose common hull grows least, until no pair may be merged and at most HullLimits::count parts are left.
+/// While there are more, parts need not touch: two rungs in a line may share a hull across the post between them.
 void Decomposition::merge() {
   constexpr double kUnknown = -1;
   std::vector<std::vector<double>> common(parts_.size(), std::vector<double>(parts_.size(), kUnknown));

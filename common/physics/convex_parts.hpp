@@ -20,23 +20,23 @@
 namespace fracture {
 
 struct ConvexParts {
-  /// 1 to HullLimits::count, not inset; none if the solid is flat (ConvexHullBuilder::build()). Together they cover the solid, apart
-  /// from corners that each hull may leave out (kHullTolerance).
+  /// 1 to HullLimits::count hulls, not inset; none if the solid is flat (ConvexHullBuilder::build()). Together they cover the
+  /// solid, except for corners that each hull may leave out (kHullTolerance).
   std::vector<CollisionHull> hulls;
   std::uint32_t simplified = 0;  ///< number of hulls that had more than kMaxHullPoints extreme points
-  double volume = 0;             ///< of the solid with closed cavities filled; unit of the points, cubed
+  double volume = 0;             ///< of the solid with closed cavities filled; in the points' unit cubed
   /// Sum of the hulls' volumes over `volume`: an upper bound for their union. May be slightly below 1,
   /// because hulls may leave corners out (kHullTolerance).
   double excess = 0;
-  /// The largest ratio of a hull's volume to the volume of its part. At most HullLimits::excess, unless the count or a shape without
-  /// notches prevents it.
+  /// The largest ratio of a hull's volume to the volume of its part. At most HullLimits::excess, unless the count or a shape
+  /// without notches prevents it.
   double largest_excess = 0;
 };
 
-/// `points` (finite) and `triangles`, counter-clockwise from outside, each edge used as often in one direction as in the
-/// other. A closed cavity counts as solid, because nothing can fly into it. All results are in the frame and unit of the
-/// points, and the same from every compiler. About 1.5 µs for each triangle and hull, more on round solids. Throws
-/// Interrupted.
+/// Divides a solid. `points` must be finite. `triangles` are counter-clockwise from outside, and each edge is used equally
+/// often in both directions. A closed cavity counts as solid, because nothing can fly into it. Results are in the frame and
+/// unit of the points, and the same with every compiler. Takes about 1.5 µs per triangle and hull, more on round solids.
+/// Throws Interrupted.
 ConvexParts make_convex_parts(std::span<const Vec3f> points,
                               std::span<const std::array<std::uint32_t, 3>> triangles,
                               const HullLimits& limits, const Execution& execution);

@@ -45,8 +45,8 @@ double shadow(std::span<const Vec3f> points, std::span<const std::array<std::uin
   return 0.5 * sum;
 }
 
-/// Can things fly through an opening that the hull closes? Then its shadow through its largest face is larger than that of
-/// the surface. A curved shard has about the same shadow as its hull.
+/// Whether the hull closes an opening that things can fly through. Then its shadow through its largest face is larger than
+/// that of the surface. A curved shard has about the same shadow as its hull.
 bool closes_an_opening(const CollisionHull& hull, std::span<const Vec3f> points,
                        std::span<const std::array<std::uint32_t, 3>> triangles, double excess, Pacer& pacer) {
   Vec3d along;
@@ -80,7 +80,7 @@ class Cutback {
   }
 
  private:
-  /// Corners this near to a plane are on it, relative to the extent of `within`. A fraction of the least inset.
+  /// Corners this near to a plane count as on it, relative to the extent of `within`. A fraction of the least inset.
   static constexpr double kOnPlane = 4e-6;
 
   const CollisionHull& within_;

@@ -7,7 +7,7 @@
 namespace fracture {
 namespace {
 
-/// Steps of the grid: what is no thicker may be flat but for rounding.
+/// Steps of the grid: a body this thin may be flat except for rounding.
 constexpr double kFlat = 4;
 
 }  // namespace
@@ -15,10 +15,10 @@ constexpr double kFlat = 4;
 void HullGrid::round(std::span<const Vec3f> points, Pacer& pacer) {
   Box box;
   for (const Vec3f& p : points) box.add(to_double(p));
-  // Each axis has a scale of its own: affine maps keep hulls.
+  // Each axis may have its own scale, because affine maps preserve hulls.
   Vec3d scale;
   for (int a = 0; a < 3; ++a) scale[a] = box.max[a] > box.min[a] ? kSide / (box.max[a] - box.min[a]) : 0;
-  // Of what is not negative the integer part is the floor.
+  // The numbers are not negative, so truncation is the floor.
   const auto whole = [](double x) { return static_cast<double>(static_cast<std::int32_t>(x)); };
   points_.resize(points.size());
   pacer.each(0, points.size(), [&](std::size_t k) {
@@ -36,8 +36,8 @@ std::optional<std::array<std::uint32_t, 4>> HullGrid::first_tetrahedron(Pacer& p
     if (less(b, p)) b = p;
   }
   if (count == 0 || !less(a, b)) return std::nullopt;
-  // Farthest from the line; which one is chosen may depend on rounding only among equals, and is the same
-  // everywhere.
+  // The point farthest from the line. Rounding can only decide between points at the same distance, and it decides
+  // equally on every machine.
   std::uint32_t c = kNoIndex;
   double farthest = 0;
   const Vec3d ab = points_[b] - points_[a];

@@ -8,8 +8,8 @@ namespace {
 
 using Triangles = ConvexHullBuilder::Triangles;
 
-/// The hull of a body that is flat on the hull's grid: a cube of a ten-thousandth of its extent about the mean of its
-/// points, which is in the body's hull, however that is tilted; of some steps of floats there at least, because with less it
+/// Returns the hull of a body that is flat on the hull's grid: a cube about the mean of its points, which is always in the
+/// body's hull. The cube's side is 1e-4 of the body's extent, but at least a few steps of floats there, because otherwise it
 /// would have no volume.
 CollisionHull stand_in(std::span<const Vec3f> points) {
   Box box;
@@ -33,7 +33,7 @@ CollisionHull stand_in(std::span<const Vec3f> points) {
   return hull;
 }
 
-/// By `wanted` for the inset, within what a hull may be scaled by; by `for_rounding`, of the corners, even if that is more.
+/// Shrinks by `wanted`, within the bounds for the inset, or by `for_rounding` (of corners) if that is more.
 void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_rounding) {
   const double by = std::fmax(std::clamp(wanted, kLeastHullShrink, kMostHullShrink),
                               std::fmin(for_rounding, kMostRoundedShrink));
@@ -48,7 +48,7 @@ void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_
 CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
                       std::vector<std::uint32_t>& index) {
   CollisionHull hull;
-  if (triangles.size() + 4 == 2 * points.size()) {  // Euler: all of them
+  if (triangles.size() + 4 == 2 * points.size()) {  // Euler: all points are used
     hull.points.assign(points.begin(), points.end());
     hull.triangles = triangles;
     return hull;
@@ -77,9 +77,9 @@ double volume_within(std::span<const Vec3f> points, std::span<const std::array<s
   return sum / 6;
 }
 
-// Scaling about c by 1 - s moves the face at distance d from c inwards by s d. For the centre of volume d is
-// at least a quarter of the least width w, and w / 2 >= V / A (a convex body; equality for a thin slab), so
-// that s = inset A / V moves every face by at least inset / 2, and thin slabs by the inset.
+// Scaling about c by 1 - s moves the face at distance d from c inwards by s d. If c is the centre of
+// volume, d is at least a quarter of the least width w. For a convex body, w / 2 >= V / A (equality: a thin slab).
+// So s = inset A / V moves every face by at least inset / 2, and those of thin slabs by the inset.
 double inset(CollisionHull& hull, double rounding) {
   const Vec3d origin = to_double(hull.points[0]);
   double six_volumes = 0, two_areas = 0;

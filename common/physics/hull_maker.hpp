@@ -1,4 +1,4 @@
-// One convex hull of a body's points, as a file has it.
+// Makes one convex hull of a body's points, in the form that the file contains.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace fracture {
 
-/// What a thread keeps from one hull to the next.
+/// Memory that a thread reuses for the next hull.
 struct HullMaker {
   ConvexHullBuilder builder;
   std::vector<std::uint32_t> index;
   std::vector<Vec3f> corners;
-  std::vector<std::uint32_t> corner_of;  // of a fragment's vertices
-  double rounding = 0;                   // m: rounding_of() the set; of the user before, until it is set
+  std::vector<std::uint32_t> corner_of;  // for each vertex of a fragment
+  double rounding = 0;                   // m: rounding_of() the set; each user must set it
 
   std::size_t bytes() const { return builder.bytes() + bytes_of_vectors(index, corners, corner_of); }
   void release() {
@@ -27,37 +27,37 @@ struct HullMaker {
   }
 };
 
-/// m: twice what rounding to the seam lattice may have moved a corner by. Hulls of neighbours that are inset by so much
-/// (their faces by at least half of it) are apart as their cells are.
+/// m: twice the distance by which rounding to the seam lattice may have moved a corner. If hulls of neighbours are inset by
+/// this (their faces by at least half of it), they are apart because their cells are.
 inline double rounding_of(const FragmentSet& set) { return length(set.lattice_step); }
 
-/// A hull of those points that are corners of the triangles, in the order they came in. `index`: working memory.
+/// Returns a hull with only the points that are corners of the triangles, in the given order. `index`: working memory.
 CollisionHull compact(std::span<const Vec3f> points, const ConvexHullBuilder::Triangles& triangles,
                       std::vector<std::uint32_t>& index);
 
-/// The volume that the triangles enclose, in the unit of the points cubed; 0 without triangles.
+/// The volume that the triangles enclose, in the points' unit cubed; 0 without triangles.
 double volume_within(std::span<const Vec3f> points, std::span<const std::array<std::uint32_t, 3>> triangles);
 
-/// Moves the faces of a hull inwards (collision_hulls.hpp). `rounding`: rounding_of() the set. Returns the hull's volume
-/// before, m³; 0 if it has none.
+/// Moves the faces of a hull inwards (collision_hulls.hpp). `rounding`: rounding_of() the set. Returns the hull's original
+/// volume, m³; 0 if it has none.
 double inset(CollisionHull& hull, double rounding);
 
-/// Of a convex body, in the frame of its points.
+/// Mass properties of a convex body, in the frame of its points.
 struct ConvexMass {
   double volume, area;  ///< m³, m², both > 0
   Vec3d center;         ///< of mass, m
 };
 
-/// Is it a sphere of triangles, each of which sees the middle of the corners below itself?
+/// Whether the hull is a triangulated sphere, and the mean of the corners is below every triangle.
 bool bounds_a_body(const CollisionHull& hull);
 
-/// The hull of a body that is known to be convex, inset: its own surface, whose triangles are wider than what rounding
-/// does to them. Of the points each is a corner. False, and no hull, where that surface is no sphere of triangles, or has
+/// Adds the inset surface of a body that is known to be convex. Its triangles must be wider than the effects of rounding,
+/// and each point must be a corner. Returns false, and adds nothing, if the surface is not a triangulated sphere or has
 /// more than kMaxHullPoints corners.
 bool add_convex(std::span<const Vec3f> points, const BodySurface& surface, const ConvexMass& mass,
                 double rounding, FragmentHulls& out);
 
-/// The hull of these points, inset; a small cube if they are flat. `surface`: as ConvexHullBuilder::build() has it.
+/// Adds the inset hull of these points, or a small cube if they are flat. `surface`: see ConvexHullBuilder::build().
 void add_hull(std::span<const Vec3f> points, const BodySurface& surface, HullMaker& maker, FragmentHulls& out,
               const Execution& execution);
 

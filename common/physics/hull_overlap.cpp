@@ -23,7 +23,7 @@ void HullOverlap::round(std::span<const Vec3d> a, std::span<const Vec3d> b) {
   rounded(b, b_);
 }
 
-/// Whether the difference has anything on that side of the origin. If not, the hulls are apart in this direction.
+/// Whether the difference extends beyond the origin in this direction. If not, the hulls are apart in this direction.
 bool HullOverlap::reaches_beyond(const Point& direction, Point& farthest) {
   direction_ = direction;
   const auto extreme = [&](const std::vector<Point>& points, std::int64_t sign) {
@@ -41,8 +41,8 @@ bool HullOverlap::reaches_beyond(const Point& direction, Point& farthest) {
   return dot(direction, farthest) > 0;
 }
 
-/// The first wanted one of the farthest corners in these directions. False if one of them shows that the hulls are apart.
-/// The directions are such that one does if no corner is wanted: the difference then has no width along one of them.
+/// Finds the first wanted corner among the farthest ones in these directions. Returns false if a direction shows that the
+/// hulls are apart. One of them does if no corner is wanted: the difference then has no width along this direction.
 template <class IsWanted>
 bool HullOverlap::find_corner(std::span<const Point> directions, const IsWanted& is_wanted, Point& corner) {
   for (const Point& direction : directions) {
@@ -52,7 +52,7 @@ bool HullOverlap::find_corner(std::span<const Point> directions, const IsWanted&
   return false;
 }
 
-/// False if the hulls are apart.
+/// Returns false if the hulls are apart.
 bool HullOverlap::begin_with_a_tetrahedron() {
   faces_.clear();
   const auto middle = [](const std::vector<Point>& points) {
@@ -97,7 +97,7 @@ void HullOverlap::add_face(const Point& a, const Point& b, const Point& c) {
   faces_.push_back({{a, b, c}, n, static_cast<double>(dot(n, a)) / length(normal)});
 }
 
-/// Replaces the faces that the corner is above, or in the plane of, by those between it and their rim.
+/// Replaces the faces whose planes the corner is on or above by faces between the corner and their rim.
 void HullOverlap::add_corner(const Point& corner) {
   rim_.clear();
   std::erase_if(faces_, [&](const Face& face) {

@@ -1,11 +1,11 @@
 // How deep two convex hulls overlap: the least distance by which one of them must move so that they only touch. This is the
 // distance of the origin from the surface of their Minkowski difference. The expanding polytope algorithm finds it (van den
 // Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects"). Like the algorithm of Gilbert,
-// Johnson & Keerthi (1988), it asks the difference only for its farthest point in a direction.
+// Johnson & Keerthi (1988), it only needs the difference's farthest point in a given direction.
 //
 // Two departures:
-//   - The polytope may begin without the origin inside. The face that the origin is highest above, or least below, moves outwards
-//     next. So one loop finds out whether the hulls are apart, and measures those that are not.
+//   - The polytope need not contain the origin at first. The next face to move outwards is the one that the origin is highest
+//     above, or least below. So a single loop finds out whether the hulls are apart, and measures those that are not.
 //   - The polytope's corners are on a grid of 2^19 steps, where orientations are exact in 64-bit integers: there are no
 //     tolerances, and coplanar faces need no care. The grid only decides the direction; the depth in this direction is
 //     measured in double on the points as they are. It is never too small, and too large by about three steps at most.
@@ -28,17 +28,17 @@ struct HullDepth {
   Vec3d normal;      ///< unit length; if b moves by the depth along it, the hulls touch
 };
 
-/// Keeps its memory from one pair to the next: one for each thread.
+/// Reuses its memory for the next pair. Each thread needs its own.
 class HullOverlap {
  public:
-  /// Two hulls by their points, m, in one frame; at least one point each. Throws Interrupted.
+  /// Measures two hulls, given by their points (m) in one frame, at least one point each. Throws Interrupted.
   HullDepth measure(std::span<const Vec3d> a, std::span<const Vec3d> b, Pacer& pacer);
 
   std::size_t bytes() const { return bytes_of_vectors(a_, b_, faces_, rim_); }
   void release() { release_vectors(a_, b_, faces_, rim_); }
 
  private:
-  struct Point {  // on the grid; of a difference: less than 2^19
+  struct Point {  // on the grid; components of a difference are less than 2^19
     std::int64_t x, y, z;
     bool operator==(const Point&) const = default;
   };
@@ -69,7 +69,7 @@ class HullOverlap {
   std::vector<Point> a_, b_;
   std::vector<Face> faces_;  // of a convex polytope between corners of the difference a - b
   std::vector<Edge> rim_;
-  Point direction_{};  // asked last
+  Point direction_{};  // last one used
 };
 
 }  // namespace fracture

@@ -11,7 +11,7 @@
 namespace fracture {
 namespace {
 
-/// Share of a hull's longest side: corners so near to a plane are on it. A few steps of the floats that hulls are written in.
+/// Share of a hull's longest side: corners this near to a plane count as on it. A few steps of the floats of hulls.
 constexpr double kOnThePlane = 0x1p-20;
 
 struct TrimScratch {
@@ -33,7 +33,7 @@ Box box_of(const CollisionHull& hull) {
   return box;
 }
 
-/// The beginning, in this direction, of the measured part, which receives the other one.
+/// Least coordinate, in this direction, of the contact's pieces. They are on the measured part, which receives the other.
 double beginning(const ContactGraph& graph, std::size_t contact, const Vec3d& direction, Pacer& pacer) {
   double least = HUGE_VAL;
   for (std::uint32_t k = graph.first_piece[contact]; k < graph.first_piece[contact + 1]; ++k) {
@@ -74,7 +74,7 @@ CollisionHull trimmed(const CollisionHull& hull, const Vec3d& normal, double off
   s.corners.clear();
   for (const Vec3d& p : s.body.corners())
     s.corners.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-  // Coplanar triangles of the hull leave several corners on one edge of the cut.
+  // Rebuilt, because coplanar triangles of the hull may leave several corners on one edge of the cut.
   const ConvexHullBuilder::Triangles& triangles = s.builder.build(s.corners, kMaxHullPoints, execution);
   if (triangles.empty()) return {};
   return compact(s.corners, triangles, s.index);

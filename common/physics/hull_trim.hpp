@@ -21,17 +21,17 @@
 
 namespace fracture {
 
-/// The least share of its volume that a hull keeps at contacts.
+/// The least share of its volume that a hull must keep when it is trimmed at contacts.
 inline constexpr double kLeastShareAtContacts = 0.9;
 
 /// A half-space that hulls end at, in the frame of the solid: normal · x <= offset.
 struct TrimPlane {
   Vec3d normal;       ///< unit length
   double offset = 0;  ///< m
-  Box other;          ///< what hulls are to stay clear of: hulls whose boxes miss it are not cut
+  Box other;          ///< box of the other part; hulls whose boxes miss it are not cut
 };
 
-/// Per part, the planes at which its hulls end. Linear in the contacts' pieces. Throws Interrupted.
+/// The planes at which the hulls of each part end. Linear in the contacts' pieces. Throws Interrupted.
 class ContactPlanes {
  public:
   ContactPlanes(const Solid& solid, const Execution& execution);
@@ -46,12 +46,12 @@ class ContactPlanes {
   std::vector<std::uint32_t> first_;  // per part, and the end
 };
 
-/// The rest of a hull in the half-space; no points if that is flat, or nothing. `normal` and `offset` as TrimPlane has
-/// them, in the frame of the hull. Throws Interrupted.
+/// Returns the part of a hull within the half-space; no points if that is flat or empty. `normal` and `offset` are as in
+/// TrimPlane, but in the hull's frame. Throws Interrupted.
 CollisionHull trimmed(const CollisionHull& hull, const Vec3d& normal, double offset,
                       const Execution& execution);
 
-/// Trims the hulls of fragments that have not been here before. Throws Interrupted.
+/// Trims the hulls of fragments that were not trimmed before (FragmentHulls::seen_contacts). Throws Interrupted.
 void trim_at_contacts(const FragmentSet& set, const Solid& solid, CollisionHulls& hulls,
                       const Execution& execution);
 

@@ -10,8 +10,8 @@ namespace {
 
 /// Sine of the angle below which an edge counts as flat: 0.06 degrees.
 constexpr double kStraight = 1e-3;
-/// Planes count together if their normals are within 8 degrees (cosine), and one plane's notch is this near to the other
-/// plane, relative to the size of the solid.
+/// Votes for planes are added if their normals are within 8 degrees (cosine), and one plane's notch is this near to the
+/// other plane, relative to the size of the solid.
 constexpr double kAlike = 0.99, kNear = 0.03;
 /// Maximum number of different planes with votes.
 constexpr std::size_t kMostPlanes = 40;

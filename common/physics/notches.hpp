@@ -22,8 +22,8 @@ class NotchPlanes {
     double votes;  ///< share of the weights of all notches that belongs to notches near the plane
   };
 
-  /// At most `most` planes, those with most votes first. Each notch votes for its three planes, with the product of its depth
-  /// below `hull`, its length and its bend. Nearly equal planes count together. `size`: the longest side of the whole solid.
+  /// Returns at most `most` planes, by descending votes. Each notch votes for its three planes, with the product of its depth
+  /// below `hull`, its length and its bend. Votes for nearly equal planes are added. `size`: longest side of the whole solid.
   /// Valid until the next call. Throws Interrupted.
   std::span<const Candidate> find(const Polyhedron& solid, const CollisionHull& hull, double size,
                                   std::size_t most, const Execution& execution);
@@ -45,7 +45,7 @@ class NotchPlanes {
   void weigh(const CollisionHull& hull, Pacer& pacer);
   void vote(const CutPlane& plane, const Notch& notch, double size);
 
-  std::vector<std::uint32_t> open_, next_;  // edges without a twin yet: per point the first, and the next one
+  std::vector<std::uint32_t> open_, next_;  // edges without a twin yet: first one per point; next one
   std::vector<std::uint32_t> face_of_;      // per edge
   std::vector<Notch> notches_;
   std::vector<CutPlane> walls_;  // of the hull

@@ -26,7 +26,7 @@ struct HullOfBody {
   std::uint32_t body, hull;
 };
 
-/// Measures hulls of bodies, and keeps the deepest overlap of each pair.
+/// Measures the overlap of hulls of two bodies.
 class Measure {
  public:
   Measure(const Bodies& bodies, const Execution& execution) : bodies_(bodies), pacer_(execution) {}
@@ -34,7 +34,7 @@ class Measure {
   Overlap of(const HullOfBody& x, const HullOfBody& y) {
     const auto [a, b] = x.body < y.body ? std::pair(x, y) : std::pair(y, x);
     MeasureScratch& scratch = thread_scratch<MeasureScratch>();
-    const Vec3d& origin = bodies_.fragments[a.body]->pivot;  // far from the world's, nothing is lost
+    const Vec3d& origin = bodies_.fragments[a.body]->pivot;  // keeps precision far from the world's
     place(a, origin, scratch.a);
     place(b, origin, scratch.b);
     const HullDepth found = scratch.overlap.measure(scratch.a, scratch.b, pacer_);
@@ -82,7 +82,7 @@ Box box_of(const Bodies& bodies, std::uint32_t body) {
   return box;
 }
 
-/// Fragments with a piece of the same cell whose boxes meet, ascending.
+/// Pairs of fragments that have pieces of the same cell and whose boxes meet, ascending.
 std::vector<BodyPair> sharing_a_cell(const Bodies& bodies, const Execution& execution) {
   Pacer pacer(execution);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> owners;  // site, body
@@ -123,7 +123,7 @@ void measure_pairs(const Bodies& bodies, std::span<const BodyPair> pairs, std::v
     if (overlap.depth > 0) found.push_back(overlap);
 }
 
-/// Measures bodies in different groups; if there is only one group, all of its bodies.
+/// Measures pairs of bodies in different groups. If there is only one group, measures all of its pairs.
 void measure_all(const Bodies& bodies, const std::vector<std::vector<std::uint32_t>>& groups,
                  std::vector<Overlap>& found, const Execution& execution) {
   Pacer pacer(execution);
@@ -155,7 +155,7 @@ void measure_all(const Bodies& bodies, const std::vector<std::vector<std::uint32
   for (const std::vector<Overlap>& some : of_task) found.insert(found.end(), some.begin(), some.end());
 }
 
-/// The number of the frame of a part.
+/// Index of a part's frame.
 std::size_t frame_of(const CellMap& map, std::uint32_t part) {
   if (!map) return 0;
   return static_cast<std::size_t>(&map.of_part(part) - map.frames().data());
@@ -164,7 +164,7 @@ std::size_t frame_of(const CellMap& map, std::uint32_t part) {
 /// Whether hulls may extend beyond the fragment's cells: those of a whole part in several cells (divided_hulls.hpp).
 bool may_leave_its_cells(const Fragment& f) { return f.caps.empty() && f.bodies.size() > 1; }
 
-/// The number of the frame that all cells of a fragment are in; kNoIndex if there are several.
+/// Index of the frame that contains all cells of a fragment; kNoIndex if there are several frames.
 std::size_t only_frame_of(const CellMap& map, const Fragment& f) {
   const std::size_t frame = frame_of(map, f.part);
   const bool is_only = std::all_of(f.part_cells.begin(), f.part_cells.end(),

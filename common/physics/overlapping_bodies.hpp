@@ -1,6 +1,6 @@
-// Which bodies overlap, among those that no diagram proves disjoint. Cells of one diagram are convex and disjoint, and a hull
-// lies in the cells of its fragment. So few pairs need a look: pieces of the same cell, hulls of whole parts in several cells,
-// and pieces of parts that have diagrams of their own (base/cell_map.hpp). Without these there is no cost.
+// Finds overlapping bodies among those that no diagram proves to be disjoint. Cells of one diagram are convex and disjoint,
+// and a hull lies in the cells of its fragment. So only a few pairs need a test: pieces of the same cell, hulls of whole parts
+// in several cells, and pieces of parts with separate diagrams (base/cell_map.hpp). Without these there is no cost.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace fracture {
 
-/// Fragments with their hulls; borrowed. Its places are those that a file has.
+/// Fragments with their hulls; borrowed. They are placed as in the file.
 struct Bodies {
   std::vector<const Fragment*> fragments{};
   std::vector<const FragmentHulls*> hulls{};
@@ -31,16 +31,16 @@ struct CellsOfBodies {
 
 struct Overlap {
   BodyPair pair;
-  double depth = 0;                      ///< m, > 0: the most that two of their hulls overlap by
+  double depth = 0;                      ///< m, > 0: depth of the two hulls that overlap most
   Vec3d normal;                          ///< unit length, from a to b, of these hulls
-  std::uint32_t hull_a = 0, hull_b = 0;  ///< these hulls
+  std::uint32_t hull_a = 0, hull_b = 0;  ///< indices of these hulls
 };
 
-/// Ascending by pair. Near-linear in the hulls, their points and the pairs of hulls whose boxes meet. Throws Interrupted.
+/// Sorted by pair. Near-linear in the hulls, their points, and pairs of hulls whose boxes meet. Throws Interrupted.
 std::vector<Overlap> find_overlaps(const Bodies& bodies, const CellsOfBodies& cells,
                                    const Execution& execution);
 
-/// The deepest overlap of two bodies; its depth is 0 if they are apart. Throws Interrupted.
+/// Returns the deepest overlap of two bodies; its depth is 0 if they are apart. Throws Interrupted.
 Overlap deepest_overlap(const Bodies& bodies, const BodyPair& pair, const Execution& execution);
 
 }  // namespace fracture

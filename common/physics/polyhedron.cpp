@@ -118,10 +118,10 @@ void PolyhedronCutter::divide_face(const Polyhedron& whole, std::size_t face, do
   end_face(whole.faces[face].normal);
 }
 
-//          leaves            enters         Above the plane the face goes on from where it leaves to where it
-//     ->-----.------ line ------.----->-    enters again, below it the other way. Along the line it leaves
-//   above     \                /            and enters in turn, so that the first two belong together.
-//              `-->-- below --'
+//          leaves            enters         Above the plane, the face is closed from the point where it leaves to
+//     ->-----.------ line ------.----->-    the point where it enters; below, in the other direction. Leaving and
+//   above     \                /            entering points alternate along the line, so the k-th ones of both
+//              `-->-- below --'             belong together.
 void PolyhedronCutter::close_face(const Vec3d& face_normal) {
   if (leaves_.size() > 1) {
     const Vec3d line = cross(face_normal, plane_.normal);
@@ -207,7 +207,7 @@ void PolyhedronCutter::list_bodies(std::uint32_t side, Pacer& pacer) {
   for (const Polyhedron::Face& face : s.solid.faces) {
     pacer.step(1 + face.end - first);
     const Vec3d foot = points[s.solid.edges[first].from] - origin_;
-    for (; first < face.end; ++first) {  // the outlines of a face may be of several bodies
+    for (; first < face.end; ++first) {  // the outlines of a face may belong to several bodies
       const auto [from, to] = s.solid.edges[first];
       amount_[s.body_of[from]] += dot(foot, cross(points[from] - origin_, points[to] - origin_)) / 6;
     }
@@ -306,7 +306,7 @@ void PolyhedronCutter::write(const Body& body, Polyhedron& out, Pacer& pacer) {
     const std::size_t begin = first;
     first = face.end;
     const std::size_t before = out.edges.size();
-    for (std::size_t e = begin; e < face.end; ++e) {  // the outlines of a face may be of several bodies
+    for (std::size_t e = begin; e < face.end; ++e) {  // the outlines of a face may belong to several bodies
       const Edge& edge = s.solid.edges[e];
       if (s.body_of[edge.from] == index) out.edges.push_back({number_[edge.from], number_[edge.to]});
     }

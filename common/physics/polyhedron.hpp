@@ -1,5 +1,5 @@
 // A solid as the directed edges of its flat faces, and its division by planes. A face may have holes and several
-// outlines: it is an unordered set of edges around its normal, and at each corner as many edges begin as end. Therefore a
+// outlines: it is an unordered set of edges around its normal, and as many edges begin as end at each corner. Therefore a
 // cut needs no triangulation: it closes each face along the plane, and the closing edges bound the cut's own face.
 // This is Sutherland & Hodgman (1974) for faces with any outline; crossings are paired along the line as in a scanline.
 //
@@ -46,10 +46,10 @@ struct Polyhedron {
   void release() { release_vectors(points, edges, faces); }
 };
 
-/// By the divergence theorem relative to the first point, in the unit of length cubed; negative if the solid is inside out.
+/// Volume by the divergence theorem, in the points' unit cubed. Negative if the solid is inside out.
 double volume_of(const Polyhedron& solid, Pacer& pacer);
 
-/// Divides solids by planes. Keeps its memory for the next cut.
+/// Divides solids by planes. Reuses its memory for the next cut.
 class PolyhedronCutter {
  public:
   /// A connected piece of the solid on one side of the plane.
@@ -60,8 +60,8 @@ class PolyhedronCutter {
     std::uint32_t first, count;  ///< range in corners_
   };
 
-  /// Divides `whole` into bodies(): first those below the plane, by the lowest index of their points. A corner at most
-  /// `rounding` off the plane is on it. A face in the plane belongs to the side that contains the solid.
+  /// Divides `whole` into bodies(). Those below the plane come first, ordered by the lowest index of their points. Corners at
+  /// most `rounding` off the plane count as on it. A face in the plane belongs to the side that contains the solid.
   void cut(const Polyhedron& whole, const CutPlane& plane, double rounding, Pacer& pacer);
 
   std::span<const Body> bodies() const { return bodies_; }
@@ -81,17 +81,17 @@ class PolyhedronCutter {
   /// The point at which the plane crosses an edge; the two sides have a corner each.
   struct Crossing {
     std::uint32_t hi,
-        next;  ///< the edge's upper end, and the next crossing of an edge with the same lower end
+        next;  ///< the edge's upper end; the next crossing of an edge with the same lower end
     std::array<std::uint32_t, 2> corner;  ///< per side
   };
   struct Side {
     Polyhedron solid;
     std::vector<Edge> cap;               ///< edges of the cut
-    DisjointSets together, outlines;     ///< sets of points: bodies, and connected outlines of the cut
-    std::vector<std::uint32_t> body_of;  ///< per point; a root until the bodies are listed
+    DisjointSets together, outlines;     ///< sets of points: bodies; connected outlines of the cut
+    std::vector<std::uint32_t> body_of;  ///< per point: its root, and its body once these are listed
     void clear();
   };
-  /// A place at which a face leaves or enters the space above the plane.
+  /// A point at which a face leaves or enters the space above the plane.
   struct Passage {
     double along;
     std::uint32_t crossing;
@@ -113,10 +113,10 @@ class PolyhedronCutter {
   std::array<Side, 2> sides_;
   std::vector<double> height_;          // per point
   std::vector<std::uint32_t> number_;   // per point, on its side
-  std::vector<std::uint32_t> crossed_;  // per point: the first crossing of an edge whose lower end it is
+  std::vector<std::uint32_t> crossed_;  // per point: the first crossing of an edge with this lower end
   std::vector<Crossing> crossings_;
   std::vector<Passage> leaves_, enters_;  // of one face
-  std::vector<char> is_off_;              // per point of a side: is it off the plane?
+  std::vector<char> is_off_;              // per point of a side: whether it is off the plane
   std::vector<double> amount_;            // per point of a side, at roots: volume, area
   std::vector<std::uint32_t> at_root_;  // per point of a side, at roots: an outline's leftmost point, a body
   std::vector<Body> bodies_;

@@ -31,7 +31,7 @@ std::array<double, 4> to_quaternion(const double r[3][3]) {
   return q;
 }
 
-/// What a solid box of this mass has about the origin.
+/// Inertia of a solid box with this mass, about the origin.
 std::array<double, 6> inertia_of_box(const Box& box, double mass) {
   const Vec3d size = box.size(), c = box.center();
   const Vec3d second{size.x * size.x / 12 + c.x * c.x, size.y * size.y / 12 + c.y * c.y,
@@ -49,8 +49,8 @@ std::array<double, 6> inertia_of_box(const Box& box, double mass) {
 PrincipalAxes body_inertia(const Fragment& f) {
   const PrincipalAxes axes = principal_axes(f.mass.inertia);
   const auto [a, b, c] = axes.moments;
-  // Each moment is less than the sum of the others, but for what is infinitely thin: so thin that the tensor
-  // may be half rounding is not told from impossible.
+  // Each moment is less than the sum of the others, unless the body is infinitely thin. A body so thin that half of
+  // its tensor may be rounding is treated as impossible.
   const double least = 1e-9 * (a + b + c);
   if (f.mass.volume > 0 && a + b - c > least && b + c - a > least && c + a - b > least) return axes;
   Box box;
@@ -59,7 +59,7 @@ PrincipalAxes body_inertia(const Fragment& f) {
 }
 
 double body_volume(const Fragment& f) {
-  if (!(f.mass.volume <= 0)) return f.mass.volume;  // NaN, too: no figure of a bug is mended
+  if (!(f.mass.volume <= 0)) return f.mass.volume;  // NaN, too, so that bugs are not hidden
   if (const FileVolume in_file = file_volume(f); in_file.sign > 0) return in_file.volume;
   Box box;
   for (const Vec3f& p : f.positions) box.add(to_double(p));
@@ -71,7 +71,7 @@ PrincipalAxes principal_axes(const std::array<double, 6>& inertia) {
                     {inertia[3], inertia[1], inertia[5]},
                     {inertia[4], inertia[5], inertia[2]}};
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  // Converges quadratically; six sweeps reach rounding for any 3 x 3 matrix, twelve leave room.
+  // Converges quadratically; six sweeps suffice for any 3 x 3 matrix, and twelve leave a margin.
   for (int sweep = 0; sweep < 12; ++sweep) {
     bool diagonal = true;
     for (int p = 0; p < 2; ++p)

@@ -1,4 +1,4 @@
-// The inertia tensor as physics engines want it: three moments and a rotation.
+// The inertia tensor in the form that physics engines need: three moments and a rotation.
 #pragma once
 
 #include <array>
@@ -15,20 +15,20 @@ struct PrincipalAxes {
 };
 
 /// Diagonalizes the symmetric tensor (xx, yy, zz, xy, xz, yz) by cyclic Jacobi rotations (Jacobi 1846; Golub
-/// & Van Loan, Matrix Computations, 8.5): only + - * / and sqrt, the same bits everywhere. Tiny negative
-/// moments (rounding) become 0.
+/// & Van Loan, Matrix Computations, 8.5). It uses only + - * / and sqrt, so the bits are the same everywhere. Tiny
+/// negative moments, which rounding causes, become 0.
 PrincipalAxes principal_axes(const std::array<double, 6>& inertia);
 
-/// Of the fragment about its centre of mass, at 1 kg/m³. Where the surface crosses itself parts of the volume
-/// count negative and the tensor can be one that no body has (engines take a moment of 0 for a body that
-/// never turns); where there is no volume it is that of rounding. Then that of a solid box of the fragment's extent
-/// and mass.
+/// Inertia of the fragment about its centre of mass, at 1 kg/m³. If the surface crosses itself, parts of the volume count
+/// as negative, and the tensor may be physically impossible. (For engines, a moment of 0 means that a body never turns.)
+/// If there is no volume, the tensor is only rounding. In both cases the function returns the inertia of a solid box with
+/// the fragment's extent and mass.
 PrincipalAxes body_inertia(const Fragment& f);
 
-/// m³, more than 0: what answers say of the fragment. Its volume before rounding, if it has one; a sliver may have 0 or
-/// less: then that of its positions in the file. A sheet that was filled flat, or whose surface crosses itself, may have
-/// neither, and engines take a mass of 0 for a body that never moves: then that of half of its surface, a millionth of its
-/// longest side thick.
+/// m³, more than 0: the fragment's volume as answers state it. It is the volume before rounding, if positive. A sliver may
+/// have 0 or less; then it is the volume of the positions in the file. That may not be positive either, if a sheet was
+/// filled flat or the surface crosses itself. Then it is half of the surface's area times a millionth of the longest side,
+/// because a mass of 0 means to engines that a body never moves.
 double body_volume(const Fragment& f);
 
 }  // namespace fracture

@@ -12,15 +12,15 @@
 namespace fracture {
 namespace {
 
-/// One cut for each two hulls of the bodies that overlap, at most.
+/// Maximum number of cuts for a pair of bodies. Each cut separates two of their hulls.
 constexpr int kMostCuts = 64;
 
-/// Two hulls that overlap, in the frame of the world.
+/// Two overlapping hulls, and where they end in the frame of the world.
 struct Clash {
   CollisionHull &a, &b;
   const Vec3d &pivot_a, &pivot_b;
   Vec3d normal;            ///< from a to b
-  double last_a, first_b;  ///< along the normal
+  double last_a, first_b;  ///< coordinates along the normal
 };
 
 Clash clash_of(const Overlap& overlap, const FragmentSet& set, CollisionHulls& hulls) {
@@ -39,7 +39,7 @@ Clash clash_of(const Overlap& overlap, const FragmentSet& set, CollisionHulls& h
   return clash;
 }
 
-/// The rests of two hulls that end at these planes.
+/// Two hulls after a cut, and the shares of their volumes that are left.
 struct Cut {
   CollisionHull a, b;
   double share_a = 0, share_b = 0;
@@ -59,10 +59,10 @@ Cut cut(const Clash& clash, double end_a, double begin_b, const Execution& execu
   return made;
 }
 
-/// Trims two bodies until they overlap by no more than the tolerance. Returns by how much they do.
+/// Trims two bodies until they overlap by at most the tolerance, if possible. Returns the remaining overlap.
 double trim_apart(const BodyPair& pair, const Bodies& bodies, const FragmentSet& set, CollisionHulls& hulls,
                   double tolerance, const Execution& execution) {
-  const double gap = std::fmin(kHullInset, tolerance);  // in small solids, less than the inset
+  const double gap = std::fmin(kHullInset, tolerance);  // less than the inset in small solids
   for (int k = 0; k < kMostCuts; ++k) {
     const Overlap overlap = deepest_overlap(bodies, pair, execution);
     if (overlap.depth <= tolerance) return overlap.depth;
@@ -93,7 +93,7 @@ Bodies bodies_of(const FragmentSet& set, const CollisionHulls& hulls, const Exec
   return bodies;
 }
 
-/// A rest that is not summed up yet, and the pairs that its filters are for, ascending.
+/// An unfinished result, and the pairs that need filters, ascending.
 struct Search {
   Rest rest;
   std::vector<BodyPair> deep;
@@ -105,7 +105,7 @@ struct Search {
     else
       rest.figures.deepest = std::fmax(rest.figures.deepest, depth);
   }
-  /// The pair may collide.
+  /// Records a pair that may collide.
   void leave(double depth) {
     ++rest.figures.left;
     rest.figures.deepest = std::fmax(rest.figures.deepest, depth);
@@ -158,7 +158,7 @@ Rest bring_to_rest(const FragmentSet& set, CollisionHulls& hulls, const CellsOfB
                    double tolerance, HullFilters filters, const Execution& execution) {
   const Bodies bodies = bodies_of(set, hulls, execution);
   Search search = begin(bodies, cells, tolerance, filters, execution);
-  // Each round leaves fewer pairs.
+  // Each round has fewer pairs, so the loop ends.
   while (!search.rest.filters.beyond.empty()) {
     std::vector<char> is_cut(bodies.size(), 0);
     const std::vector<BodyPair> beyond = std::move(search.rest.filters.beyond);

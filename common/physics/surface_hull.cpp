@@ -9,20 +9,20 @@
 namespace fracture {
 namespace {
 
-/// Steps: what is surely thicker than what HullGrid::first_tetrahedron() calls flat.
+/// Steps of the grid: a body this thick is never flat for HullGrid::first_tetrahedron().
 constexpr double kThick = 8;
-/// Half-edges of a point that wait for their twins.
+/// Maximum number of a point's half-edges without a twin.
 constexpr std::size_t kLongestChain = 256;
-/// One in so many corners may be needless: where a cut crosses the diagonal of a flat face, it has one.
+/// At most one in this many corners may be unnecessary. A cut makes such a corner on the diagonal of a flat face.
 constexpr std::size_t kFewBlunt = 4;
 
 double largest(const Vec3d& v) { return std::max(std::fabs(v.x), std::max(std::fabs(v.y), std::fabs(v.z))); }
 
 }  // namespace
 
-/// False where the edge (a, b) bends inwards: where the diagonals of its two triangles pass each other at a
-/// distance. Unlike the height of a corner above the plane of a sliver that is no larger than what rounding did
-/// to the corners.
+/// Returns false if the edge (a, b) bends inwards by more than rounding. The bend is measured by the distance between the
+/// diagonals of its two triangles. Rounding changes this distance no more than it moves the corners. It may change the
+/// height of a corner above the plane of a sliver much more.
 bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t b, Face& left, Face& right) {
   Point &from = points_[a], &to = points_[b];
   const bool rises = grid.less(a, b);
@@ -44,7 +44,7 @@ bool SurfaceHull::add_edge(const HullGrid& grid, std::uint32_t a, std::uint32_t 
   return six_volumes <= kRounding * largest(cross(grid[b] - grid[a], grid[apex] - grid[other]));
 }
 
-/// Four points at a time: the grid's, as floats, which is exact.
+/// Lists the grid's points in groups of four, as floats, which is exact.
 void SurfaceHull::list_quads(const HullGrid& grid, Pacer& pacer) {
   quads_.clear();
   quads_.reserve((grid.size() + 3) / 4);
@@ -60,8 +60,8 @@ void SurfaceHull::list_quads(const HullGrid& grid, Pacer& pacer) {
   pacer.step(grid.size());
 }
 
-/// Whether a point is above the face by more than `most`. Floats find what is clear: with the normal's largest component
-/// made 1, products below 2^19 and sums below 3 * 2^19 round by less than half a step together, and so does the limit.
+/// Whether a point is above the face by more than `most`. Floats decide clear cases. With the normal's largest component
+/// scaled to 1, products are below 2^19 and sums below 3 * 2^19: they round by less than half a step, and so does the limit.
 bool SurfaceHull::anything_above(const HullGrid& grid, const Face& face, double most, Pacer& pacer) const {
   const HullGrid::Plane& plane = face.plane;
   const double size = largest(plane.normal);
@@ -82,7 +82,7 @@ bool SurfaceHull::anything_above(const HullGrid& grid, const Face& face, double 
   return false;
 }
 
-/// Bends that are small at each edge may add up, or be those of narrow strips between large faces.
+/// Needed because small bends at edges may add up, or belong to narrow strips between large faces.
 bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) {
   largest_.resize(faces_.size());
   std::iota(largest_.begin(), largest_.end(), 0u);
@@ -101,8 +101,8 @@ bool SurfaceHull::nothing_above_the_largest(const HullGrid& grid, Pacer& pacer) 
   return true;
 }
 
-/// A row of strips may bend inwards a little at each edge, and much from end to end: while all of it is smaller than the
-/// largest triangles. What rounding turns the plane of a triangle by is allowed for.
+/// Needed because a row of strips may bend inwards a little at each edge, but much from end to end, and be smaller than the
+/// largest triangles. The limit allows for rounding, which may tilt the plane of a triangle.
 bool SurfaceHull::nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) const {
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const Face& face = faces_[f];
@@ -111,15 +111,15 @@ bool SurfaceHull::nothing_above_the_bent(const HullGrid& grid, Pacer& pacer) con
     for (std::size_t h = 4 * f; h < 4 * f + 3; ++h)
       longest = std::max(longest, largest(grid[corners_[h + 1]] - grid[corners_[h]]));
     const double turned =
-        HullGrid::kSide * longest / largest(face.plane.normal);  // by a step, at the far end
+        HullGrid::kSide * longest / largest(face.plane.normal);  // tilt by one step, at the far end
     if (anything_above(grid, face, (kMostAbove + turned) * face.rounding, pacer)) return false;
   }
   return true;
 }
 
-/// False, too, where a triangle is degenerate or inside out, an edge is not that of two triangles, once in each direction
-/// (but for those between what is uncut and cuts), or the body is flat: the width of a convex body is at least 2 V / A.
-/// Most bodies that are not convex are known after a few triangles.
+/// Also returns false if a triangle is degenerate or inside out, or the body is flat (the width of a convex body is at least
+/// 2 V / A), or an edge does not have two triangles, one in each direction. Edges between uncut triangles and cuts are
+/// exempt. Most bodies that are not convex are recognized after a few triangles.
 bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
   faces_.clear();
   corners_.clear();
@@ -147,7 +147,7 @@ bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surfac
     for (auto h = static_cast<HalfEdge>(4 * f); h < 4 * f + 3; ++h) {
       const std::uint32_t a = corners_[h], b = corners_[h + 1];
       HalfEdge* link = &points_[b].open;
-      std::size_t chain = 0;  // at a hub, and with triangles in any order, it may be long
+      std::size_t chain = 0;  // may be long at a hub with triangles in arbitrary order
       for (; *link != kNoIndex && corners_[*link + 1] != a; link = &after_[*link])
         if (++chain > kLongestChain) return false;
       pacer.step(1 + chain);
@@ -169,8 +169,8 @@ bool SurfaceHull::bends_outwards(const HullGrid& grid, const BodySurface& surfac
          six_volumes > 3 * kThick * sizes;  // twice an area is at most sqrt(3) times its size
 }
 
-/// The cell bends outwards at its own edges, and so does the body where a cut ends at its surface: what sticks out
-/// there is not asked by how much.
+/// The cell bends outwards at its own edges, and so does the body where a cut ends at its surface. So all corners of cuts
+/// count as sticking out, without being measured.
 void SurfaceHull::look_at_cuts(const HullGrid& grid, const BodySurface& surface, Pacer& pacer) {
   const auto climb = [&](std::uint32_t a, std::uint32_t b) {
     const bool rises = grid.less(a, b);
@@ -190,8 +190,8 @@ SurfaceHull::Shape SurfaceHull::shape_of(const HullGrid& grid, const BodySurface
                                          std::uint32_t max_points, Pacer& pacer) {
   if (surface.size() + 4 != 2 * std::size_t{grid.size()}) return Shape::kOther;  // Euler: no sphere
   if (!bends_outwards(grid, surface, pacer)) return Shape::kOther;
-  // A surface without holes whose edges bend outwards is that of one convex body, and not wound around it twice,
-  // if only one point is higher than all its neighbours.
+  // A surface without holes whose edges bend outwards encloses a convex body. It winds around the body only once if only
+  // one point is higher than all its neighbours.
   std::size_t blunt = 0, summits = 0;
   for (const Point& p : points_) {
     blunt += p.creases < 3;

@@ -1,5 +1,5 @@
-// The hull of a body that is convex but for rounding, as most fragments are: its own surface. A few tests for each
-// edge replace the search for each point's place; what is not convex is recognized early.
+// The hull of a body that is convex except for rounding, as most fragments are, is its own surface. A few tests per
+// edge are faster than a general hull algorithm, and bodies that are not convex are recognized early.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace fracture {
 
-/// Triangles between the corners of a body, counter-clockwise from outside; borrowed. None: nothing is known of them.
+/// Triangles between the corners of a body, counter-clockwise from outside; borrowed. Empty if the surface is not known.
 class BodySurface {
  public:
   BodySurface() = default;
-  /// `indices`: three vertices each; `corner_of`: of each vertex, which corner it stands at. `uncut`: where it is known
-  /// that the surface is closed and that only its first triangles can bend inwards, among themselves, how many these are;
-  /// the others are then cuts, faces of a convex cell.
+  /// `indices`: three vertices per triangle. `corner_of`: for each vertex, the corner at its position. `uncut`: number of
+  /// triangles at the beginning that may bend inwards among themselves, if that is known and the surface is closed. The other
+  /// triangles are then cuts, which are faces of a convex cell.
   BodySurface(std::span<const std::uint32_t> indices, std::span<const std::uint32_t> corner_of,
               std::optional<std::size_t> uncut = {})
       : indices_(indices), corner_of_(corner_of.data()), uncut_(uncut) {}
@@ -38,45 +38,45 @@ class BodySurface {
 
 class SurfaceHull {
  public:
-  /// Steps of the grid: what an edge bends by less may be flat. Cuts are rounded to the seam lattice.
+  /// Steps of the grid: an edge that bends by less may be flat, because cuts are rounded to the seam lattice.
   static constexpr double kRounding = 8;
-  /// So many of the largest triangles are asked whether anything lies above them, by more than so many times the
-  /// rounding: 1e-4 of the body's box, a fraction of the hull's inset.
+  /// No point may be above one of the kLargest largest triangles by more than kMostAbove times the rounding. That is 1e-4 of
+  /// the body's box, a fraction of the hull's inset.
   static constexpr std::size_t kLargest = 16;
   static constexpr double kMostAbove = 8;
 
   enum class Shape {
-    kOther,   ///< bends inwards, is no sphere, or flat
-    kConvex,  ///< the hull of the points that stick out (sharp())
-    kHull,    ///< the same, and almost all points do, no more than may: the triangles are the hull
+    kOther,   ///< bends inwards, is flat, or is not a sphere
+    kConvex,  ///< its hull is that of the points that stick out (list_sharp())
+    kHull,    ///< the triangles are the hull: almost all points stick out, and the limit is kept
   };
-  /// The corners are the points of the grid, each of them that of some triangle; `max_points`: of a hull.
+  /// The corners are the grid's points. Each must belong to a triangle. `max_points`: maximum for a hull.
   Shape shape_of(const HullGrid& grid, const BodySurface& surface, std::uint32_t max_points, Pacer& pacer);
-  /// After shape_of(): all extreme points, and few others.
+  /// Call after shape_of(). Lists all extreme points, and few others.
   void list_sharp(std::vector<std::uint32_t>& out) const;
 
   std::size_t bytes() const { return bytes_of_vectors(faces_, points_, corners_, after_, largest_, quads_); }
   void release() { release_vectors(faces_, points_, corners_, after_, largest_, quads_); }
 
  private:
-  /// 4 f + k leads from corner k of face f to the next one, which stands at 4 f + k + 1 (the first one twice).
+  /// 4 f + k leads from corner k of face f to the next corner, stored at 4 f + k + 1 (the first corner is stored twice).
   using HalfEdge = std::uint32_t;
   struct Face {
     HullGrid::Plane plane;
-    double rounding;            ///< of twice its area times a height: kRounding steps
-    std::uint32_t corners_sum;  ///< less two of them: the third
-    bool bent;                  ///< inwards at one of its edges, by no more than rounding
+    double rounding;            ///< kRounding steps, in the unit of HullGrid::height()
+    std::uint32_t corners_sum;  ///< minus two of its corners: the third one
+    bool bent;                  ///< bends inwards at an edge, by no more than rounding
   };
   struct Point {
-    HalfEdge open;          ///< the first half-edge from it whose twin is not found yet
-    std::uint32_t edges;    ///< that bend outwards at all: an extreme point has three at least
-    std::uint32_t creases;  ///< that bend outwards by more than rounding
-    bool climbs;            ///< some neighbour is higher
+    HalfEdge open;        ///< its first half-edge whose twin has not been found yet
+    std::uint32_t edges;  ///< number of edges that bend outwards at all: an extreme point has at least three
+    std::uint32_t creases;  ///< number of edges that bend outwards by more than rounding
+    bool climbs;            ///< a neighbour is higher
   };
 
   /// Four points of the grid.
   struct Quad {
-    using Four = float __attribute__((vector_size(16)));  // g++ and clang++, of any processor
+    using Four = float __attribute__((vector_size(16)));  // g++ and clang++, on any processor
     Four x, y, z;
   };
 
