@@ -27,7 +27,7 @@
 namespace fracture {
 namespace {
 
-/// Per site the lowest of its owner's.
+/// For each site, the lowest site of its owner.
 std::vector<SiteId> lowest_of_sites(const Ownership& ownership) {
   std::vector<SiteId> lowest;
   for (const std::uint32_t owner : ownership.owner_of_site)
@@ -35,7 +35,7 @@ std::vector<SiteId> lowest_of_sites(const Ownership& ownership) {
   return lowest;
 }
 
-/// Per site the brick that its cell is of. Of merged points the first one decides.
+/// For each site, the brick to which its cell belongs. If points were merged, the first one decides.
 std::vector<std::uint32_t> bricks_of_sites(const Tetrahedralization& t,
                                            const std::vector<std::uint32_t>& bricks_of_input,
                                            const Execution& execution) {
@@ -49,7 +49,7 @@ std::vector<std::uint32_t> bricks_of_sites(const Tetrahedralization& t,
   return bricks;
 }
 
-/// Does something stay whole whatever its size?
+/// Whether a rest of the solid stays whole regardless of its size.
 bool has_rest(const FractureParameters& parameters) {
   return parameters.keep || (!parameters.hits.empty() && parameters.rest == LocalRest::kWhole);
 }
@@ -61,7 +61,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
     Expected<CellMap> map = map_of_cells(solid, parameters, execution);
     if (!map) return tl::unexpected(map.error());
-    // Barycentric cells know no frames, and a region that is kept means one diagram: all parts break as one.
+    // Barycentric cells do not support frames, and a kept region needs a single diagram. So all parts share one.
     if (std::holds_alternative<RadialPattern>(parameters.pattern) && map->frames().size() > 1 &&
         (parameters.dual == Dual::kBarycenter || parameters.keep))
       map = CellMap();
@@ -112,7 +112,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }
-    // Where the sites of a hit change nothing, nothing has another order than without them.
+    // Canonical order: tetrahedra that a hit's sites do not change have the same order as without the hit.
     canonicalize(diagram.tetrahedralization, execution);
     return diagram;
   });
@@ -164,7 +164,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     if (parameters.hulls == Hulls::kConvex)
       cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits.count,
                                        cells_per_fragment(parameters), has_rest(parameters), execution);
-    execution.poll();  // a large diagram takes some time to be given back, and so does what comes below
+    execution.poll();  // freeing a large diagram takes some time, and so do the steps below
   }
   execution.poll();
   if (cut.set.fragments.empty())
@@ -175,7 +175,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   return cut;
 }
 
-/// What a hit breaks off is small beside the mean of a large thing, and is to be there all the same.
+/// Factor for min_of_mean with hits: pieces that hits break off are small compared with the mean, but must remain.
 constexpr double kShareBesideHits = 0.01;
 
 SizeLimits limits_in_force(const FractureParameters& parameters, double volume, std::uint32_t pattern_sites) {
@@ -185,7 +185,7 @@ SizeLimits limits_in_force(const FractureParameters& parameters, double volume, 
   limits.min_volume = std::max({limits.min_volume, limits.min_fraction * volume,
                                 kShareBesideHits * limits.min_of_mean * volume / std::max(fragments, 1.0)});
   limits.min_fraction = limits.min_of_mean = 0;
-  limits.fragments = 0;  // those of the pattern are united already
+  limits.fragments = 0;  // the pattern's pieces have been merged already
   return limits;
 }
 

@@ -1,6 +1,6 @@
-// The whole job, in the order of the folders: mesh -> solid -> sites -> tetrahedralization -> clip ->
-// fragments. Two steps, so that a server can keep what is reusable: prepare() once for each mesh, fracture()
-// for each request.
+// The whole pipeline, in the order of the folders: mesh -> solid -> sites -> tetrahedralization -> clip ->
+// fragments. It has two steps, so that a server can keep what is reusable: make_diagram() for each mesh and its
+// site parameters, and fracture() for each request.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ namespace fracture {
 
 enum class Dual {
   kCircumcenter,  ///< the Voronoi diagram: fragments partition the solid exactly
-  kBarycenter,    ///< the paper's look: hulls of barycentres clipped to the solid; no partition is promised
+  kBarycenter,    ///< the look of the paper: hulls of barycentres, clipped to the solid; not a partition
 };
 
 enum class Hulls { kNone, kConvex };
@@ -36,27 +36,27 @@ enum class Hulls { kNone, kConvex };
 /// How the parts of a solid that overlap or touch become fragments.
 enum class Parts {
   kTogether,  ///< pieces of several parts can become one fragment (pipeline/part_contacts.hpp)
-  kApart,     ///< each fragment is of one part
+  kApart,     ///< each fragment belongs to one part
 };
 
-/// What is cut, and what comes of it: geometry alone.
+/// Parameters of the cuts and of the result. They concern only the geometry.
 struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
-  double drop_above = 0;       ///< m³; with kBarycenter alone: larger fragments are left out. 0: none
+  double drop_above = 0;       ///< m³; kBarycenter only: larger fragments are left out. 0: no limit
   Hulls hulls = Hulls::kNone;  ///< collision hulls for physics engines (physics/collision_hulls.hpp)
-  HullLimits hull_limits{};    ///< number of hulls of a fragment
+  HullLimits hull_limits{};    ///< number of hulls per fragment
   HullFilters filters = HullFilters::kSystems;  ///< for bodies whose hulls overlap (physics/rest.hpp)
   Pivot pivot = Pivot::kCenterOfMass;
-  bool intact = false;    ///< the answer gets FracturedSolid::intact
-  SizeLimits size;        ///< small fragments are united with a neighbour
-  double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get further sites
+  bool intact = false;    ///< whether to make FracturedSolid::intact
+  SizeLimits size;        ///< small fragments are merged with a neighbour
+  double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get more sites
   /// Nothing inside this region is cut: the cells that meet it form one group.
   std::optional<Region> keep{};
-  Roughness roughness{};  ///< of the cuts; the noise has the seed of the sites. dual: kCircumcenter only
+  Roughness roughness{};  ///< of the cuts; uses the sites' seed. Only with Dual::kCircumcenter
   /// The number of clusters in each level of the hierarchy above the fragments, coarsest first; increasing.
   std::vector<std::uint32_t> levels{};
   Anchors anchors;                  ///< fragments that touch these are marked
-  std::vector<LocalImpact> hits{};  ///< one after the other, each on what the ones before it left
+  std::vector<LocalImpact> hits{};  ///< in order; each one hits the result of those before it
   LocalRest rest = LocalRest::kWhole;
   Parts parts = Parts::kTogether;  ///< needs Solid::contacts
   /// Strength of bonds across parts, as a multiple of the material's; >= 0. 0: no such bonds. They need Solid::contacts.
@@ -68,20 +68,20 @@ struct Diagram {
   std::vector<Vec3d> sites;
   std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
   std::vector<std::uint32_t> bricks{};  ///< SitePlan::bricks
-  /// Sites and tetrahedralization are those of the solid's image under this map (none: of itself).
+  /// Sites and tetrahedralization are those of the solid's image under this map (no map: of the solid itself).
   CellMap map{};
   Remarks remarks{};                      ///< about the sites
   Tetrahedralization tetrahedralization;  ///< canonical
-  SplitFigures split{};                   ///< what FractureParameters::max_volume did
-  std::size_t of_pattern = 0;             ///< so many of `sites`, the first ones, are not of hits
+  SplitFigures split{};                   ///< effect of FractureParameters::max_volume
+  std::size_t of_pattern = 0;             ///< number of `sites`, from the first one, that are not of hits
 };
 
-/// Errors: those of plan_sites() and tetrahedralize(), an interruption.
+/// Makes the diagram. Errors: those of plan_sites() and tetrahedralize(), or an interruption.
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings);
 
 /// Cuts the solid by the diagram. Errors: kNoFragments, kUnsound, kBadParameter (`dual`: barycentric cells
-/// know no map), an interruption.
+/// do not support a map), or an interruption.
 Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
                                   const FractureParameters& parameters, const Execution& execution,
                                   StageTimings& timings);

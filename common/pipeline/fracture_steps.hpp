@@ -40,7 +40,7 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
   }
 }
 
-/// Cells as fragments, with bonds, certificate and lattice, but without what complete() adds.
+/// Cells as fragments, with bonds, certificate and lattice, but without the additions of complete().
 struct CutCells {
   FragmentSet set;
   CollisionHulls hulls;                 ///< hulls that are known already
@@ -58,7 +58,7 @@ struct CutCells {
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
   bool touch_across = true;  ///< PieceRecord::touch_across
-  /// If the set is only part of a result (a delta alone): statistics of all fragments.
+  /// If the set is only part of a result (only a delta): statistics of all fragments.
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending
     std::uint64_t triangles = 0;

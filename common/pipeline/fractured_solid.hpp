@@ -1,5 +1,5 @@
-// The pipeline's result: the fragments of a solid and their companions. Each companion is made from the set
-// alone, in a module of its own. Independent of file formats: gltf/ writes it, and tests check it.
+// The pipeline's result: the fragments of a solid and their companions. Each companion is made only from
+// the set, in a separate module. Independent of file formats: gltf/ writes it, and tests check it.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct FracturedSolid {
   AnchoredFragments anchored;
   CollisionHulls hulls;
   std::optional<Rest> rest{};        ///< set with hulls
-  std::optional<Support> support{};  ///< set if there are anchors, if density and strength are known
+  std::optional<Support> support{};  ///< set if there are anchors, and density and strength are known
   std::optional<Delta> delta{};      ///< set if the result is compared with an earlier one
   std::optional<IntactSolid> intact{};
   Report report;

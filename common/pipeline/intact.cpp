@@ -15,7 +15,7 @@ Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& 
   whole.parts = Parts::kApart;
   whole.contact_strength = 0;
   Execution within = execution;
-  within.progress = {};  // it is that of the fragments
+  within.progress = {};  // the fragments report progress
   within.within = nullptr;
   StageTimings timings;
   Expected<Diagram> diagram = make_diagram(solid, whole, within, timings);

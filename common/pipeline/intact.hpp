@@ -1,4 +1,4 @@
-// The solid as it is before it breaks: what the repairs made of the mesh, with collision hulls of its own.
+// The solid before it breaks: the repaired mesh, with its own collision hulls.
 #pragma once
 
 #include "common/base/error.hpp"
@@ -9,9 +9,9 @@
 
 namespace fracture {
 
-/// The parts of the solid as fragments that nothing cuts: its fragments with a single site. They have the vertices,
-/// attributes and materials that the outside of the fragments has. Only the parameters of hulls matter. Errors:
-/// kNoFragments, kUnsound. Throws Interrupted.
+/// Returns the parts of the solid as uncut fragments, which are made with a single site. They have the same vertices,
+/// attributes and materials as the outside of the fragments. The only parameters used are hulls, hull_limits and parts.
+/// Errors: kNoFragments, kUnsound. Throws Interrupted.
 Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& parameters,
                                   const Execution& execution);
 

@@ -24,7 +24,7 @@ void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet&
         "1/100,000 of the size. Small details may be ragged. Move the mesh nearer to the origin.");
 }
 
-/// Of volumes in ascending order.
+/// `volumes` must be ascending.
 VolumeDistribution volume_distribution(const std::vector<double>& volumes) {
   const std::size_t n = volumes.size();
   if (n == 0) return {};
@@ -49,7 +49,7 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
   CutCells::Whole sizes;
   Pacer pacer(execution);
   for (const Fragment& f : set.fragments) {
-    pacer.step(8);  // a miss of the cache each
+    pacer.step(8);  // one cache miss each
     sizes.volumes.push_back(body_volume(f));
     sizes.triangles += f.indices.size() / 3;
   }
@@ -57,7 +57,7 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
   return sizes;
 }
 
-/// The limits of size that are in force, by name.
+/// Names of the size limits that are set.
 std::string names_of(const SizeLimits& size) {
   std::string names;
   const auto add = [&](bool given, const char* name) {
@@ -98,7 +98,7 @@ std::string more_fragments(std::uint32_t asked, bool together, const FragmentSet
          ", or repair the mesh so that " + (parts > 1 ? "its parts are joined." : "they touch.");
 }
 
-/// Where the number of fragments is off by more than a tenth: why.
+/// Explains the number of fragments if it is off by more than a tenth.
 void report_fragments(std::uint32_t asked, const FractureParameters& p, const FragmentSet& set,
                       Remarks& remarks) {
   const std::size_t made = set.fragments.size();
@@ -158,7 +158,7 @@ void report_structure(const FractureParameters& p, std::size_t kept_cells,
   if (anchored == 0u) report.remarks.warn(kNothingAnchored);
 }
 
-/// What was asked of the cuts, and what was made.
+/// Reports the requested and the actual roughness of the cuts.
 void report_roughness(const FractureParameters& p, const CutCells& cut, Report& report) {
   const RoughReport& rough = cut.rough;
   Remarks& remarks = report.remarks;

@@ -7,9 +7,9 @@
 
 namespace fracture {
 
-/// The report but for what the pipeline does not know (Report::frame, passed_through). `cut`: its figures, its set may be gone.
-/// `anchored`: how many fragments are; empty where nobody asked, or the set is only a part of the answer. `hulls`: of the
-/// fragments of the set. `rest`: of all fragments. Throws Interrupted.
+/// Makes the report, except for members that the pipeline does not know (Report::frame, passed_through). `cut` may have lost
+/// its set. `anchored`: number of anchored fragments; empty if not requested, or if the set is only part of the answer.
+/// `hulls`: of the set's fragments. `rest`: of all fragments. Throws Interrupted.
 Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
                    const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,
                    const std::optional<Rest>& rest, const FragmentSet& set, const Execution& execution);

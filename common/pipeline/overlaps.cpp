@@ -9,7 +9,7 @@
 namespace fracture {
 namespace {
 
-/// Per part, or empty if no parts overlap.
+/// The density share of each part; empty if no parts overlap.
 std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
   if (!solid.contacts) return {};
   struct Group {
@@ -25,7 +25,7 @@ std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
     any = true;
   }
   if (!any) return {};
-  std::vector<Group> groups(solid.parts.size());  // by lowest part
+  std::vector<Group> groups(solid.parts.size());  // each at the index of its lowest part
   for (std::uint32_t p = 0; p < groups.size(); ++p) {
     pacer.step();
     Group& group = groups[sets.find(p)];

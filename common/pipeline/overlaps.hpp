@@ -6,10 +6,10 @@
 
 namespace fracture {
 
-/// Sets Certificate::volume_once, and Fragment::density_share of each fragment. Parts that overlap, directly or through others,
-/// are a group. The volume of its union is estimated as the sum of its parts less that of the overlaps of pairs
-/// (Solid::contacts; exact unless three parts fill the same space, see Bonferroni 1936), at least its largest part. All
-/// parts of the group have the same lower density, so that their masses add up to that of the union, and no hit changes
+/// Sets Certificate::volume_once, and Fragment::density_share of each fragment. Parts that overlap, directly or through
+/// others, are a group. The volume of its union is estimated as the sum of its parts minus the overlaps of pairs
+/// (Solid::contacts; exact unless three parts fill the same space, see Bonferroni 1936), but at least its largest part.
+/// All parts of a group get the same lower density, so that their masses add up to that of the union, and no hit changes
 /// a share. `together`: if false, every share is 1.
 void count_overlaps_once(const Solid& solid, bool together, FragmentSet& set, const Execution& execution);
 

@@ -163,7 +163,7 @@ class OverlapsInCells {
   const std::vector<Piece>& pieces_;
   const Execution& execution_;
   Pacer pacer_;
-  std::vector<std::uint32_t> first_, others_;  // per part: parts of higher number that overlap it
+  std::vector<std::uint32_t> first_, others_;  // per part: parts with a higher index that overlap it
 };
 
 }  // namespace

@@ -64,7 +64,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   for (Fragment& f : made->set.fragments) {
     f.source_part = at->source_part;
     f.density_share = at->density_share;  // so that the masses add up to that of the fragment
-    for (FragmentPrimitive& p : f.primitives) p.part = kNoIndex;  // it would be a part of the fragment
+    for (FragmentPrimitive& p : f.primitives) p.part = kNoIndex;  // its part is one of the fragment's solid
   }
   for (ClusterLevel& level : made->hierarchy.levels)
     for (Cluster& cluster : level.clusters) cluster.density_share = at->density_share;

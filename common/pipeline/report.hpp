@@ -1,5 +1,5 @@
-// What an answer says of itself beside its fragments: what was asked, what was made, and everything that
-// somebody should know about the difference. Figures alone; gltf/report_text.hpp gives them their names.
+// The report of an answer: the request, the result, and everything that a user should know about the difference.
+// It contains only data; gltf/report_text.hpp writes it as text.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace fracture {
 struct SiteFigures {
   std::uint64_t given = 0, used = 0;
   std::uint64_t duplicates_merged = 0;
-  std::uint64_t far_dropped = 0;  ///< whose cells cannot reach the solid
+  std::uint64_t far_dropped = 0;  ///< sites whose cells cannot reach the solid
   bool operator==(const SiteFigures&) const = default;
 };
 
@@ -26,8 +26,8 @@ struct SiteFigures {
 struct VolumeDistribution {
   double smallest = 0, lowest_tenth = 0, median = 0, highest_tenth = 0, largest = 0;
   double mean = 0;
-  double coefficient_of_variation = 0;  ///< the standard deviation over the mean: 0 is all alike
-  double share_of_largest_tenth = 0;    ///< of the volume of all
+  double coefficient_of_variation = 0;  ///< standard deviation over the mean; 0: all are equal
+  double share_of_largest_tenth = 0;    ///< of the total volume
   bool operator==(const VolumeDistribution&) const = default;
 };
 
@@ -35,19 +35,19 @@ struct VolumeDistribution {
 struct SizeReport {
   VolumeDistribution volumes;
   std::uint64_t triangles = 0;  ///< of all fragments
-  SizeLimits limits;            ///< as asked
-  SizeFigures united;           ///< what they did
-  double max_volume = 0;        ///< m³, as asked; 0: no limit
-  SplitFigures split;           ///< what it did
+  SizeLimits limits;            ///< as requested
+  SizeFigures united;           ///< effect of `limits`
+  double max_volume = 0;        ///< m³, as requested; 0: no limit
+  SplitFigures split;           ///< effect of `max_volume`
   bool operator==(const SizeReport&) const = default;
 };
 
 struct RoughCuts {
-  double amplitude = 0;        ///< m, in force; 0: the cuts are flat
+  double amplitude = 0;        ///< m, as used; 0: the cuts are flat
   double amplitude_asked = 0;  ///< m
-  double edge_length = 0;      ///< m, that the caps were refined to
+  double edge_length = 0;      ///< m, to which the caps were refined
   std::uint64_t triangles = 0, calmed_vertices = 0, crossing_triangles = 0;
-  std::uint32_t restrained_cells = 0;  ///< less rough than asked, or flat
+  std::uint32_t restrained_cells = 0;  ///< cells less rough than requested, or flat
   bool operator==(const RoughCuts&) const = default;
 };
 
@@ -63,7 +63,7 @@ struct BarycenterReport {
   bool operator==(const BarycenterReport&) const = default;
 };
 
-/// Which fragment was fractured again.
+/// The fragment that was fractured again.
 struct RefracturedFragment {
   std::uint64_t id = 0;
   double volume = 0;  ///< m³
@@ -76,13 +76,13 @@ struct Report {
   SiteFigures sites;
   SizeReport size;
   std::optional<ContactReport> contacts{};    ///< if the solid has several parts
-  std::optional<std::uint64_t> kept_cells{};  ///< that FractureParameters::keep keeps together
-  std::optional<std::uint32_t> anchored{};    ///< how many fragments are
+  std::optional<std::uint64_t> kept_cells{};  ///< cells that FractureParameters::keep keeps together
+  std::optional<std::uint32_t> anchored{};    ///< number of anchored fragments
   std::optional<HullReport> hulls{};          ///< of all fragments of the answer
   std::optional<RoughCuts> rough_cuts{};
   std::optional<BarycenterReport> barycenter{};  ///< Dual::kBarycenter: no partition is promised
   std::optional<RefracturedFragment> fragment{};
-  /// By who read the file: its frame, and the triangles that were not to be fractured.
+  /// Set by the reader of the file: its frame, and the number of triangles excluded from fracturing.
   std::optional<FrameReport> frame{};
   std::optional<std::uint64_t> passed_through{};
   Remarks remarks;

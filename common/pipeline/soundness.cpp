@@ -10,7 +10,7 @@
 namespace fracture {
 namespace {
 
-/// Of volumes and areas before rounding, relative (invariant I2).
+/// Relative tolerance of volumes and areas before rounding (invariant I2).
 constexpr double kTolerance = 1e-9;
 
 void compare(const char* what, double is, double should_be, double bound, const char* unit,
@@ -20,8 +20,8 @@ void compare(const char* what, double is, double should_be, double bound, const 
                                text_of(should_be) + ", off by more than " + text_of(bound));
 }
 
-/// The length of all edges of triangles that are no caps, m: of the fragments that are here; for others (where the
-/// set is a delta alone), twice around the solid.
+/// Total length (m) of the edges of all triangles that are not caps. If the set is only a delta, each missing fragment
+/// is estimated as 12 times the longest side of the solid's box.
 double surface_edges(const FragmentSet& set, double size) {
   const std::size_t all = std::max<std::size_t>(set.certificate.fragments, set.fragments.size());
   double sum = 12 * size * static_cast<double>(all - set.fragments.size());
@@ -60,7 +60,7 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
     verdict.violations.push_back((count > 0 ? std::to_string(count) : std::string("some")) +
                                  " triangles of cuts have no mirror image in another fragment");
   }
-  // Positions before rounding are off by 2^-52 of the largest coordinate at most.
+  // Positions before rounding are off by at most 2^-52 of the largest coordinate.
   double reach = 0;
   for (int a = 0; a < 3; ++a)
     reach = std::fmax(reach, std::fmax(std::fabs(solid.box.min[a]), std::fabs(solid.box.max[a])));
@@ -69,8 +69,8 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
           kTolerance * solid.report.absolute_volume + rounding * solid.report.area, "m³", verdict);
   const double h = std::fmax(set.lattice_step.x, std::fmax(set.lattice_step.y, set.lattice_step.z));
   const double height = h + std::ldexp(size, -24);
-  // How the pieces of a triangle are triangulated is decided on rounded positions (invariant I5): beside an
-  // edge a strip of the height of the rounding may be covered three times.
+  // Pieces of a triangle are triangulated on rounded positions (invariant I5). So a strip next to an edge, as high
+  // as the rounding, may be covered three times.
   double bound = kTolerance * c.area_in;
   if (!(std::fabs(c.area_out - c.area_in) <= bound)) bound += 2 * height * surface_edges(set, size);
   compare("the fragments cover", c.area_out, c.area_in, bound, "m² of the surface", verdict);
