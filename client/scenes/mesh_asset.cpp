@@ -140,8 +140,8 @@ Expected<MeshAsset> load_asset(const std::string& path, const std::string& unit)
   std::vector<std::string> names, contents;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(fs::path(path).parent_path(), ignored)) {
-    constexpr std::uintmax_t kLargest = 64u << 20;
-    if (names.size() >= 64 || !entry.is_regular_file(ignored) || entry.file_size(ignored) > kLargest)
+    constexpr std::uintmax_t kLargestFile = 64u << 20;
+    if (names.size() >= 64 || !entry.is_regular_file(ignored) || entry.file_size(ignored) > kLargestFile)
       continue;
     const std::string beside = entry.path().extension().string();
     if (beside != ".bin" && beside != ".mtl" && beside != ".png" && beside != ".jpg") continue;
