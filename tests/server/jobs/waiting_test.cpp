@@ -222,7 +222,8 @@ TEST_F(WaitingJob, ThatIsNotOnTheDiskIsWaitedForByADrain) {
 TEST_F(WaitingJob, OnTheDiskIsNotWaitedForByADrain) {
   crowded_out(folder.path);
   EXPECT_EQ(host->jobs.figures().unfinished, 2u);
-  EXPECT_EQ(host->jobs.figures().waiting, 1u);
+  EXPECT_TRUE(eventually(kPatience, "the job to wait after its attempt",
+                         [&] { return host->jobs.figures().waiting == 1; }));
 }
 
 TEST_F(WaitingJob, OnTheDiskIsThereForTheNextServerWhenItIsCrowdedOutInADrain) {
