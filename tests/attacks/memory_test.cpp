@@ -65,7 +65,7 @@ const Attack kAttacks[] = {
 };
 
 /// The lines of an exposition that describe memory.
-std::string memory_lines(const std::string& metrics) {
+[[maybe_unused]] std::string memory_lines(const std::string& metrics) {
   std::istringstream lines(metrics);
   std::string some;
   for (std::string line; std::getline(lines, line);)
