@@ -33,8 +33,8 @@ struct SizeLimits {
 
 /// Effect of the limits.
 struct SizeFigures {
-  std::uint32_t united =
-      0;  ///< pieces that became part of another, because of a limit or across parts in their cell
+  /// Pieces that became part of another one, because of a limit or because pieces of several parts in one cell were joined.
+  std::uint32_t united = 0;
   std::uint32_t alone = 0;  ///< pieces below the minimum volume that stay, because they touch no other
   /// Parts of the solid, or groups of parts that hold together and share fragments; 0 unless SizeLimits::fragments is set.
   std::uint32_t parts = 0;

@@ -42,8 +42,8 @@ enum class UeCollision {
   kUcx,  ///< a node UCX_<fragment>_NN for each hull (ue_collision.hpp)
 };
 
-/// Contents of the file apart from the geometry. There are no time stamps or host names, so identical requests give
-/// identical bytes.
+/// Options for everything in the file that is not geometry. The file contains no time stamp and no host name. So identical
+/// requests give identical bytes.
 struct GltfOptions {
   nlohmann::json parameters =
       nlohmann::json::object();  ///< the canonical request, for asset.extras and extras.fracture

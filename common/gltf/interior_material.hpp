@@ -61,16 +61,16 @@ struct InteriorLook {
 struct InteriorMaterials {
   std::vector<nlohmann::json> materials{};  ///< at least one; all names have the same stem
   std::vector<std::uint32_t> of_part{};     ///< empty: all parts use the first one
-  /// Materials of the inner sides of walls: one for each of `materials`, except for mortar and crushed cuts, with the same
-  /// look. Empty if there are no walls.
+  /// Materials of the inner sides of walls. Each of `materials`, except mortar and crushed cuts, has one that looks the same.
+  /// If the solid has no walls, the list is empty.
   std::vector<nlohmann::json> cavities{};
   CutUvs uvs{};
   CutDetail detail = CutDetail::kNone;  ///< its two textures follow those of the source
   /// Number of materials, from the first one, that have a detail's normal map (in this file, or already at the client). Their
   /// cuts need tangents.
   std::uint32_t in_relief = 0;
-  /// m³: fragments with a smaller volume use the last of `materials` for their cuts. If 0, there is no such
-  /// material.
+  /// m³: the cuts of fragments with a smaller volume look crushed. Their material is the last of `materials`.
+  /// 0: no cuts look crushed.
   double crushed_below = 0;
   std::uint32_t mortar = kNoIndex;  ///< index into `materials`, for kMortarMaterial; kNoIndex: none
 

@@ -8,8 +8,8 @@
 
 namespace fracture {
 
-/// Writes the document's member "OMI_physics_shape": one convex shape for each hull mesh of the fragments, in the same
-/// order, then one for each hull of the intact solid. Writes nothing if there are no hulls.
+/// Writes the document's member "OMI_physics_shape". It lists one convex shape for each hull mesh: first those of the
+/// fragments, then those of the intact solid. If there are no hulls, nothing is written.
 void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout,
                                 const IntactScene& intact);
 

@@ -1,4 +1,4 @@
-// Writes PNG images (ISO/IEC 15948): 8-bit RGB, for the few images that are generated and not copied.
+// Writes PNG images (ISO/IEC 15948) with 8-bit RGB. Only generated images are written; the source's images are copied.
 #pragma once
 
 #include <array>

@@ -32,7 +32,7 @@ class SceneLayout {
   std::size_t hull_count() const { return first_hull_.back() - first_hull_.front(); }
   bool has_hulls() const { return hull_count() > 0; }
 
-  /// Null if there are no filters.
+  /// The collision filters of the file. If it has none, the pointer is null.
   const CollisionFilters* filters() const { return filters_; }
 
   /// Number of child nodes with a collider: one per hull of a compound. A single hull's collider is on the fragment's node.

@@ -58,8 +58,8 @@ void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, s
   pacer.step(1 + end_face - first_face);
 }
 
-/// Finds the faces that see p, and their boundary in order. The search is depth-first: it goes around each face, beginning at
-/// the edge where it entered, and into the face across each edge before the next edge (as Lloyd's quickhull3d does).
+/// Finds the faces that see p, and their boundary in order. The search is depth-first, as in Lloyd's quickhull3d. It goes around
+/// a face from the edge where it entered. At each edge, the face on the other side is searched before the next edge.
 void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
   ++stamp_;
   visible_.assign(1, face);

@@ -1,6 +1,6 @@
 // Finds overlapping bodies among those that no diagram proves to be disjoint. Cells of one diagram are convex and disjoint,
-// and a hull lies in the cells of its fragment. So only a few pairs need a test: pieces of the same cell, hulls of whole parts
-// in several cells, and pieces of parts with separate diagrams (base/cell_map.hpp). Without these there is no cost.
+// and a hull lies in the cells of its fragment. So only three kinds of pairs are tested: pieces of the same cell, hulls of whole
+// parts in several cells, and pieces of parts with separate diagrams (base/cell_map.hpp). Other pairs cost nothing.
 #pragma once
 
 #include <cstdint>

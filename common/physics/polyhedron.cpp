@@ -118,10 +118,10 @@ void PolyhedronCutter::divide_face(const Polyhedron& whole, std::size_t face, do
   end_face(whole.faces[face].normal);
 }
 
-//          leaves            enters         Above the plane, the face is closed from the point where it leaves to
-//     ->-----.------ line ------.----->-    the point where it enters; below, in the other direction. Leaving and
-//   above     \                /            entering points alternate along the line, so the k-th ones of both
-//              `-->-- below --'             belong together.
+//          leaves            enters         A face is closed along the line. Above the plane, the new edge runs from the
+//     ->-----.------ line ------.----->-    leaving point to the entering point. Below, it runs the other way. The two
+//   above     \                /            kinds of points alternate along the line. So the k-th leaving point and the
+//              `-->-- below --'             k-th entering point belong together.
 void PolyhedronCutter::close_face(const Vec3d& face_normal) {
   if (leaves_.size() > 1) {
     const Vec3d line = cross(face_normal, plane_.normal);

@@ -21,8 +21,8 @@ PrincipalAxes principal_axes(const std::array<double, 6>& inertia);
 
 /// Inertia of the fragment about its centre of mass, at 1 kg/m³. If the surface crosses itself, parts of the volume count
 /// as negative, and the tensor may be physically impossible. (For engines, a moment of 0 means that a body never turns.)
-/// If there is no volume, the tensor is only rounding. In both cases the function returns the inertia of a solid box with
-/// the fragment's extent and mass.
+/// If the fragment has no volume, the tensor consists of rounding errors. Both kinds of fragments get the inertia of a solid box
+/// with their extent and mass instead.
 PrincipalAxes body_inertia(const Fragment& f);
 
 /// m³, more than 0: the fragment's volume as answers state it. It is the volume before rounding, if positive. A sliver may

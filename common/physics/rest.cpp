@@ -15,7 +15,7 @@ namespace {
 /// Maximum number of cuts for a pair of bodies. Each cut separates two of their hulls.
 constexpr int kMostCuts = 64;
 
-/// Two overlapping hulls, and where they end in the frame of the world.
+/// Two overlapping hulls, with their extents along the normal in world coordinates.
 struct Clash {
   CollisionHull &a, &b;
   const Vec3d &pivot_a, &pivot_b;
