@@ -9,6 +9,9 @@
 namespace fracture {
 namespace {
 
+constexpr std::uint64_t kMostAhead =
+    64u << 20;  ///< bytes: a computation of 1 GiB asks its budget about twenty times
+
 struct Refusal {
   ErrorCode code;
   std::string why;  ///< end of the sentence that says how many bytes are needed
@@ -95,10 +98,11 @@ void Allowance::shrink() {
 }
 
 void Allowance::grow(Product product, std::uint64_t bytes) {
-  // Ask for half as much again, so that the budget is asked only a few times. If that is refused, ask for the
-  // minimum.
+  // Ask for half as much again, so that the budget is asked only a few times. If that is refused, ask for the minimum. A large
+  // computation asks for little more than it needs, because others may need the rest.
+  const std::uint64_t ahead = std::min(bytes / 2, kMostAhead);
   Answer answer = Answer::kNotNow;
-  for (const std::uint64_t wanted : {std::min(bytes + bytes / 2, std::max(limit_, bytes)), bytes}) {
+  for (const std::uint64_t wanted : {std::min(bytes + ahead, std::max(limit_, bytes)), bytes}) {
     answer = grant_(wanted);
     if (answer != Answer::kGranted) continue;
     std::uint64_t granted = granted_.load();

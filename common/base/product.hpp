@@ -38,8 +38,8 @@ class Allowance {
     kOverShare,  ///< other computations of the same client hold the missing memory
     kNever,      ///< exceeds the maximum for any single computation
   };
-  /// Returns whether the computation may hold this many bytes in all. Rarely called, because each grant is at least
-  /// half as large again.
+  /// Returns whether the computation may hold this many bytes in all. Rarely called, because each request asks for half as much
+  /// again, or for 64 MiB more if that is less.
   using Grant = std::function<Answer(std::uint64_t bytes)>;
   /// From now on, the computation holds no more than this many bytes.
   using Release = std::function<void(std::uint64_t bytes)>;

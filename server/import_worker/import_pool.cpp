@@ -72,7 +72,8 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
     throw Interrupted{ErrorCode::kDeadlineExceeded};
   }
   Try attempt;
-  attempt.memory_bytes = std::min(most, expected_memory(mesh, files));
+  // The estimate is high, so the first try leaves a quarter to others. If the file needs more, the next try gets everything.
+  attempt.memory_bytes = std::min(most - most / 4, expected_memory(mesh, files));
   for (;;) {
     const Allowance::Temporary held(execution.allowance);
     execution.made(Product::kImportBytes, kReserved * attempt.memory_bytes);

@@ -24,7 +24,11 @@ constexpr double kPassShare = 0.4;
 constexpr double kSecondsForWalls = 1.2, kSecondsOfWallsPerMeshByte = 0.6e-6;
 constexpr double kSecondsForDetailMaps = 2;  // 1.6 to 5 s, depending on the kind; once per process and kind
 
-constexpr double kBytesPerMeshByte = 12, kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
+// An import reserves these (import_worker/import_pool.cpp). A small mesh asks for its 16 MiB only when it is read, so that it
+// counts as small until then.
+constexpr double kBytesPerImport = 16u << 20, kBytesPerMeshByte = 20;
+constexpr std::uint64_t kLargeMesh = 1u << 20;
+constexpr double kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
 // Estimates for a hit on a kept answer. kChangedPerSite: cells that are recomputed for each further site. kShareToCopy: time
 // for copying all fragments, as a share of the whole work. If the answer contains only the changes, nothing is copied.
@@ -41,11 +45,12 @@ constexpr double kSecondsPerDecodedByte = 7e-9, kSecondsPerByteRead = 2e-9,
 ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double sites, double passes,
                   double rough_triangles) {
   const auto read = static_cast<double>(mesh_bytes), clipped = static_cast<double>(triangles);
-  return {
-      kSecondsPerRequest + kSecondsPerMeshByte * read + kSecondsPerTriangle * clipped +
-          kSecondsPerSite * sites * (1 + kPassShare * passes) + kSecondsPerRoughTriangle * rough_triangles,
-      static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerMeshByte * read + kBytesPerTriangle * clipped +
-                                 kBytesPerSite * sites + kBytesPerRoughTriangle * rough_triangles)};
+  return {kSecondsPerRequest + kSecondsPerMeshByte * read + kSecondsPerTriangle * clipped +
+              kSecondsPerSite * sites * (1 + kPassShare * passes) +
+              kSecondsPerRoughTriangle * rough_triangles,
+          static_cast<std::uint64_t>(kBytesPerRequest + (mesh_bytes >= kLargeMesh ? kBytesPerImport : 0) +
+                                     kBytesPerMeshByte * read + kBytesPerTriangle * clipped +
+                                     kBytesPerSite * sites + kBytesPerRoughTriangle * rough_triangles)};
 }
 
 }  // namespace

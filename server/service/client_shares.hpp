@@ -1,6 +1,7 @@
 // Memory that the requests of all clients share. No client (an address, or a name) may hold more than its share.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -35,9 +36,17 @@ class ClientShares {
     return whole_.judge(has_share(client) ? of(client).get() : nullptr, bytes, use);
   }
 
+  /// Returns whether this client has a share and holds none of it now, apart from small reservations.
+  bool is_newcomer(const std::string& client) {
+    return has_share(client) && whole_.held_by(*of(client)) == 0;
+  }
+
   MemoryBudget& whole() { return whole_; }
   const MemoryBudget& whole() const { return whole_; }
   std::uint64_t share() const { return share_; }
+  /// The most that a prediction may reserve. Work that needs more grows while it runs. So an uncertain prediction always leaves
+  /// some memory to other clients.
+  std::uint64_t most_at_once() const { return std::min(share_, whole_.capacity()); }
 
  private:
   using Client = MemoryBudget::Client;

@@ -77,11 +77,11 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
         work = expected_hit_work(fracture, selection, solid);
     }
     cost = work.seconds + expected_further_seconds(request.parameters, unread);
-    bytes = std::max(work.bytes, terms.least_bytes);
+    bytes = std::max(std::min(work.bytes, working_.most_at_once()), terms.least_bytes);
     std::optional<Error> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);
-      if (!overload) overload = lacks_memory(bytes, terms);
+      if (!overload && !waits_for_memory(terms)) overload = lacks_memory(bytes, terms);
     }
     if (overload) {
       ++refused_;

@@ -45,9 +45,9 @@ namespace fracture {
 
 struct DispatcherConfig {
   /// Working memory, in estimated bytes, that all computations may use at the same time. A single computation may always run.
-  /// An eighth is reserved for small computations. A client may use at most three quarters, and less if others use a lot. This
-  /// does not apply to a client with only one computation. So a demanding client leaves room for collisions, both its own and
-  /// others'. Queued work holds no memory.
+  /// An eighth is reserved for small computations. A client may use at most three quarters, and less if others use a lot. So a
+  /// demanding client leaves room for collisions, both its own and others'. A client with only one computation may use more, but
+  /// only as the computation proves to need it: predictions reserve at most three quarters. Queued work holds no memory.
   std::uint64_t max_working_bytes = 2ull << 30;
   FailureKeeper* failures = nullptr;  ///< gets unsound answers and defects; borrowed; null: not kept
 };
@@ -104,7 +104,7 @@ class Dispatcher {
   /// the queue. If it returns an error, both functions are dropped. They must not throw.
   using Job = std::function<void(const Execution&)>;
   using GivenUp = std::function<void(Error)>;
-  std::optional<Error> run(const ExpectedWork& work, const Terms& terms, Job job, GivenUp given_up);
+  std::optional<Error> run(ExpectedWork work, const Terms& terms, Job job, GivenUp given_up);
   /// The working memory of everything that is computed or read.
   MemoryBudget& working() { return working_.whole(); }
   /// Returns how many computations have had their turn and now wait for memory.
@@ -173,6 +173,10 @@ class Dispatcher {
   /// Returns an error if there is not enough memory to begin now. Sets nothing aside: that happens when the computation gets
   /// its turn.
   std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms);
+  /// Returns whether a request that lacks memory waits for it, until its deadline, instead of being refused. This is so if its
+  /// client holds none, because then others hold it, and might do so at each attempt. A collision cannot wait. A job waits outside
+  /// the dispatcher.
+  bool waits_for_memory(const Terms& terms);
   Error lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) const;
   static MemoryBudget::Use use_of(Priority priority);
   /// Returns a function that makes room for a reservation of this client: background work of other clients gives up memory
@@ -212,6 +216,10 @@ class Dispatcher {
   struct Waiting;
   struct Errand;
   struct Preparation;
+  struct Upload;
+  struct Arrival;
+  /// Joins or starts the flight of the mesh. It was admitted.
+  void prepare(Upload upload, const Terms& terms);
   void begin_mesh(const std::shared_ptr<Preparation>& p, int threads);
   void begin_errand(const std::shared_ptr<Errand>& errand, int threads);
 

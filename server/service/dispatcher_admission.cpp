@@ -104,6 +104,10 @@ std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& 
   return lacking(verdict, bytes);
 }
 
+bool Dispatcher::waits_for_memory(const Terms& terms) {
+  return terms.priority == Priority::kBatch && working_.is_newcomer(terms.payer.flow.name);
+}
+
 Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) const {
   const MemoryBudget& working = working_.whole();
   const std::chrono::seconds later = whole_seconds(pool_.backlog(Priority::kBatch).count());

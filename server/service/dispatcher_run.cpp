@@ -73,12 +73,12 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   LeaveEarly early;
 };
 
-std::optional<Error> Dispatcher::run(const ExpectedWork& work, const Terms& terms, Job job,
-                                     GivenUp given_up) {
+std::optional<Error> Dispatcher::run(ExpectedWork work, const Terms& terms, Job job, GivenUp given_up) {
+  work.bytes = std::min(work.bytes, working_.most_at_once());
   const auto errand = std::make_shared<Errand>(*this, work, terms, std::move(job), std::move(given_up));
   std::optional<Error> overload = seat(terms, errand->share);
   if (!overload) overload = refuses(work.seconds, terms);
-  if (!overload) overload = lacks_memory(work.bytes, terms);
+  if (!overload && !waits_for_memory(terms)) overload = lacks_memory(work.bytes, terms);
   if (overload) {
     ++refused_;
     return overload;

@@ -138,6 +138,11 @@ class MemoryBudget {
     return judge({client, use, bytes, own + bytes, pool(bytes).used + bytes,
                   clients(bytes, use) - (is_known ? 1 : 0)});
   }
+  /// Returns the bytes that a client holds in large reservations.
+  std::uint64_t held_by(const Client& client) const {
+    const std::lock_guard lock(mutex_);
+    return client.large;
+  }
   /// Returns how many bytes are missing if a large reservation grows by `more` bytes. Ignores shares.
   std::uint64_t missing(std::uint64_t more) const {
     const std::lock_guard lock(mutex_);

@@ -29,6 +29,17 @@ TEST(Allowance, AsksOnlyWhenWhatIsGrantedIsUsedUp) {
   EXPECT_LE(asked, 40);  // each request is 1.5 times the one before
 }
 
+/// An import of 1.3 GB asked for 1.9 GB, and other clients could read nothing meanwhile.
+TEST(Allowance, ALargeComputationAsksForLittleMoreThanItNeeds) {
+  std::uint64_t held = 0;
+  Allowance allowance(0, 2u << 30, [&](std::uint64_t bytes) {
+    held = bytes;
+    return Answer::kGranted;
+  });
+  allowance.add(Product::kImportBytes, 1u << 30);
+  EXPECT_EQ(held, (1u << 30) + (64u << 20));
+}
+
 TEST(Allowance, TakesWhatIsNeededWhereHalfAsMuchAgainIsRefused) {
   Allowance allowance(0, 1000, [](std::uint64_t bytes) {
     return bytes <= bytes_of(Product::kSegments) ? Answer::kGranted : Answer::kNotNow;

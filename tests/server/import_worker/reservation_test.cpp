@@ -1,6 +1,7 @@
 // How much memory an import reserves before its worker uses it: little for small files, more if they expand.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -88,6 +89,18 @@ TEST_F(ImportReservation, ALongJsonIsReadThoughItsReaderEndsForWantOfMemoryAtFir
   ASSERT_TRUE(mesh) << mesh.error().detail;
   EXPECT_EQ(mesh->library->materials[0]["name"], "m");
   EXPECT_EQ(pool.counters().crashed, 0u);
+}
+
+/// The estimate for this file exceeds the limit, but the file needs less. Other clients must be able to read meanwhile.
+TEST_F(ImportReservation, ALargeFileFirstLeavesAQuarterToOthers) {
+  constexpr std::uint64_t kLimit = 1792u << 20;
+  allow(kLimit);
+  constexpr std::uint32_t kTriangles = 2'000'000;
+  std::string stl(84 + 50 * std::size_t{kTriangles}, '\0');
+  std::memcpy(&stl[80], &kTriangles, sizeof kTriangles);
+  (void)pool.import(bytes_of(stl), MeshFormat::kStl, {}, {}, execution, sha256(stl).hex());
+  ASSERT_FALSE(asked.empty());
+  EXPECT_LE(asked.front(), kLimit / 4 * 3 + (64u << 20));
 }
 
 TEST_F(ImportReservation, AFileThatUnfoldsBeyondWhatThereIsEndsWithItsLimit) {

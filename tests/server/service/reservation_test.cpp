@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <latch>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -200,11 +203,12 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   control->during_cut = [&](const Execution& execution) {
     while (!open) execution.poll();
   };
-  const auto add = [&](const std::string& client, int sites, int seed) {
+  const auto add = [&](const std::string& client, int sites, int seed, Priority priority = Priority::kBatch) {
     FractureRequest asked = request();
     asked.parameters.fracture.sites = sites;
     asked.parameters.fracture.seed = static_cast<std::uint64_t>(seed);
     Terms terms;
+    terms.priority = priority;
     terms.payer.flow = {client, 1};
     return dispatcher.fracture(std::move(asked), terms, [](auto) {});
   };
@@ -215,12 +219,74 @@ TEST_F(ReservationTest, WhoAsksForMuchLeavesRoomForTheOthers) {
   const auto second = add("greedy", 10'000, 5);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->code, ErrorCode::kOverShare) << second->detail;
-  const auto large = add("other", 10'000, 4);
-  ASSERT_TRUE(large);
-  EXPECT_EQ(large->code, ErrorCode::kOverloaded) << large->detail;
+  EXPECT_FALSE(add("other", 10'000, 4)) << "a client that holds nothing waits";
+  const auto collision = add("other", 10'000, 6, Priority::kRealtime);
+  ASSERT_TRUE(collision);
+  EXPECT_EQ(collision->code, ErrorCode::kOverloaded) << collision->detail;
   open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+/// One client stores a mesh that is predicted to need more than all of the working memory.
+struct GreedyUpload : ReservationTest {
+  Gate gate;
+  const std::string large = std::string(96u << 20, 'x');  // 20 bytes of memory for each byte
+
+  void SetUp() override {
+    control->import = [hold = gate.hook_without_polls()](std::string_view) {
+      hold(Execution{});
+      return Expected<Mesh>(mesh_of(12));
+    };
+    EXPECT_FALSE(store("greedy", large.size(), {}, [](auto) {}));
+    gate.wait_for(1);
+  }
+  std::optional<Error> store(const std::string& client, std::size_t bytes, Terms terms,
+                             Dispatcher::MeshReply reply) {
+    FractureRequest asked = request();
+    asked.mesh = std::as_bytes(std::span(large).first(bytes));
+    asked.owner = nullptr;
+    terms.payer.flow = {client, 1};
+    return dispatcher.prepare(std::move(asked), terms, std::move(reply));
+  }
+};
+
+TEST_F(GreedyUpload, LeavesRoomForOthers) {
+  EXPECT_EQ(dispatcher.figures().working_bytes, 768u << 20) << "three quarters of 1 GiB";
+  EXPECT_FALSE(store("other", 3u << 19, {}, [](auto) {}));
+  EXPECT_EQ(dispatcher.waiting_for_memory(), 0u);
+  gate.open = true;
+  dispatcher.wait_idle();
+}
+
+TEST_F(GreedyUpload, IsWaitedForByAnUploadThatLacksMemory) {
+  std::atomic<bool> stored{false};
+  EXPECT_FALSE(store("other", 20u << 20, {}, [&](auto mesh) { stored = mesh.has_value(); }));
+  EXPECT_EQ(dispatcher.waiting_for_memory(), 1u);
+  gate.open = true;
+  EXPECT_TRUE(eventually(kPatience, "the other mesh", [&] { return stored.load(); }));
+  dispatcher.wait_idle();
+  EXPECT_EQ(dispatcher.figures().working_bytes, 0u);
+}
+
+TEST_F(GreedyUpload, IsNotWaitedForWhenTheOtherClientHasLeft) {
+  std::stop_source gone;
+  Terms terms;
+  terms.gone = gone.get_token();
+  std::atomic<int> replies{0};
+  std::optional<ErrorCode> code;
+  EXPECT_FALSE(store("other", 20u << 20, terms, [&](auto mesh) {
+    if (!mesh) code = mesh.error().code;
+    ++replies;
+  }));
+  EXPECT_EQ(dispatcher.waiting_for_memory(), 1u);
+  gone.request_stop();
+  EXPECT_EQ(replies, 1);
+  EXPECT_EQ(code, ErrorCode::kCancelled);
+  EXPECT_EQ(dispatcher.waiting_for_memory(), 0u);
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(replies, 1);
 }
 
 /// Queued requests hold none of the memory for computing, whether they belong to one client or to very many.
