@@ -1,4 +1,4 @@
-// A window of the operating system with an OpenGL 3.3 core context, and Dear ImGui drawn over it.
+// An operating system window with an OpenGL 3.3 core context, and Dear ImGui drawn over it.
 #pragma once
 
 #include <epoxy/gl.h>

@@ -176,7 +176,7 @@ class Game {
   /// Records the viewpoint before a step that depends on it, because a replay needs it.
   void record_eye(std::uint64_t step);
   void note_failure(Pending& pending, const std::string& what);
-  /// pending_.end() for requests of an earlier game.
+  /// pending_.end() for requests from an earlier game.
   Requests::iterator request_of(protocol::Ticket ticket);
   bool replay_is_ready() const;
   bool is_recorded() const { return settings_.recorder || settings_.history; }

@@ -25,9 +25,9 @@ struct Moment {
 Moment moment_of(const Game& game, bool loads = false);
 
 /// Interpolates from `a` to `b` by `share` (0 … 1), along a line and about one axis. Anything that broke,
-/// appeared or disappeared in between stays as it is in `a`. A thing that turns by the angle w in between
-/// leaves its circle by at most w²/8 of its distance from its asset's origin: millimetres at three turns per
-/// second. If `into` is the previous result, its memory is used again.
+/// appeared or disappeared in between stays as it is in `a`. If a thing turns by the angle w between `a`
+/// and `b`, the line deviates from the true circle by at most w²/8 of the thing's distance from its asset's
+/// origin: by millimetres at three turns per second. If `into` is the previous result, its memory is reused.
 void between(const Moment& a, const Moment& b, double share, Moment& into);
 
 /// The last seconds of a game.

@@ -12,7 +12,7 @@ namespace fracture {
 /// 2^64 divided by the golden ratio, made odd. Its multiples are spread evenly.
 inline constexpr std::uint64_t kGoldenGamma = 0x9e3779b97f4a7c15ull;
 
-/// The finalizer of SplitMix64 (below): a permutation in which every bit depends on every bit.
+/// The finalizer of SplitMix64 (below): a permutation in which every output bit depends on every input bit.
 constexpr std::uint64_t mix64(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;

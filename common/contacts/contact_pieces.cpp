@@ -91,7 +91,8 @@ void PieceMaker::add_common(const NearPair& pair, const Overlap& overlap, std::v
 std::vector<char> PieceMaker::move_off(NearPair& pair, bool of_b, std::vector<Corners>& exact) {
   std::vector<NearTriangle>& own = of_b ? pair.b : pair.a;
   const std::vector<NearTriangle>& others = of_b ? pair.a : pair.b;
-  std::vector<double> on;  // m² on surface facing the same way, minus m² on surface facing this one
+  // m², per triangle: its overlap with surface facing the same way, minus its overlap with surface facing it
+  std::vector<double> on;
   std::vector<char> moved;
   for (const auto& p : pair.pairs) {
     pacer_.step();

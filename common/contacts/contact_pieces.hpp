@@ -23,7 +23,7 @@ class PieceMaker {
   void add_common(const NearPair& pair, const Overlap& overlap, std::vector<ContactPiece>& pieces);
   /// Adds the pieces of a contact measured by the surface inside the other part. Some triangles of the pair
   /// coincide with the other part's surface apart from rounding, so chance would decide whether they are
-  /// inside. They are moved to the side on which they are not inside.
+  /// inside. These triangles are moved off that surface, out of the other part.
   void add_inside(const Contact& contact, NearPair& pair, const Overlap& overlap,
                   std::vector<ContactPiece>& pieces);
 

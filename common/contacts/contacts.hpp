@@ -9,8 +9,9 @@
 //            triangles cross (overlap.hpp). Exact apart from rounding. Exact predicates decide which triangles
 //            cross. A symbolic translation of one part breaks ties (moved_signs.hpp).
 //
-// Coordinates of a solid are floats, so distances below `rounding_of()` are noise. If an overlap is on average not
-// deeper than this, the parts are touching. Parts that are farther apart than the gap by at most this are still within it.
+// Coordinates of a solid are floats, so distances below `rounding_of()` are noise. If the mean depth of an
+// overlap is at most this, the parts count as touching. Parts whose distance exceeds the gap by at most this
+// count as within it.
 #pragma once
 
 #include <optional>

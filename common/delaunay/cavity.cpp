@@ -57,7 +57,7 @@ void IncrementalDelaunay::grow_cavity(const Query& q, TetId start) {
   const std::uint32_t in = visit_, out = visit_ + 1;
   if (cavity_.size() < 8) cavity_.resize(64);
   if (boundary_.size() < 8) boundary_.resize(64);
-  // Local copies, because for the compiler the writes below might alias the members.
+  // Local copies, because the compiler must assume that the writes below may change the members.
   Tet* const tets = tets_.data();
   Link* cavity = cavity_.data();
   Facet* boundary = boundary_.data();

@@ -21,9 +21,9 @@ inline double larger(double a, double b) { return a > b ? a : b; }
 /// Underflow (Meyer & Pion 2008, "FPG: A code generator for fast and certified geometric predicates"): with
 /// gradual underflow, a sum is exact if it is subnormal, and a product loses at most 2^-1075. An operation
 /// computes at most five products (of values and of error terms), so it loses at most 2^-1072 in addition to
-/// relative rounding errors. Later operations multiply that loss by the other factors of the polynomial. In a
-/// polynomial of degree at most 9, these are at most seven differences of coordinates, in at most 2^10
-/// monomials. Each difference is below 2^45 (sites and meshes reach 1e12, and the corners of the big
+/// relative rounding errors. Later operations multiply that loss by the other factors of the polynomial. A
+/// polynomial of degree at most 9 has at most seven such factors, which are differences of coordinates, and
+/// at most 2^10 monomials. Each difference is below 2^45 (sites and meshes reach 1e12, and the corners of the big
 /// tetrahedron less than 2e13). So a thousand operations lose less than 2^-1072 * 2^(7 * 45) * 2^10 * 2^10 =
 /// 2^-737 < kUnderflow = 1e-200 in total. This is an absolute bound for the value of a whole polynomial in
 /// such coordinates, but not for quotients.

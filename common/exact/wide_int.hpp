@@ -87,8 +87,8 @@ inline WideInt<5> multiply(Int128 a, const WideInt<3>& b) {
   return negative ? WideInt<5>{} - r : r;
 }
 
-/// The magnitudes of all coordinates or-ed together: a value v such that |c| < 2^k for every coordinate c
-/// exactly if v < 2^k.
+/// The bitwise or of the magnitudes of all coordinates: a value v that is below 2^k if and only if |c| < 2^k for
+/// every coordinate c.
 inline std::uint64_t magnitude_bits(const IntPoint& p) {
   const auto magnitude = [](std::int64_t c) { return static_cast<std::uint64_t>(c < 0 ? -c : c); };
   return magnitude(p.x) | magnitude(p.y) | magnitude(p.z);

@@ -17,9 +17,9 @@ namespace fracture {
 ///         y1               y2
 ///
 /// Triangles with two corners at one vertex are dropped first. No other triangle moves, so volumes, areas and
-/// mirror images do not change. New vertices are appended; the others keep their numbers. Takes n log n in the
-/// number of triangles. Returns false if nothing changed. If an edge has no opposite, nothing is split. Throws
-/// Interrupted.
+/// mirror images do not change. New vertices are appended; the others keep their numbers. The time is
+/// O(n log n) in the number of triangles. Returns false if nothing changed. If an edge has no opposite,
+/// nothing is split. Throws Interrupted.
 bool split_repeated_edges(Fragment& fragment, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

@@ -33,7 +33,7 @@ class SmallestFirst {
   std::uint32_t smallest() const { return order_.front().group; }
   /// Takes the smallest group out of the order until take_back(), or until a group merges with it.
   void leave_smallest();
-  /// Puts the groups back that leave_smallest() took out.
+  /// Puts back the groups that leave_smallest() took out.
   void take_back();
   /// Merges the smallest group with the neighbour that shares the largest cap area with it (ties: the lowest name). If it
   /// shares no caps, the neighbour is that of the largest contact across parts. Returns the names of both groups. If

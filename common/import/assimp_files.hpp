@@ -1,4 +1,4 @@
-// The only files that Assimp can see: the uploaded file under one name, and the further files of the upload.
+// The only files that Assimp can see: the uploaded file under one name, and the additional files of the upload.
 #pragma once
 
 #include <assimp/IOStream.hpp>

@@ -1,6 +1,6 @@
 // Imports mesh files: tinygltf reads glTF and GLB, and Assimp reads everything else. The input is bytes, and
 // the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
-// the further parts of a multipart upload.
+// the additional parts of a multipart upload.
 //
 //   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish
 //                                                                                          (finite, limits)

@@ -16,14 +16,14 @@ struct ImportLimits {
   std::uint32_t max_json_depth = 64;
 };
 
-/// A further file that the mesh may refer to ("barrel.bin", "textures/wood.png", "barrel.mtl"): a part of a
+/// An additional file that the mesh may refer to ("barrel.bin", "textures/wood.png", "barrel.mtl"): a part of a
 /// multipart upload. Names are compared literally with the percent-decoded uri, then with its last component.
 /// There are no directories.
 struct ImportFile {
   std::string name;
   std::span<const std::byte> bytes;
 };
-/// Total bytes of a mesh and its further files.
+/// Total bytes of a mesh and its additional files.
 inline std::uint64_t input_bytes(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
   std::uint64_t sum = mesh.size();
   for (const ImportFile& file : files) sum += file.bytes.size();

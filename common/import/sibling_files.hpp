@@ -1,5 +1,5 @@
 // Finds files on disk that an asset refers to, for programs whose user owns the files (`bake`, `inspect`,
-// tests). The server does not use this: its further files are parts of the upload.
+// tests). The server does not use this: its additional files are parts of the upload.
 #pragma once
 
 #include <cstddef>

@@ -28,8 +28,8 @@ struct ConvexParts {
   /// Sum of the hulls' volumes over `volume`: an upper bound for their union. May be slightly below 1,
   /// because hulls may leave corners out (kHullTolerance).
   double excess = 0;
-  /// The largest ratio of a hull's volume to the volume of its part. At most HullLimits::excess, unless the count or a shape
-  /// without notches prevents it.
+  /// The largest ratio of a hull's volume to the volume of its part. At most HullLimits::excess, unless HullLimits::count
+  /// is reached or a part has no notches.
   double largest_excess = 0;
 };
 

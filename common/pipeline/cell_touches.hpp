@@ -17,7 +17,7 @@ struct CellTouch {
 
 class CellTouches {
  public:
-  /// Takes near-linear time in caps. Throws Interrupted.
+  /// The time is nearly linear in the number of caps. Throws Interrupted.
   CellTouches(const RestrictedDiagram& diagram, Pacer& pacer);
   std::span<const CellTouch> of(SiteId s) const {
     return {all_.data() + begin_[s], all_.data() + begin_[s + 1]};

@@ -31,7 +31,7 @@ void CoreLattice::build(std::span<const Vec2d> plane, std::span<const std::uint3
   for (std::size_t l = 0; l + 1 < loop_begin.size(); ++l)
     for (std::uint32_t k = loop_begin[l]; k < loop_begin[l + 1]; ++k)
       clear_near(plane[k], plane[k + 1 < loop_begin[l + 1] ? k + 1 : loop_begin[l]], pacer);
-  // Each pass scans the whole core. A core that still has pinches after so many passes is not worth having.
+  // Each pass scans the whole core. A core that still has pinches after kMostPasses passes is not worth having.
   int passes = 0;
   while (remove_pinches(execution))
     if (++passes == kMostPasses) return;

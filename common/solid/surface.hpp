@@ -44,8 +44,8 @@ struct Surface {
   std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> source;  ///< per triangle: the source triangle; kNoIndex for fills
-  std::vector<std::uint8_t>
-      flipped;         ///< per triangle; empty if none is: corners 1 and 2 are swapped relative to the source
+  /// Per triangle: whether corners 1 and 2 are swapped relative to the source. Empty if no triangle is flipped.
+  std::vector<std::uint8_t> flipped;
   HalfEdgeArray twin;  ///< per half-edge: the opposite half-edge glued to it; kNoIndex if open
 
   VertexId from(HalfEdge h) const { return triangles[h / 3][h % 3]; }

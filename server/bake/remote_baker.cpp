@@ -209,7 +209,7 @@ class Conversation {
     return Step{.baked = Baked{std::move(file), sha256(exchange.body), std::move(summary)}};
   }
 
-  /// Builds the form with the mesh, its further files and these parameters.
+  /// Builds the form with the mesh, its additional files and these parameters.
   Expected<Form> form(nlohmann::json parameters) const {
     const char* extension = extension_of(request_.format);
     parameters["format"] = extension;

@@ -55,7 +55,7 @@ class DiskCache {
   const std::optional<Error>& unusable() const { return unusable_; }
   /// Returns whether this server has the folder. Until then, find() always misses, and insert() does nothing.
   bool held() const { return held_; }
-  /// Locks the folder, deletes unfinished files of an earlier process, and indexes the entries. Returns false while another
+  /// Locks the folder, deletes unfinished files from an earlier process, and indexes the entries. Returns false while another
   /// server has the folder; then try again later. Must not be called by several threads at the same time. Errors: kFileAccess.
   Expected<bool> take();
 

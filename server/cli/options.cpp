@@ -212,8 +212,8 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->group(kWatchGroup);
   app.add_option(
          "--dump-stages", o.source.stages,
-         "For one mesh, even if it is up to date: write the result of each stage (mesh, solid, sites, "
-         "tetrahedra, fragments moved apart) as OBJ to this folder, without overwriting any file")
+         "Write the result of each stage (mesh, solid, sites, tetrahedra, fragments moved apart) as OBJ to this "
+         "folder, without overwriting any file. Needs exactly one mesh; works even if its output is up to date")
       ->type_name("FOLDER")
       ->group(kWatchGroup)
       ->check(not_empty);

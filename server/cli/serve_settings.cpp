@@ -200,7 +200,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        number("answer-rate", "BYTES/S", l.answer_rate, 1, kTiB,
               "Minimum speed at which a client must read its answer, after --write-stall"),
        seconds("write-stall", l.write_stall,
-               "Longest time for which a client may read nothing of its answer"),
+               "Longest time that a client may go without reading any of its answer"),
        seconds("idle", l.idle, "Longest time between requests on a connection")});
   group(
       "Caches",

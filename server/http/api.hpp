@@ -87,7 +87,7 @@ class Api {
   bool shows_page() const { return page_; }
   /// Sets the sample files that the page offers in addition to its own shapes. Call before the first request.
   void offer(page::Samples samples) { samples_ = std::move(samples); }
-  /// Makes the server not ready. Jobs of an earlier process that have not started yet are left for the next
+  /// Makes the server not ready. Jobs from an earlier process that have not started yet are left for the next
   /// process.
   void set_draining() {
     draining_ = true;

@@ -67,7 +67,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
           return refuse(
               HttpProblem::kDigestMismatch,
               "The digest of this mesh is sha256:" + input.digest + ", not sha256:" + wanted +
-                  ". (If the mesh has further files, the digest also covers their names and digests: see openapi.json.)");
+                  ". (If the mesh has additional files, the digest also covers their names and digests: see openapi.json.)");
         const std::uint64_t bytes = input_bytes(input.mesh, input.files);
         if (bytes > meshes_.config().quota_bytes)
           return refuse(HttpProblem::kBodyTooLarge,

@@ -41,7 +41,7 @@ void Api::resume_jobs(
     const std::function<std::shared_ptr<tenants::Account>(const std::string& name)>& account_of) {
   const auto terms_of = [this, account_of](const std::string& owner) {
     Terms terms;
-    terms.payer.flow.name = "jobs of an earlier process";
+    terms.payer.flow.name = "jobs from an earlier process";
     const auto account = owner.empty() ? nullptr : account_of(owner);
     if (!account) return terms;  // the name is gone from the token file: only an administrator sees the job
     terms.payer = {account, {"name " + account->name(), account->shares().weight}};

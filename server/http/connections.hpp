@@ -40,8 +40,9 @@ class Drainable {
   /// The session has lost its place and must close.
   virtual void give_way(Leave how) = 0;
 
-  /// Returns since when the session has only waited for its client: for a request, for the rest of one, for
-  /// the client to read an answer, or for the connection to end. Returns nothing while it computes an answer.
+  /// Returns the time since which the session has only been waiting for its client: for a request, for the
+  /// rest of one, for the client to read an answer, or for the connection to end. Returns nothing while the
+  /// session computes an answer.
   std::optional<Clock::time_point> waiting_since() const {
     const Clock::rep since = waiting_since_;
     return since == 0 ? std::nullopt : std::optional(Clock::time_point(Clock::duration(since)));

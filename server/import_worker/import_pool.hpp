@@ -3,9 +3,10 @@
 // has already been forked. A worker reads several files only if all of them belong to the caller. If a file kills its worker,
 // one request gets a typed error, and from then on the same file gets this error at once.
 //
-// Reading a file may take a minute, so imports take turns. An import that waits gets its turn after the reading ones have had
-// theirs (kTurn); an urgent one gets it at once. A worker process is stopped (SIGSTOP) when its turn is over, and continues
-// later. It is also stopped while its computation stands still for another one (service/worker_pool.hpp).
+// Reading a file may take a minute, so imports take turns. A waiting import gets its turn after the imports that are reading
+// have had theirs (kTurn); an urgent import gets its turn at once. A worker process is stopped (SIGSTOP) when its turn is
+// over, and continues later. It is also stopped while its computation stands still for another one
+// (service/worker_pool.hpp).
 #pragma once
 
 #include <chrono>

@@ -240,7 +240,7 @@ std::vector<std::byte> encode_reply(const Expected<Mesh>& imported) {
 
 Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits) {
   ByteReader in(bytes);
-  require(in.value<std::uint32_t>() == kMagic, "the reply is of another version");
+  require(in.value<std::uint32_t>() == kMagic, "the reply has a different version");
   const auto kind = in.value<std::uint32_t>();
   if (kind == kError) return tl::unexpected<Error>(read_error(in, limits));
   require(kind == kMesh, "the reply is neither a mesh nor an error");

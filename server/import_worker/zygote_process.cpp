@@ -137,7 +137,7 @@ void ZygoteProcess::start(const WorkerProcessConfig& config) {
   theirs.reset();  // so that the connection ends when the child dies
   if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
     throw std::runtime_error("the import worker " + program +
-                             " does not start: it is damaged, or of another version than the server");
+                             " does not start: it is damaged, or its version differs from the server's");
 }
 
 ZygoteProcess::~ZygoteProcess() { kill_and_reap(); }

@@ -55,12 +55,12 @@ class JobFolder {
   JobFolder(const JobFolder&) = delete;
   JobFolder& operator=(const JobFolder&) = delete;
 
-  /// Takes over the folder: creates it and deletes incomplete files of an earlier process. Returns false
+  /// Takes over the folder: creates it and deletes incomplete files from an earlier process. Returns false
   /// while another server holds it; call again before using other functions. Returns kFileAccess if the
   /// folder cannot be used. Blocks.
   Expected<bool> take();
 
-  /// A job of an earlier process.
+  /// A job from an earlier process.
   struct Found {
     JobRecord record;
     std::uint64_t begun = 0;  ///< number of processes that ended while they computed it

@@ -44,7 +44,7 @@ std::string encode_record(const JobRecord& record);
 /// Returns nothing if encode_record() could not have written it. Checks depth, size, types and ranges.
 std::optional<JobRecord> decode_record(std::string_view bytes);
 
-/// A mesh with its further files. All of them refer to one buffer.
+/// A mesh with its additional files. All of them refer to one buffer.
 struct KeptMesh {
   std::shared_ptr<const std::vector<std::uint8_t>> owner;
   std::span<const std::byte> mesh;

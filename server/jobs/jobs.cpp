@@ -1,5 +1,5 @@
 // The life of a job in this process. Related files: jobs_disk.cpp stores jobs, jobs_resume.cpp continues
-// those of an earlier process, and jobs_watch.cpp shows them to clients.
+// those from an earlier process, and jobs_watch.cpp shows them to clients.
 #include "server/jobs/jobs.hpp"
 
 #include <algorithm>

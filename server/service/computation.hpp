@@ -236,7 +236,7 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
     if (in_background) dispatcher.background_.remove(*std::exchange(in_background, std::nullopt));
     dispatcher.line_.given_back();
   }
-  /// Charges all clients that wait for it.
+  /// Charges all clients that are waiting for it.
   void pay(double seconds) { dispatcher.charge(flight->common.payers.charge(seconds), seconds); }
   /// Returns a function that charges these clients for the time that the pool measures.
   static WorkerPool::Used paid_by(const Shared& c) {

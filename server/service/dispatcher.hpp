@@ -13,7 +13,7 @@
 // results with different duals share a diagram. If a computation needs a value that another one is computing, it releases
 // its thread and is resumed when the value is ready.
 //
-// Each waiter has a deadline and may leave at any time. A computation is stopped when nobody waits for it any more.
+// Each waiter has a deadline and may leave at any time. A computation is stopped when nobody is waiting for it any more.
 #pragma once
 
 #include <atomic>
@@ -110,7 +110,7 @@ class Dispatcher {
   /// Returns how many computations have had their turn and now wait for memory.
   std::size_t waiting_for_memory() const { return line_.size(); }
 
-  /// Returns an error if a request with so much work would be refused. This is asked before the body is read, so it reserves
+  /// Returns an error if a request with this much work would be refused. Called before the body is read, so it reserves
   /// nothing.
   std::optional<Error> refuses(const ExpectedWork& work, const Terms& terms) const;
 
@@ -184,7 +184,7 @@ class Dispatcher {
   ComputationAllowance::MakeRoom make_room_for(const std::string& client);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
-  /// Removes a computation from the queue, or from the line for memory, if nobody waits for it any more.
+  /// Removes a computation from the queue, or from the line for memory, if nobody is waiting for it any more.
   template <class Flight>
   void withdraw_if_abandoned(const Flight& flight, const Urgency& urgency) {
     if (!flight.stop().stop_requested()) return;

@@ -4,7 +4,7 @@
 //   <folder>/<first digits of the result's key>/
 //     request.json     parameters, versions, the error, the certificate, "command"
 //     mesh/barrel.obj  the mesh's bytes from the request
-//     mesh/...         its further files, under the names by which the mesh refers to them
+//     mesh/...         its additional files, under the names by which the mesh refers to them
 //     job.ndjson       the manifest for "command", only if a command line cannot express the parameters
 #pragma once
 

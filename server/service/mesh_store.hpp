@@ -25,7 +25,7 @@ struct StoreConfig {
   std::chrono::milliseconds ttl{3'600'000};  ///< how long a mesh is kept after its last use
 };
 
-/// A stored mesh. Immutable. `owner` keeps the bytes of the mesh and its further files alive, and little else.
+/// A stored mesh. Immutable. `owner` keeps the bytes of the mesh and its additional files alive, and little else.
 struct StoredMesh {
   std::string digest;  ///< digest_of() in hex
   MeshFormat format = MeshFormat::kGlb;

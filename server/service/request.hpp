@@ -30,7 +30,7 @@ struct RequestKeys {
   std::string result;
 };
 
-/// The mesh and its further files are borrowed: from `owner` if there is one, otherwise from the caller for the duration
+/// The mesh and its additional files are borrowed: from `owner` if there is one, otherwise from the caller for the duration
 /// of the call.
 struct FractureRequest {
   std::span<const std::byte> mesh;
@@ -45,7 +45,7 @@ struct FractureRequest {
   std::shared_ptr<const RequestKeys> keys{};
 };
 
-/// Returns the digest of an input. For a mesh without further files, it is the digest of the mesh's bytes. With files, a list
+/// Returns the digest of an input. For a mesh without additional files, it is the digest of the mesh's bytes. With files, a list
 /// is made of the mesh's digest and each file's name and digest, ordered by name. The result is then the digest of a fixed
 /// line and the list's digest, so that it never equals the digest of a mesh without files.
 Digest digest_of(const FractureRequest& request, const Execution& execution = kUninterrupted);

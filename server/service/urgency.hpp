@@ -98,7 +98,7 @@ class Urgency {
     const std::lock_guard lock(mutex_);
     return in_part_ ? part_->priority() : priority_;
   }
-  /// Returns whether more than one client waits or has waited.
+  /// Returns whether more than one client is waiting or has waited.
   bool is_of_several() const {
     const std::lock_guard lock(mutex_);
     return others_;

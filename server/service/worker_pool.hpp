@@ -18,7 +18,7 @@
 // of the time, even if more urgent work never ends.
 //
 // A client that exceeds its processor rate (tenants/account.hpp) computes nothing until it is within the rate again. The
-// exception is tasks that other clients also wait for.
+// exception is tasks that other clients are also waiting for.
 //
 // A running task may change its class, and clients could take turns hurrying it forever. So a task's total time in a class is
 // limited (Longest); after that it moves to the next class. A client can begin as many tasks in a class as there are
@@ -85,10 +85,11 @@ class WorkerPool {
   /// the next class instead. Does nothing if the task has ended or already has this class. Returns true if the task is queued;
   /// it then takes the turn of this flow instead of its old one.
   bool reclassify(TaskId task, Priority priority, const Flow& flow = {});
-  /// Another client in the same class also waits for the task. If the task is queued and this flow's turn comes sooner, the
-  /// task takes that turn, and the function returns true.
+  /// Call when another client in the same class is also waiting for the task. If the task is queued and this flow's turn
+  /// comes sooner, the task takes that turn, and the function returns true.
   bool hasten(TaskId task, const Flow& flow);
-  /// Another client also waits for the task. From now on, the task runs even if its first client exceeds its processor rate.
+  /// Call when another client is also waiting for the task. From now on, the task runs even if its first client exceeds its
+  /// processor rate.
   void share(TaskId task);
   /// Removes a queued task, so that it never runs. Returns false if it has begun or was resumed.
   bool withdraw(TaskId task);
@@ -178,7 +179,7 @@ class WorkerPool {
     Job job;
     Used used;
     Priority origin;      ///< the class in which it was submitted
-    bool shared = false;  ///< other clients also wait for it
+    bool shared = false;  ///< other clients are also waiting for it
   };
   class Running;
   using Queue = FairQueue<Task>;
@@ -200,7 +201,7 @@ class WorkerPool {
   /// threads() of them are for realtime jobs only. In each other class, it may have threads() jobs. A job that is away or
   /// stands still keeps its place.
   bool has_place(const Client& client, Priority priority) const;
-  /// Returns whether the task must wait because its account exceeds its processor rate and no other client waits for it.
+  /// Returns whether the task must wait because its account exceeds its processor rate and no other client is waiting for it.
   bool is_held(const Flow& flow, bool shared) const;
   /// Returns whether there is a thread for one more task, after trying to start one if necessary.
   bool has_thread();

@@ -1,9 +1,9 @@
 """configuration.py SUBJECT FRACTURE_SERVER: tests whether programs accept the files in docker/ and whether the files
 fit together.
 
-SUBJECT is haproxy, compose, monitoring, kubernetes or systemd. It first checks everything that needs no program, and
-then asks the program itself. Exits with 0 if all is well, with 1 and a list of the faults, or with 77 (skipped) if only
-the program is missing.
+SUBJECT is haproxy, compose, monitoring, kubernetes or systemd. The checks that do not require the subject's program
+come first; then the program itself is asked. Exits with 0 if all is well, with 1 and a list of the faults, or with 77
+(skipped) if only the program is missing.
 """
 import glob
 import json

@@ -16,7 +16,7 @@
 namespace fracture::test {
 namespace {
 
-/// A closed shape hollowed into walls as the material does it.
+/// A closed shape, hollowed out as the material specifies.
 Solid vessel(const Mesh& mesh, const char* name) {
   const MaterialPreset& preset = *find_material_preset(name);
   return hollowed(solid_of(mesh), {.fraction = preset.shell_fraction, .least_ball = kLeastBall}, {});

@@ -216,7 +216,7 @@ export class Interrupted {
     if (this.watch.cause === 'timed-out')
       return localError('timed-out', `${base.origin} did not answer within ${Math.round(milliseconds) / 1000} s.`, said);
     if (this.began) return localError('damaged-answer', `The response was cut off: ${textOf(this.error)}.`, said);
-    // A browser does not reveal whether the server is absent, or refuses requests from this page.
+    // A browser does not reveal whether the server is absent or refuses requests from this page.
     const page = (globalThis as { location?: { origin?: string } }).location?.origin;
     const cors = page && page !== base.origin ? ` If it is running, start it with --cors-origin ${page}.` : '';
     return localError('server-absent', `No server answers at ${base.origin} (${textOf(this.error)}).${cors}`, said);

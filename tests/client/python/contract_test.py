@@ -68,7 +68,7 @@ def offences(document):
     for name in sorted(operations.keys() - PLACES.keys()):
         found.append(f"{operations[name][0]} ({name}) has no place in the package")
     for name in sorted(PLACES.keys() - operations.keys()):
-        found.append(f"{name} is no operation of the interface any more")
+        found.append(f"{name} is no longer an operation of the interface")
     for name in sorted(operations.keys() & PLACES.keys()):
         documented = set(map(str, operations[name][1]["responses"])) - {"default"}
         for status in sorted(documented ^ PLACES[name][1].keys()):
@@ -162,7 +162,7 @@ class Contract(unittest.TestCase):
         """Numbers that descriptions state in words."""
         document = interface()
         fracture = document["paths"]["/fracture"]["post"]["requestBody"]["content"]["multipart/form-data"]["schema"]["properties"]
-        self.assertIn(f"up to {upload.MOST_FILES} further files", fracture["file"]["description"])
+        self.assertIn(f"up to {upload.MOST_FILES} additional files", fracture["file"]["description"])
         body = document["paths"]["/meshes/{id}/fracture"]["post"]["requestBody"]["content"]["application/json"]["schema"]
         self.assertIn(f"At most {fracture_client.mesh.MOST_PARAMETER_BYTES // 1024} KiB", body["description"])
 

@@ -13,7 +13,7 @@ from support import Client, FaultServer, WithServer, box_obj, caught, digest, an
 from fracture_client import Answer, glb
 from fracture_client.merge import merge
 
-OPENED = {"shell": 0}  # glass and pottery as solids: walls would make other answers, but not better tests
+OPENED = {"shell": 0}  # glass and pottery as solids: walls would give different answers, but not better tests
 
 
 def values(fragment):

@@ -22,7 +22,7 @@ struct FakeControl {
   /// Runs inside import(); an error is returned unchanged.
   std::function<Expected<Mesh>(std::string_view bytes)> import;
   std::function<void(const Execution&)> during_import;
-  /// Receives the further files of import().
+  /// Receives the additional files of import().
   std::function<void(std::span<const ImportFile>)> files;
   std::size_t glb_padding = 0;  ///< extra bytes in the answer
 };

@@ -18,7 +18,7 @@ export async function loadLater<Module extends { build: string }>(url: string, l
     const answer = await fetch(url, { method: 'HEAD', cache: 'no-store' }).catch(() => undefined);
     throw answer ? updated(cause) : new FractureError({ type: 'client:server-absent', status: 0, title: words.problem.away, detail: words.problem.awayDetail, cause });
   }
-  // A module of another version may have the same address.
+  // A module from another version may have the same address.
   if (module.build !== build) throw updated(undefined);
   return module;
 }
