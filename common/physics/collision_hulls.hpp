@@ -41,7 +41,8 @@ struct FragmentHulls {
   std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent), which get a small cube
   std::uint32_t simplified = 0;  ///< hulls without some extreme points, because of kMaxHullPoints
   double volume = 0;             ///< m³: sum of the hulls before they are shrunk
-  double excess = 0;  ///< `volume` relative to the fragment's, with closed cavities filled if it was divided
+  /// `volume` relative to the fragment's, with closed cavities filled if it was divided; 0 if the fragment has no volume.
+  double excess = 0;
   /// For hull_trim.hpp: whether the hulls have been compared with contacts and trimmed if necessary.
   bool seen_contacts = false;
 };

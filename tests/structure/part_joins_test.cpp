@@ -190,6 +190,27 @@ TEST(PartJoins, PiecesOfAFragmentWeighAsMuchAsIt) {
   EXPECT_NEAR(clusters, 16 - common, 1e-9);
 }
 
+// The same cubes, cut at x = 1/2. The first half of the first cube does not overlap anything, but has the density of its part.
+TEST(PartJoins, TheUnbrokenFragmentWeighsAsMuchAsItsPieces) {
+  const Solid solid = solid_in_contact({box({0, 0, 0}, {2, 2, 2}), box({1, 0.5, 0.5}, {3, 2.5, 2.5})});
+  FractureParameters p = cut_by({{0, 1, 1}, {1, 1, 1}});
+  p.parts = Parts::kTogether;
+  p.intact = true;
+  const Fractured whole = fracture_solid(solid, p);
+  const Fragment& half = whole.set.fragments[fragment_at(whole.set, 0, {0.25, 1, 1})];
+  ASSERT_NEAR(half.mass.volume, 2, 1e-9);
+  StageTimings timings;
+  const Expected<FracturedSolid> made =
+      refracture(whole.solid, whole.diagram, p, {.fragment = half.id, .sites = 6, .seed = 1}, {}, timings);
+  ASSERT_TRUE(made) << made.error().detail;
+  ASSERT_TRUE(made->intact);
+  ASSERT_EQ(made->intact->parts.size(), 1u);
+  const Fragment& unbroken = made->intact->parts[0];
+  const double share = (16 - 1 * 1.5 * 1.5) / 16;
+  EXPECT_NEAR(unbroken.density_share * unbroken.mass.volume, share * 2, 1e-9);
+  EXPECT_EQ(unbroken.source_part, half.source_part);
+}
+
 // Nested boxes weigh as much as the outermost one, however many there are.
 TEST(PartJoins, NestedPartsWeighAsMuchAsTheOutermost) {
   std::vector<Mesh> boxes;
