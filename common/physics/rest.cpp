@@ -96,6 +96,28 @@ Bodies bodies_of(const FragmentSet& set, const CollisionHulls& hulls, const Exec
   return bodies;
 }
 
+/// Trims the pairs. A trim may change what the next one with the same body finds. So each pair waits for the earlier pairs
+/// with one of its bodies, and the results are those of one pair after the other. Pairs that wait for equally many others
+/// have no body in common: they are trimmed in parallel.
+void trim_all_apart(std::span<const BodyPair> pairs, const Bodies& bodies, const FragmentSet& set,
+                    CollisionHulls& hulls, double tolerance, const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<std::uint32_t> next_round(bodies.size(), 0);  // per body: the first round in which it is free
+  std::vector<std::vector<BodyPair>> rounds;
+  for (const BodyPair& pair : pairs) {
+    pacer.step();
+    const std::uint32_t round = std::max(next_round[pair.a], next_round[pair.b]);
+    next_round[pair.a] = next_round[pair.b] = round + 1;
+    if (round == rounds.size()) rounds.emplace_back();
+    rounds[round].push_back(pair);
+  }
+  for (const std::vector<BodyPair>& round : rounds)
+    parallel_for(execution, round.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        trim_apart(round[k], bodies, set, hulls, tolerance, execution);
+    });
+}
+
 /// An unfinished result, and the pairs that need filters, ascending.
 struct Search {
   Rest rest;
@@ -161,15 +183,22 @@ Rest bring_to_rest(const FragmentSet& set, CollisionHulls& hulls, const CellsOfB
   while (!search.rest.filters.beyond.empty()) {
     std::vector<char> is_cut(bodies.size(), 0);
     const std::vector<BodyPair> beyond = std::move(search.rest.filters.beyond);
-    for (const BodyPair& pair : beyond) {
-      is_cut[pair.a] = is_cut[pair.b] = 1;
-      trim_apart(pair, bodies, set, hulls, tolerance, execution);
-    }
-    std::erase_if(search.deep, [&](const BodyPair& pair) {
-      if (std::binary_search(beyond.begin(), beyond.end(), pair)) return true;
-      return (is_cut[pair.a] || is_cut[pair.b]) &&
-             !(deepest_overlap(bodies, pair, execution).depth > tolerance);
+    for (const BodyPair& pair : beyond) is_cut[pair.a] = is_cut[pair.b] = 1;
+    trim_all_apart(beyond, bodies, set, hulls, tolerance, execution);
+    std::vector<char> is_deep(search.deep.size(), 1);
+    parallel_for(execution, is_deep.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const BodyPair& pair = search.deep[k];
+        if (std::binary_search(beyond.begin(), beyond.end(), pair))
+          is_deep[k] = 0;
+        else if (is_cut[pair.a] || is_cut[pair.b])
+          is_deep[k] = deepest_overlap(bodies, pair, execution).depth > tolerance;
+      }
     });
+    std::size_t left = 0;
+    for (std::size_t k = 0; k < is_deep.size(); ++k)
+      if (is_deep[k]) search.deep[left++] = search.deep[k];
+    search.deep.resize(left);
     search.rest.filters = make_collision_filters(bodies.size(), search.deep, execution);
   }
   if (search.rest.trimmed_for_filters) {

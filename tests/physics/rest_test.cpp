@@ -181,6 +181,55 @@ TEST(Rest, TheDeepestOverlapIsThatOfTrimmedHulls) {
   EXPECT_EQ(rest.figures.deepest, 0);
 }
 
+// Four posts stick into each of 36 beams. The pairs of a beam wait for each other.
+TEST(Rest, TrimmingDoesNotDependOnTheThreads) {
+  const auto rest_with = [](int threads) {
+    Boxes boxes;
+    for (int k = 0; k < 36; ++k) {
+      boxes.add({0, 3.0 * k, 0}, {50, 3.0 * k + 1, 1});
+      for (int post = 0; post < 4; ++post)
+        boxes.add({2.0 + 10 * post, 3.0 * k + 0.7, 0.2}, {3.0 + 10 * post, 3.0 * k + 2, 0.6});
+    }
+    Execution execution;
+    execution.threads = threads;
+    const Rest rest =
+        bring_to_rest(boxes.set, boxes.hulls, {CellMap()}, kTolerance, HullFilters::kSystems, execution);
+    return std::pair(rest, std::move(boxes.hulls));
+  };
+  const auto [one, of_one] = rest_with(1);
+  const auto [four, of_four] = rest_with(4);
+  EXPECT_TRUE(one.trimmed_for_filters);
+  EXPECT_EQ(one.figures.left, 0u);
+  EXPECT_EQ(one.figures, four.figures);
+  EXPECT_EQ(one.filtered, four.filtered);
+  for (std::size_t k = 0; k < of_one.of_fragment.size(); ++k) {
+    ASSERT_EQ(of_one.of(k).size(), of_four.of(k).size());
+    for (std::size_t h = 0; h < of_one.of(k).size(); ++h)
+      EXPECT_EQ(of_one.of(k)[h].points, of_four.of(k)[h].points) << k;
+  }
+}
+
+// Combs of 64 teeth each, which are apart except for one pair of teeth.
+TEST(Rest, TheDeepestOfManyHullsIsFound) {
+  Boxes combs;
+  combs.add({0, 0, 0}, {0.5, 1, 1});
+  combs.add({0.5, 0.5, 0}, {1, 1.5, 1});
+  for (int k = 1; k < 64; ++k)
+    for (std::size_t body : {0u, 1u}) {
+      const double reach = body == 1 && k == 40 ? 0.125 : 0;
+      combs.hulls.of_fragment[body].hulls.push_back(
+          box_hull({1.0 * k - reach, 0, 0}, {1.0 * k + 0.4375, 1, 1}));
+    }
+  const std::vector<Overlap> found =
+      find_overlaps({{&combs.set.fragments[0], &combs.set.fragments[1]},
+                     {&combs.hulls.of_fragment[0], &combs.hulls.of_fragment[1]}},
+                    {CellMap()}, {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].hull_a, 40u);
+  EXPECT_EQ(found[0].hull_b, 40u);
+  EXPECT_NEAR(found[0].depth, 0.0625, 1e-4);
+}
+
 TEST(Rest, OneBodyInsideAnotherCanBeTrimmedToo) {
   Boxes boxes;
   for (int k = 0; k < 32; ++k) {
