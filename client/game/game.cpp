@@ -70,13 +70,10 @@ void Game::note_failure(Pending& pending, const std::string& what) {
 
 void Game::weigh(const std::vector<std::size_t>& things, const std::string& answer) {
   const nlohmann::json report = nlohmann::json::parse(answer, nullptr, false);
-  const nlohmann::json::json_pointer path("/report/solid/volume");
+  // The unbroken thing must weigh as much as its fragments, and these count overlaps of parts once.
+  const nlohmann::json::json_pointer path("/report/volume_once");
   if (!report.is_object() || !report.contains(path) || !report[path].is_number()) return;
-  double volume = report[path].get<double>();
-  // Fragments count overlaps of parts once, and the unbroken thing must weigh as much as its fragments.
-  const nlohmann::json::json_pointer overlaps("/report/contacts/volume");
-  if (report.contains(overlaps) && report[overlaps].is_number())
-    volume = std::max(volume - report[overlaps].get<double>(), 0.1 * volume);
+  const double volume = report[path].get<double>();
   for (const std::size_t thing : things) {
     if (weighed_.contains(thing)) continue;
     const scenes::SceneObject& object = scene_.objects[things_[thing].scene_object];

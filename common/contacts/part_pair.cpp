@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "common/base/hilbert_curve.hpp"
@@ -23,10 +24,14 @@ Vec3d normal_of(const Vec3d& sum, double area, const Box& a, const Box& b) {
 }  // namespace
 
 double rounding_of(const Box& box) {
-  double largest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    largest = std::max({largest, std::fabs(box.min[axis]), std::fabs(box.max[axis])});
-  return 0x1p-22 * largest;
+  Vec3d steps;
+  for (int axis = 0; axis < 3; ++axis) {
+    int exponent = 0;
+    const double largest = std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
+    std::frexp(largest, &exponent);
+    steps[axis] = largest > 0 ? std::ldexp(1, exponent - std::numeric_limits<float>::digits) : 0;
+  }
+  return length(steps);
 }
 
 /// Whether the boxes have more in common than rounding can cause for boxes that only touch.

@@ -9,8 +9,8 @@
 
 namespace fracture::contacts_detail {
 
-/// Returns two float steps at the largest coordinate, m: the rounding error of distances in the box. Each
-/// of a distance's two coordinates is off by at most half a step.
+/// Returns the rounding error of distances in the box, m: the length of a vector of one float step on each axis, at the axis's
+/// largest coordinate. Both ends of a distance are off by at most half a step on each axis.
 double rounding_of(const Box& box);
 
 /// Smaller shares are noise from sums that cancel.

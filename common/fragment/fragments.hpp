@@ -94,16 +94,14 @@ struct Fragment {
   std::uint64_t open_edges = 0;  ///< open_edges()
 };
 
-/// Two fragments that hold together through shared caps, or through their share of the contact between two
-/// parts (structure/contact_bonds.hpp). Fragments with pieces of several parts can have one bond of each
-/// kind.
+/// Two fragments that hold together through shared caps, through their share of the contacts between parts, or through both
+/// (structure/contact_bonds.hpp). Two fragments have at most one bond.
 struct Bond {
   std::uint32_t a, b;  ///< indices into FragmentSet::fragments, a < b
   double area = 0;  ///< m², > 0; rough caps are projected onto their cuts' planes, to which strength refers
-  Vec3d centroid;   ///< m; mean of the caps, weighted by that area
-  Vec3d normal;     ///< unit, from a to b; mean of the caps, weighted by their unprojected area
-  double strength = 1;        ///< per area, as a multiple of the material's strength
-  bool across_parts = false;  ///< from the contact of two parts, not from shared caps
+  Vec3d centroid;   ///< m; mean of the caps and contacts, weighted by that area
+  Vec3d normal;     ///< unit, from a to b; mean weighted by area, which for caps is the unprojected one
+  double strength = 1;  ///< mean per area, as a multiple of the material's strength; area × strength adds up
 };
 
 /// Proof of the invariants, checked for every result (pipeline/soundness.hpp). A result that violates one

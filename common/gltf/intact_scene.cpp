@@ -24,8 +24,8 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
   // Leaves room for the longest suffix of a hull or collider, so that their names have at most kMaxName bytes, too.
   constexpr std::size_t kRoom = kMaxName - std::string_view("_00_collider").size();
   UniqueNames names(layout, fractured.set.fragments.size(), execution);
-  names.take("Intact");
   for (const WholeNode& node : whole) names.take(node.name);
+  root_name_ = names.add("Intact");
   const auto& sources = fractured.set.source->node_names;
   first_hull_.push_back(0);
   node_count_ = 1 + parts.size() + whole.size();
@@ -85,7 +85,7 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   const std::size_t first_part = first_node_ + 1, first_child = first_part + names_.size();
   std::size_t children_before = 0;
   for (std::size_t k = 0; k < names_.size(); ++k) children_before += children(k);
-  json.begin_object().member("name", "Intact").key("children").begin_array();
+  json.begin_object().member("name", root_name_).key("children").begin_array();
   for (std::size_t k = 0; k < names_.size(); ++k) json.value(first_part + k);
   for (std::size_t k = 0; k < whole_names_.size(); ++k) json.value(first_child + children_before + k);
   json.end_array().key("extras").begin_object().key("intact").begin_object();

@@ -173,15 +173,15 @@ json cavity_of(json cut, const Vec3d& base_color, std::string name) {
 
 /// Returns crushed ice. It scatters nearly all light, like snow: its albedo is 0.8 to 0.9 (Wiscombe and Warren 1980, A model
 /// for the spectral albedo of snow).
-json crushed_of(const json& cut) {
-  return {{"name", cut["name"].get<std::string>() + "_Crushed"},
+json crushed_of(const json& cut, FreeNames& names) {
+  return {{"name", names.take(cut["name"].get<std::string>() + "_Crushed", 1)},
           {"pbrMetallicRoughness",
            {{"baseColorFactor", {0.85, 0.88, 0.9, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.9}}}};
 }
 
 /// Returns mortar: sand and lime or cement, so it is matt. It has no relief.
-json mortar_of(const json& cut, const Vec3d& color) {
-  return {{"name", cut["name"].get<std::string>() + "_Mortar"},
+json mortar_of(const json& cut, const Vec3d& color, FreeNames& names) {
+  return {{"name", names.take(cut["name"].get<std::string>() + "_Mortar", 1)},
           {"pbrMetallicRoughness",
            {{"baseColorFactor", {color.x, color.y, color.z, 1}},
             {"metallicFactor", 0},
@@ -212,7 +212,7 @@ Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const S
       made.cavities.push_back(cavity_of(cut, base_color, names.take("Cavity", made.cavities.size() + 1)));
   if (look.mortar) {
     made.mortar = static_cast<std::uint32_t>(made.materials.size());
-    made.materials.push_back(mortar_of(made.materials.front(), *look.mortar));
+    made.materials.push_back(mortar_of(made.materials.front(), *look.mortar, names));
   }
   if (look.crushed > 0) {
     double volume = 0;
@@ -221,7 +221,7 @@ Expected<InteriorMaterials> interior_materials(const InteriorLook& look, const S
       volume += part.volume;
     }
     made.crushed_below = look.crushed * volume / std::max(1u, pieces);
-    made.materials.push_back(crushed_of(made.materials.front()));
+    made.materials.push_back(crushed_of(made.materials.front(), names));
   }
   return made;
 }

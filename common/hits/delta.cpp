@@ -52,9 +52,9 @@ std::vector<ChangedBond> changed_cap_bonds(const HitOutcome& hit, Pacer& pacer) 
 }
 
 /// Linear in the number of cells and in the pieces of contacts of changed parts.
-void add_changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
-                               std::vector<ChangedBond>& bonds, const Execution& execution) {
-  if (hit.changed.empty() || !parts_hold_together(with.solid)) return;
+std::vector<ChangedBond> changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
+                                               const Execution& execution) {
+  if (hit.changed.empty() || !parts_hold_together(with.solid)) return {};
   Pacer pacer(execution);
   std::vector<PlaceInAnswer> places;
   std::vector<const Fragment*> fragments;
@@ -71,8 +71,10 @@ void add_changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
       if (changed) ++next;
     }
   }
+  std::vector<ChangedBond> bonds;
   for (const Bond& bond : find_contact_bonds(with, fragments, wanted, execution))
     bonds.push_back({places[bond.a], places[bond.b], bond});
+  return bonds;
 }
 
 /// Returns the sites if bonds across parts need them, otherwise nothing.
@@ -129,13 +131,15 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellS
     set.fragments.push_back(kept_at(hit, place).fragment);
     cut.hulls.of_fragment.push_back(kept_at(hit, place).hulls);
   }
-  std::vector<ChangedBond> bonds = changed_cap_bonds(hit, pacer);
-  add_changed_contact_bonds({solid, cells, set.lattice_step, parameters.contact_strength}, hit, bonds,
-                            execution);
+  const std::vector<ChangedBond> caps = changed_cap_bonds(hit, pacer),
+                                 contacts = changed_contact_bonds(
+                                     {solid, cells, set.lattice_step, parameters.contact_strength}, hit,
+                                     execution);
   std::vector<PlaceInAnswer> neighbors;
-  for (const ChangedBond& bond : bonds)
-    for (const PlaceInAnswer& place : {bond.a, bond.b})
-      if (number_in(hit.changed, place) == kNoIndex) neighbors.push_back(place);
+  for (const std::vector<ChangedBond>* bonds : {&caps, &contacts})
+    for (const ChangedBond& bond : *bonds)
+      for (const PlaceInAnswer& place : {bond.a, bond.b})
+        if (number_in(hit.changed, place) == kNoIndex) neighbors.push_back(place);
   sort_with_polls(execution, neighbors.begin(), neighbors.end());
   neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
   for (const PlaceInAnswer& place : neighbors) delta.neighbors.push_back(kept_at(hit, place).fragment.id);
@@ -144,13 +148,18 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellS
     return here != kNoIndex ? here
                             : static_cast<std::uint32_t>(hit.changed.size()) + number_in(neighbors, place);
   };
-  for (ChangedBond& bond : bonds) {
-    pacer.step(8);
-    bond.bond.a = number(bond.a);
-    bond.bond.b = number(bond.b);
-    set.bonds.push_back(bond.bond);
-  }
-  point_upwards(set.bonds, execution);
+  const auto numbered = [&](const std::vector<ChangedBond>& changed) {
+    std::vector<Bond> bonds;
+    for (const ChangedBond& bond : changed) {
+      pacer.step(8);
+      bonds.push_back(bond.bond);
+      bonds.back().a = number(bond.a);
+      bonds.back().b = number(bond.b);
+    }
+    point_upwards(bonds, execution);
+    return bonds;
+  };
+  set.bonds = with_contact_bonds(numbered(caps), numbered(contacts), execution);
 
   const FragmentFigures& figures = hit.next.figures;
   set.certificate = certificate_of(solid, figures);
@@ -219,7 +228,7 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
     const Certificate& c = cut->set.certificate;
     local = local && c.united == cut->set.size.united && (cut->late.empty() || !parameters.hits.empty()) &&
             c.dropped == 0 && c.crossing_caps == 0 && (trace || !(parameters.roughness.amplitude > 0));
-    if (local) maker.see(*cut);
+    if (local) maker.see(*cut, parts_hold_together(solid));
     const RoughReport rough = cut->rough;
     KeptAnswer out;
     Expected<FracturedSolid> completed =

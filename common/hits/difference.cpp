@@ -77,9 +77,8 @@ void point_upwards(std::vector<Bond>& bonds, const Execution& execution) {
     std::swap(b.a, b.b);
     for (int axis = 0; axis < 3; ++axis) b.normal[axis] = b.normal[axis] == 0 ? 0 : -b.normal[axis];
   }
-  sort_with_polls(execution, bonds.begin(), bonds.end(), [](const Bond& x, const Bond& y) {
-    return std::tie(x.a, x.b, x.across_parts) < std::tie(y.a, y.b, y.across_parts);
-  });
+  sort_with_polls(execution, bonds.begin(), bonds.end(),
+                  [](const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
 }
 
 std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,

@@ -120,7 +120,8 @@ void LocalBaseMaker::see(const RestrictedDiagram& restricted, const Execution& e
   }
 }
 
-void LocalBaseMaker::see(CutCells& cut) {
+void LocalBaseMaker::see(CutCells& cut, bool adds_contacts) {
+  if (adds_contacts) cap_bonds_ = cut.set.bonds;
   lowest_ = std::move(cut.lowest);
   pieces_ = std::move(cut.pieces);
   unions_ = std::move(cut.unions);
@@ -173,14 +174,13 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
     cells[s] = std::make_shared<const KeptCell>(std::move(cell));
   }
   std::vector<std::shared_ptr<const std::vector<KeptBond>>> bonds(sites);
-  const std::vector<Bond>& all = answer.set.bonds;  // ascending by a, then b
+  const std::vector<Bond>& all = cap_bonds_ ? *cap_bonds_ : answer.set.bonds;  // ascending by a, then b
   for (std::size_t k = 0; k < all.size();) {
     const SiteId s = fragments[all[k].a].sites[0];
     std::vector<KeptBond> of_cell;
     for (; k < all.size() && fragments[all[k].a].sites[0] == s; ++k) {
       pacer.step(8);
       const Bond& bond = all[k];
-      if (bond.across_parts) continue;  // computed again
       const SiteId other = fragments[bond.b].sites[0];
       of_cell.push_back(
           {bond.a - first_of[s], other, bond.b - first_of[other], bond.area, bond.centroid, bond.normal});

@@ -133,8 +133,9 @@ class LocalBaseMaker {
  public:
   /// To be called when the clipper has finished.
   void see(const RestrictedDiagram& restricted, const Execution& execution);
-  /// Records how the fragments were made, and moves the data out of the cut.
-  void see(CutCells& cut);
+  /// Records how the fragments were made, and moves the data out of the cut. `adds_contacts`: whether the answer's bonds will
+  /// include contacts between parts; these are not stored, but computed again after each hit.
+  void see(CutCells& cut, bool adds_contacts);
   /// To be called when the answer is complete. Returns nothing if the tetrahedralization cannot be stored.
   /// Throws Interrupted.
   std::optional<LocalBase> make(const FracturedSolid& answer, const Diagram& diagram,
@@ -150,6 +151,7 @@ class LocalBaseMaker {
   std::vector<SiteId> lowest_;
   std::vector<std::uint32_t> pieces_;  // per site
   std::vector<Union> unions_, late_;
+  std::optional<std::vector<Bond>> cap_bonds_;  // if the answer's bonds also include contacts
   std::shared_ptr<const std::vector<std::uint32_t>> bricks_;
 };
 

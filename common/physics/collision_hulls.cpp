@@ -96,7 +96,7 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
       FragmentHulls& hulls = out.of_fragment[k];
       if (f.positions.empty()) continue;
       if (hulls.hulls.empty()) add_bodies(set, f, maker, hulls, execution);
-      hulls.excess = hulls.volume / f.mass.volume;
+      hulls.excess = f.mass.volume > 0 ? hulls.volume / f.mass.volume : 0;
       if (hulls.excess > limits.excess && limits.count > 1) {
         collect_corners(f, maker, execution);
         divide_hulls(f, limits, maker, hulls, execution);

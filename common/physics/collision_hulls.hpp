@@ -32,6 +32,7 @@ inline constexpr double kLeastHullShrink = 0.001, kMostHullShrink = 0.25, kMostR
 struct CollisionHull {
   std::vector<Vec3f> points;                            ///< at most 255
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise from outside
+  double untrimmed = 0;  ///< m³: its volume before it was trimmed (hull_trim.hpp, rest.hpp); 0: it was not
 };
 
 /// The hulls of one fragment.
@@ -40,11 +41,10 @@ struct FragmentHulls {
   std::uint32_t flat = 0;  ///< bodies too thin for a hull (1e-5 of their extent), which get a small cube
   std::uint32_t simplified = 0;  ///< hulls without some extreme points, because of kMaxHullPoints
   double volume = 0;             ///< m³: sum of the hulls before they are shrunk
-  double excess = 0;  ///< `volume` relative to the fragment's, with closed cavities filled if it was divided
-  /// For hull_trim.hpp: whether the hulls have been compared with contacts and trimmed if necessary, and the least share of
-  /// its volume that a hull kept.
+  /// `volume` relative to the fragment's, with closed cavities filled if it was divided; 0 if the fragment has no volume.
+  double excess = 0;
+  /// For hull_trim.hpp: whether the hulls have been compared with contacts and trimmed if necessary.
   bool seen_contacts = false;
-  double least_share = 1;
 };
 
 struct HullReport {

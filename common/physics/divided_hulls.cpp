@@ -105,8 +105,8 @@ void divide_hulls(const Fragment& f, const HullLimits& limits, HullMaker& maker,
   if (!f.caps.empty() && !closes_an_opening(out.hulls[0], maker.corners, triangles, limits.excess, pacer))
     return;
   ConvexParts parts = make_convex_parts(maker.corners, triangles, limits, execution);
-  if (parts.hulls.empty()) return;         // flat
-  out.excess = out.volume / parts.volume;  // nothing can fly into a closed cavity
+  if (parts.hulls.empty() || !(parts.volume > 0)) return;  // flat, or a sheet whose sides coincide
+  out.excess = out.volume / parts.volume;                  // nothing can fly into a closed cavity
   if (parts.hulls.size() == 1) return;
 
   const bool is_rough = !f.caps.empty() && !f.bodies.empty();

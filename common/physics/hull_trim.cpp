@@ -44,8 +44,8 @@ double beginning(const ContactGraph& graph, std::size_t contact, const Vec3d& di
 }
 
 void trim_hull(CollisionHull& hull, const Vec3d& pivot, std::span<const TrimPlane> planes,
-               FragmentHulls& of_fragment, const Execution& execution) {
-  double whole = 0;
+               const Execution& execution) {
+  double whole = hull.untrimmed;
   for (const TrimPlane& plane : planes) {
     const double offset = plane.offset - dot(plane.normal, pivot);
     if (std::none_of(hull.points.begin(), hull.points.end(),
@@ -59,8 +59,7 @@ void trim_hull(CollisionHull& hull, const Vec3d& pivot, std::span<const TrimPlan
     if (rest.points.empty()) continue;
     const double share = volume_within(rest.points, rest.triangles) / whole;
     if (!(share >= kLeastShareAtContacts)) continue;
-    hull = std::move(rest);
-    of_fragment.least_share = std::fmin(of_fragment.least_share, share);
+    keep_trimmed(hull, std::move(rest), whole);
   }
 }
 
@@ -78,6 +77,20 @@ CollisionHull trimmed(const CollisionHull& hull, const Vec3d& normal, double off
   const ConvexHullBuilder::Triangles& triangles = s.builder.build(s.corners, kMaxHullPoints, execution);
   if (triangles.empty()) return {};
   return compact(s.corners, triangles, s.index);
+}
+
+void keep_trimmed(CollisionHull& hull, CollisionHull part, double volume) {
+  const double before = hull.untrimmed > 0 ? hull.untrimmed : volume;
+  hull = std::move(part);
+  hull.untrimmed = before;
+}
+
+double least_share(std::span<const CollisionHull> hulls) {
+  double least = 1;
+  for (const CollisionHull& hull : hulls)
+    if (hull.untrimmed > 0)
+      least = std::fmin(least, volume_within(hull.points, hull.triangles) / hull.untrimmed);
+  return least;
 }
 
 ContactPlanes::ContactPlanes(const Solid& solid, const Execution& execution) {
@@ -121,7 +134,7 @@ void trim_at_contacts(const FragmentSet& set, const Solid& solid, CollisionHulls
       of_fragment.seen_contacts = true;
       for (CollisionHull& hull : of_fragment.hulls) {
         execution.poll();
-        trim_hull(hull, f.pivot, here, of_fragment, execution);
+        trim_hull(hull, f.pivot, here, execution);
       }
     }
   });

@@ -51,6 +51,14 @@ class ContactPlanes {
 CollisionHull trimmed(const CollisionHull& hull, const Vec3d& normal, double offset,
                       const Execution& execution);
 
+/// Replaces a hull by a part of it, and records the volume that it had before it was trimmed for the first time. `volume`: of
+/// the hull, m³.
+void keep_trimmed(CollisionHull& hull, CollisionHull part, double volume);
+
+/// The least share of its volume that one of the hulls kept when it was trimmed, in [0, 1]; 1 if none was trimmed. Computed from
+/// the hulls' points, so it describes what is written.
+double least_share(std::span<const CollisionHull> hulls);
+
 /// Trims the hulls of fragments that were not trimmed before (FragmentHulls::seen_contacts). Throws Interrupted.
 void trim_at_contacts(const FragmentSet& set, const Solid& solid, CollisionHulls& hulls,
                       const Execution& execution);

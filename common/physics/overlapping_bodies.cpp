@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -85,6 +86,7 @@ Box box_of(const Bodies& bodies, std::uint32_t body) {
 /// Pairs of fragments that have pieces of the same cell and whose boxes meet, ascending.
 std::vector<BodyPair> sharing_a_cell(const Bodies& bodies, const Execution& execution) {
   Pacer pacer(execution);
+  std::vector<std::optional<Box>> box(bodies.size());           // of those that share a cell
   std::vector<std::pair<std::uint32_t, std::uint32_t>> owners;  // site, body
   for (std::uint32_t k = 0; k < bodies.size(); ++k) {
     pacer.step(8);
@@ -98,7 +100,9 @@ std::vector<BodyPair> sharing_a_cell(const Bodies& bodies, const Execution& exec
     std::vector<Box> boxes;
     for (std::size_t k = first; k < last; ++k) {
       pacer.step(4);
-      boxes.push_back(box_of(bodies, owners[k].second));
+      const std::uint32_t body = owners[k].second;
+      if (!box[body]) box[body] = box_of(bodies, body);
+      boxes.push_back(*box[body]);
     }
     const BoxTree tree(boxes, execution);
     for (const BoxTree::Task& task : tree.pair_tasks(1))
@@ -185,13 +189,23 @@ Overlap deepest_overlap(const Bodies& bodies, const BodyPair& pair, const Execut
   const std::vector<Box> of_a = boxes_of(pair.a), of_b = boxes_of(pair.b);
   Overlap deepest;
   deepest.pair = pair;
+  const auto compare = [&](std::uint32_t x, std::uint32_t y) {
+    const Overlap overlap = measure.of({pair.a, x}, {pair.b, y});
+    const bool is_earlier = std::pair(x, y) < std::pair(deepest.hull_a, deepest.hull_b);
+    if (overlap.depth > deepest.depth || (overlap.depth == deepest.depth && overlap.depth > 0 && is_earlier))
+      deepest = overlap;
+  };
+  constexpr std::size_t kFew = 1024;
+  if (of_a.size() * of_b.size() > kFew) {
+    const BoxTree tree(of_b, execution);
+    for (std::uint32_t x = 0; x < of_a.size(); ++x)
+      tree.each_overlapping(of_a[x], [&](std::uint32_t y) { compare(x, y); });
+    return deepest;
+  }
   for (std::uint32_t x = 0; x < of_a.size(); ++x) {
     execution.poll();
-    for (std::uint32_t y = 0; y < of_b.size(); ++y) {
-      if (!of_a[x].intersects(of_b[y])) continue;
-      const Overlap overlap = measure.of({pair.a, x}, {pair.b, y});
-      if (overlap.depth > deepest.depth) deepest = overlap;
-    }
+    for (std::uint32_t y = 0; y < of_b.size(); ++y)
+      if (of_a[x].intersects(of_b[y])) compare(x, y);
   }
   return deepest;
 }

@@ -53,7 +53,19 @@ double share_of(const Fragment& f, const std::vector<double>& of_part) {
   return all > 0 && once > 0 ? once / all : 1;
 }
 
+double sum_of(const std::vector<double>& shares, const Solid& solid) {
+  double sum = 0;
+  for (std::size_t p = 0; p < shares.size(); ++p) sum += shares[p] * solid.parts[p].volume;
+  return sum;
+}
+
 }  // namespace
+
+double volume_once(const Solid& solid, const Execution& execution) {
+  Pacer pacer(execution);
+  const std::vector<double> of_part = density_shares(solid, pacer);
+  return of_part.empty() ? solid.report.volume : sum_of(of_part, solid);
+}
 
 void count_overlaps_once(const Solid& solid, bool together, FragmentSet& set, const Execution& execution) {
   set.certificate.volume_once = set.certificate.volume_in;
@@ -61,9 +73,7 @@ void count_overlaps_once(const Solid& solid, bool together, FragmentSet& set, co
   Pacer pacer(execution);
   const std::vector<double> of_part = density_shares(solid, pacer);
   if (of_part.empty()) return;
-  set.certificate.volume_once = 0;
-  for (std::size_t p = 0; p < of_part.size(); ++p)
-    set.certificate.volume_once += of_part[p] * solid.parts[p].volume;
+  set.certificate.volume_once = sum_of(of_part, solid);
   for (Fragment& f : set.fragments) {
     pacer.step();
     f.density_share = share_of(f, of_part);

@@ -13,4 +13,7 @@ namespace fracture {
 /// a share. `together`: if false, every share is 1.
 void count_overlaps_once(const Solid& solid, bool together, FragmentSet& set, const Execution& execution);
 
+/// The volume, m³, that Certificate::volume_once states if parts are together. Throws Interrupted.
+double volume_once(const Solid& solid, const Execution& execution);
+
 }  // namespace fracture

@@ -61,11 +61,15 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   Expected<FracturedSolid> made = fracture(*fragment, *finer, parts, execution, timings);
   if (!made) return made;
   made->report.fragment = {wanted.fragment, at->mass.volume};
-  for (Fragment& f : made->set.fragments) {
-    f.source_part = at->source_part;
-    f.density_share = at->density_share;  // so that the masses add up to that of the fragment
-    for (FragmentPrimitive& p : f.primitives) p.part = kNoIndex;  // its part is one of the fragment's solid
-  }
+  const auto make_share_of_fragment = [&](std::vector<Fragment>& pieces) {
+    for (Fragment& f : pieces) {
+      f.source_part = at->source_part;
+      f.density_share = at->density_share;  // so that the masses add up to that of the fragment
+      for (FragmentPrimitive& p : f.primitives) p.part = kNoIndex;  // its part is one of the fragment's solid
+    }
+  };
+  make_share_of_fragment(made->set.fragments);
+  if (made->intact) make_share_of_fragment(made->intact->parts);
   for (ClusterLevel& level : made->hierarchy.levels)
     for (Cluster& cluster : level.clusters) cluster.density_share = at->density_share;
   made->set.certificate.volume_once = at->density_share * made->set.certificate.volume_in;

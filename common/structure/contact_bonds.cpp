@@ -15,8 +15,17 @@ namespace {
 /// A sum of normals that is a smaller share of the area is noise.
 constexpr double kCancelledNormals = 1e-9;
 
-bool is_before(const Bond& x, const Bond& y) {
-  return std::tie(x.a, x.b, x.across_parts) < std::tie(y.a, y.b, y.across_parts);
+bool is_before(const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); }
+
+/// Adds up the bonds of two fragments by shared caps and by contacts.
+Bond sum_of(const Bond& caps, const Bond& contacts) {
+  Bond sum = caps.area >= contacts.area ? caps : contacts;  // its normal stays if the normals cancel
+  sum.area = caps.area + contacts.area;
+  sum.centroid = (1 / sum.area) * (caps.area * caps.centroid + contacts.area * contacts.centroid);
+  const Vec3d normal = caps.area * caps.normal + contacts.area * contacts.normal;
+  if (const double l = length(normal); l > kCancelledNormals * sum.area) sum.normal = (1 / l) * normal;
+  sum.strength = (caps.area * caps.strength + contacts.area * contacts.strength) / sum.area;
+  return sum;
 }
 
 /// Adds up the bonds of each two fragments that are in contact through several pairs of parts. `bonds` are
@@ -119,10 +128,27 @@ void add_contact_bonds(FragmentSet& set, const Solid& solid, const CellSites& ce
   const std::vector<Bond> more =
       find_contact_bonds({solid, cells, set.lattice_step, strength}, fragments, {}, execution);
   execution.made(Product::kContacts, more.size());
-  std::vector<Bond> all(set.bonds.size() + more.size());
+  set.bonds = with_contact_bonds(set.bonds, more, execution);
+}
+
+std::vector<Bond> with_contact_bonds(std::span<const Bond> caps, std::span<const Bond> contacts,
+                                     const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<Bond> all;
+  all.reserve(caps.size() + contacts.size());
+  auto cap = caps.begin();
+  for (const Bond& contact : contacts) {
+    for (; cap != caps.end() && is_before(*cap, contact); ++cap) {
+      pacer.step();
+      all.push_back(*cap);
+    }
+    pacer.step();
+    const bool is_both = cap != caps.end() && !is_before(contact, *cap);
+    all.push_back(is_both ? sum_of(*cap++, contact) : contact);
+  }
   execution.poll();
-  std::merge(set.bonds.begin(), set.bonds.end(), more.begin(), more.end(), all.begin(), is_before);
-  set.bonds = std::move(all);
+  all.insert(all.end(), cap, caps.end());
+  return all;
 }
 
 }  // namespace fracture

@@ -38,7 +38,13 @@ struct ContactBonds {
 std::vector<Bond> find_contact_bonds(const ContactBonds& with, std::span<const Fragment* const> fragments,
                                      std::span<const char> wanted, const Execution& execution);
 
-/// Adds the bonds across parts to the set, for all fragments. Throws Interrupted.
+/// Merges the bonds by shared caps and the bonds across parts, each ascending by (a, b). If two fragments have both, their
+/// areas and the forces that they withstand (area × strength) add up; centroid and normal are means weighted by area. If the
+/// normals cancel, that of the larger area stays. Linear. Throws Interrupted.
+std::vector<Bond> with_contact_bonds(std::span<const Bond> caps, std::span<const Bond> contacts,
+                                     const Execution& execution);
+
+/// Adds the bonds across parts to those of the set, for all fragments. Throws Interrupted.
 void add_contact_bonds(FragmentSet& set, const Solid& solid, const CellSites& cells, double strength,
                        const Execution& execution);
 

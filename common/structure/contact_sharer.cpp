@@ -76,7 +76,7 @@ void ContactSharer::add_whole(const Contact& contact, std::vector<Bond>& bonds) 
   const std::uint32_t a = table_.only(contact.a), b = table_.only(contact.b);
   if (a == b || (!is_wanted(a) && !is_wanted(b))) return;
   bonds.push_back({std::min(a, b), std::max(a, b), contact.area, contact.place,
-                   a < b ? contact.normal : turned(contact.normal), with_.strength, true});
+                   a < b ? contact.normal : turned(contact.normal), with_.strength});
 }
 
 CellBox ContactSharer::image(const Side& side, const Box& box) {
@@ -156,7 +156,7 @@ void ContactSharer::share(std::uint32_t number, std::vector<Bond>& bonds) {
     if (!(l > kCancelled * sum.area)) from_own = contact.of_b ? turned(contact.normal) : contact.normal;
     bonds.push_back({std::min(sum.own, sum.other), std::max(sum.own, sum.other), sum.area,
                      (1 / sum.area) * sum.moment, sum.own < sum.other ? from_own : turned(from_own),
-                     with_.strength, true});
+                     with_.strength});
   }
 }
 

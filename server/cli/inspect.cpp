@@ -11,6 +11,7 @@
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/pipeline/overlaps.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"
@@ -28,7 +29,8 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
   std::printf("  size       %.6g x %.6g x %.6g m (one unit is %.9g m: %s; %s up: %s)\n", size.x, size.y,
               size.z, mesh.frame.metres_per_unit, name_of(mesh.frame.unit_from), mesh.frame.z_up ? "z" : "y",
               name_of(mesh.frame.up_from));
-  std::printf("  volume     %.9g m³, area %.9g m²\n", r.volume, r.area);
+  std::printf("  volume     %.9g m³ (%.9g m³ with overlaps counted once), area %.9g m²\n", r.volume,
+              volume_once(mesh.solid, {}), r.area);
   const auto nodes = source.node_names.size(), materials = source.library->materials.size(),
              images = source.library->images.size();
   std::printf("  solid      %s, %s, %s\n", counted(r.parts, "part", "parts").c_str(),

@@ -3,6 +3,7 @@
 #include "common/contacts/contact_report.hpp"
 #include "common/gltf/report_text.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/pipeline/overlaps.hpp"
 
 namespace fracture {
 namespace {
@@ -27,6 +28,7 @@ nlohmann::json mesh_report(const PreparedMesh& mesh) {
   const Remarks remarks = mesh.solid.remarks();
   nlohmann::json report = {{"verdict", repaired(mesh.solid.report) ? "repaired" : "closed"},
                            {"solid", mesh.solid.report.to_json()},
+                           {"volume_once", volume_once(mesh.solid, {})},
                            {"frame", mesh.frame},
                            {"nodes", source.node_names},
                            {"materials", material_names(source)},

@@ -60,6 +60,28 @@ TEST(GameFaults, TheFrameDoesNotWaitForASlowServer) {
   EXPECT_FALSE(game.world().is_whole(0));
 }
 
+// Three copies of the box in one place: pairs have 6 m³ in common, but the three together fill 2 m³.
+TEST(GameMasses, AreThoseOfTheVolumeWithOverlapsCountedOnce) {
+  FakeServer server([](const FakeRequest& request) {
+    if (request.method != "PUT") return FakeReply{.bytes = {}, .silent = true};
+    return FakeReply::answer(
+        201, R"({"report": {"solid": {"volume": 6}, "contacts": {"volume": 6}, "volume_once": 3}})");
+  });
+  protocol::Client client(settings_for(server));
+  GameSettings settings;
+  const auto history = std::make_shared<History>(nlohmann::json::object());
+  settings.history = history;
+  Game game(falling_box(), client, settings);
+  const auto masses = [&] {
+    std::vector<RecordedEvent> events = history->until(history->steps()).events;
+    std::erase_if(events, [](const RecordedEvent& e) { return e.kind != RecordedEvent::Kind::kMass; });
+    return events;
+  };
+  frames_until(game, [&] { return !masses().empty(); });
+  ASSERT_EQ(masses().size(), 1u);
+  EXPECT_NEAR(masses()[0].factor, 1.5, 1e-6) << "the box has 2 m³";
+}
+
 TEST(GameFaults, AReproducibleRunStandsStillInstead) {
   std::atomic<bool> answer = false;
   const std::string bytes = test::two_cubes_glb().bytes();

@@ -188,6 +188,32 @@ TEST(Contacts, FarFromTheOriginAreThoseAtIt) {
   EXPECT_NEAR(overlapping.volume, 0.5 * 0.75 * 0.25, 1e-12);
 }
 
+// At 8192 times the size, a step of floats is as wide as the gap, and one step on each axis is below two steps.
+TEST(Contacts, AreTheSameWhereverThePartsAre) {
+  constexpr double kStep = 0x1p-10;
+  const auto moved = [](double up, const Vec3d& by) {
+    return contacts_of({translated(box({0, 0, 0}, {1, 1, 1}), by),
+                        translated(box({0.5, -0.25, 1 + up}, {1.5, 2, 2 + up}), by)},
+                       kStep);
+  };
+  for (const Vec3d& by : {Vec3d{8192, 8192, 8192}, Vec3d{-8194, 0, 8192}})
+    for (const double steps : {-256.0, -2.0, 0.0, 1.0, 3.0}) {
+      SCOPED_TRACE(steps);
+      const ContactGraph here = moved(steps * kStep, {}), there = moved(steps * kStep, by);
+      EXPECT_EQ(here.contacts.size(), steps < 2 ? 1u : 0u);
+      ASSERT_EQ(there.contacts.size(), here.contacts.size());
+      if (here.contacts.empty()) continue;
+      const Contact &x = here.contacts[0], &y = there.contacts[0];
+      EXPECT_EQ(x.kind, steps < 0 ? ContactKind::kOverlapping : ContactKind::kTouching);
+      EXPECT_EQ(y.kind, x.kind);
+      EXPECT_EQ(y.measure, x.measure);
+      EXPECT_NEAR(y.area, x.area, 1e-9);
+      EXPECT_NEAR(y.volume, x.volume, 1e-9);
+      expect_near(y.normal, x.normal, 1e-9);
+      expect_near(y.place, x.place + by, 1e-9);
+    }
+}
+
 TEST(Contacts, OfAnEdgeThatStandsOnAFaceAreTwoStripsAsWideAsTheGap) {
   // A square bar that rests on its edge, from x = -1/2 to 1/2. Its sides rise at 45 degrees, so the strip of
   // each side within the gap is as wide as the gap.

@@ -179,14 +179,28 @@ TEST(IntactScene, ReadersOfTheDefaultSceneDoNotSeeIt) {
   EXPECT_EQ(with.node_names, without.node_names);
 }
 
-TEST(IntactScene, WhatWasNotFracturedIsInBothScenes) {
+/// With a cube that is not fractured, a node of this name.
+Mesh with_whole_node(const char* name) {
   auto rest = std::make_shared<Mesh>(translated(cube(), {0, 5, 0}));
   rest->node.assign(rest->triangles.size(), 0);
   rest->material.assign(rest->triangles.size(), kNoIndex);
-  rest->node_names = {"shelf"};
+  rest->node_names = {name};
   Mesh mesh = sphere_and_frame();
   mesh.passed_through = rest;
-  const Glb file = written(made_of(mesh, true));
+  return mesh;
+}
+
+TEST(IntactScene, ItsRootHasANameOfItsOwn) {
+  const Glb file = written(made_of(with_whole_node("Intact"), true));
+  EXPECT_EQ(file.document["scenes"][1]["name"], "Intact");
+  EXPECT_EQ(intact_root(file)["name"], "Intact_2");
+  std::set<std::string> names;
+  for (const json& node : file.document["nodes"]) EXPECT_TRUE(names.insert(node["name"]).second) << node;
+  EXPECT_TRUE(names.contains("Intact")) << "the source's node keeps its name";
+}
+
+TEST(IntactScene, WhatWasNotFracturedIsInBothScenes) {
+  const Glb file = written(made_of(with_whole_node("shelf"), true));
   const std::vector<json> nodes = parts(file);
   ASSERT_EQ(nodes.size(), 3u);
   std::size_t drawn = 0;

@@ -71,6 +71,20 @@ TEST(InteriorMaterial, NewCutsGetANameThatTheSourceDoesNotHave) {
   EXPECT_EQ(material_of({.name = "Interior"}, mesh).at("name"), "Interior");
 }
 
+TEST(InteriorMaterial, MortarAndCrumbsGetNamesThatTheSourceDoesNotHave) {
+  auto library = std::make_shared<MaterialLibrary>();
+  library->materials = {
+      {{"name", "Interior_Crushed"}}, {{"name", "Interior_Mortar"}}, {{"name", "Interior_Mortar_2"}}};
+  Mesh mesh;
+  mesh.library = std::move(library);
+  const InteriorLook look{.crushed = 0.5, .mortar = Vec3d{0.5, 0.45, 0.4}};
+  const auto made = interior_materials(look, solid_of(std::move(mesh))).value();
+  ASSERT_EQ(made.materials.size(), 3u);
+  EXPECT_EQ(made.materials[0].at("name"), "Interior");
+  EXPECT_EQ(made.materials[1].at("name"), "Interior_Mortar_3");
+  EXPECT_EQ(made.materials[2].at("name"), "Interior_Crushed_2");
+}
+
 TEST(InteriorMaterial, AnAtlasIsNotStretchedOverCuts) {
   const json material = material_of({.material = "Rock"}, two_materials(1));
   EXPECT_EQ(material.at("name"), "Interior_Rock");

@@ -169,11 +169,11 @@ void expect_selection(const FracturedSolid& from, FracturedSolid selected) {
   const auto id_of = [&](std::uint32_t k) {
     return k < part.fragments.size() ? part.fragments[k].id : delta.neighbors.at(k - part.fragments.size());
   };
-  std::map<std::pair<std::pair<std::uint64_t, std::uint64_t>, bool>, const Bond*> bonds;  // by ids and kind
+  std::map<std::pair<std::uint64_t, std::uint64_t>, const Bond*> bonds;  // by ids
   for (const Bond& b : part.bonds) {
     EXPECT_LT(b.a, part.fragments.size());
     EXPECT_LT(b.a, b.b);
-    bonds[{std::minmax(id_of(b.a), id_of(b.b)), b.across_parts}] = &b;
+    bonds[std::minmax(id_of(b.a), id_of(b.b))] = &b;
   }
   const ById kept = by_id(part);
   std::size_t expected = 0;
@@ -181,7 +181,7 @@ void expect_selection(const FracturedSolid& from, FracturedSolid selected) {
     const std::uint64_t x = whole.fragments[b.a].id, y = whole.fragments[b.b].id;
     if (!kept.contains(x) && !kept.contains(y)) continue;
     ++expected;
-    const auto at = bonds.find({std::minmax(x, y), b.across_parts});
+    const auto at = bonds.find(std::minmax(x, y));
     ASSERT_NE(at, bonds.end());
     EXPECT_EQ(at->second->area, b.area);
     EXPECT_EQ(at->second->normal, id_of(at->second->a) == x ? b.normal : -1.0 * b.normal);

@@ -76,6 +76,26 @@ TEST(DividedHulls, TheLimitsDecide) {
   EXPECT_GT(three.report.hulls->excess, 1.1);
 }
 
+// A bent square whose two sides coincide after rounding. Its volume before rounding may be anything.
+TEST(DividedHulls, OfASheetWithoutVolumeHaveAFiniteExcess) {
+  FragmentSet set;
+  Fragment& f = set.fragments.emplace_back();
+  f.positions = {{0, 0, 0}, {1, 0, 0.25f}, {1, 1, 0}, {0, 1, 0.25f}};
+  f.topology = {0, 1, 2, 3};
+  f.indices = {0, 1, 2, 0, 2, 3, 2, 1, 0, 3, 2, 0};
+  f.sites = {SiteId{0}};
+  f.mass.area = 2;
+  const auto hulls = [&](double volume) {
+    f.mass.volume = volume;
+    return make_collision_hulls(set, {}, {.excess = 1.5, .count = 4}, {});
+  };
+  const double tetrahedron = 0.25 / 3;  // 1 · 1 · 0.25, less four corners of a sixth each
+  EXPECT_EQ(hulls(1e-9).of(0).size(), 1u);
+  EXPECT_NEAR(hulls(1e-9).report().excess, tetrahedron / 1e-9, 1e-3 / 1e-9);
+  EXPECT_EQ(hulls(0).of(0).size(), 1u);
+  EXPECT_EQ(hulls(0).report().excess, 0);
+}
+
 TEST(DividedHulls, OfHalvesStayInTheirCells) {
   const Fractured made = cut(frame(), {{{-0.5, 0, 0}, {0.5, 0, 0}}});
   ASSERT_EQ(made.set.fragments.size(), 2u);

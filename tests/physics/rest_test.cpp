@@ -135,6 +135,101 @@ TEST(Rest, HullsAreTrimmedWhenFiltersRunOut) {
   EXPECT_EQ(pairs.rest().figures.pairs, 31u);
 }
 
+// Each body has two boxes, and both lose a tenth. So no hull keeps less than nine tenths.
+TEST(Rest, TheLeastShareIsThatOfOneHull) {
+  Boxes pairs;
+  for (int k = 0; k < 40; ++k)
+    for (const double x : {3.0 * k, 3.0 * k + 0.8}) {
+      pairs.add({x, 0, 0}, {x + 1, 1, 1});
+      pairs.hulls.of_fragment.back().hulls.push_back(box_hull({0, 0, 2}, {1, 1, 3}));
+    }
+  const Rest rest = pairs.rest();
+  EXPECT_EQ(rest.figures.trimmed, 18u);
+  EXPECT_NEAR(rest.figures.least_share, 0.9 - 0.5 * kHullInset, 1e-4);
+  double least = 1;  // from the points that are written: the boxes had 1 m³
+  for (const FragmentHulls& body : pairs.hulls.of_fragment)
+    for (const CollisionHull& hull : body.hulls) {
+      Box box;
+      for (const Vec3f& p : hull.points) box.add(to_double(p));
+      least = std::fmin(least, box.size().x * box.size().y * box.size().z);
+    }
+  EXPECT_NEAR(rest.figures.least_share, least, 1e-12);
+}
+
+// A body that barely overlaps the first one of a pair no longer does so when that one has been trimmed.
+TEST(Rest, TheDeepestOverlapIsThatOfTrimmedHulls) {
+  const auto pairs = [] {
+    Boxes boxes;
+    for (int k = 0; k < 40; ++k) {
+      boxes.add({3.0 * k, 0, 0}, {3.0 * k + 1, 1, 1});
+      boxes.add({3.0 * k + 0.8, 0, 0}, {3.0 * k + 1.8, 0.4, 1});
+    }
+    return boxes;
+  };
+  Boxes boxes = pairs();
+  boxes.rest();
+  double x = -1;  // of the first body of a pair that is trimmed
+  for (std::size_t k = 0; k < 80 && x < 0; k += 2)
+    if (boxes.hulls.of(k)[0].untrimmed > 0) x = boxes.set.fragments[k].pivot.x;
+  ASSERT_GE(x, 0) << "nothing is trimmed";
+  boxes = pairs();
+  boxes.add({x + 1 - 5e-4, 0.6, 0}, {x + 1.9, 1, 1});
+  EXPECT_NEAR(boxes.rest(HullFilters::kNone).figures.deepest, 0.2, 1e-3);
+  const Rest rest = boxes.rest();
+  EXPECT_TRUE(rest.trimmed_for_filters);
+  EXPECT_EQ(rest.figures.left, 0u);
+  EXPECT_EQ(rest.figures.deepest, 0);
+}
+
+// Four posts stick into each of 36 beams. The pairs of a beam wait for each other.
+TEST(Rest, TrimmingDoesNotDependOnTheThreads) {
+  const auto rest_with = [](int threads) {
+    Boxes boxes;
+    for (int k = 0; k < 36; ++k) {
+      boxes.add({0, 3.0 * k, 0}, {50, 3.0 * k + 1, 1});
+      for (int post = 0; post < 4; ++post)
+        boxes.add({2.0 + 10 * post, 3.0 * k + 0.7, 0.2}, {3.0 + 10 * post, 3.0 * k + 2, 0.6});
+    }
+    Execution execution;
+    execution.threads = threads;
+    const Rest rest =
+        bring_to_rest(boxes.set, boxes.hulls, {CellMap()}, kTolerance, HullFilters::kSystems, execution);
+    return std::pair(rest, std::move(boxes.hulls));
+  };
+  const auto [one, of_one] = rest_with(1);
+  const auto [four, of_four] = rest_with(4);
+  EXPECT_TRUE(one.trimmed_for_filters);
+  EXPECT_EQ(one.figures.left, 0u);
+  EXPECT_EQ(one.figures, four.figures);
+  EXPECT_EQ(one.filtered, four.filtered);
+  for (std::size_t k = 0; k < of_one.of_fragment.size(); ++k) {
+    ASSERT_EQ(of_one.of(k).size(), of_four.of(k).size());
+    for (std::size_t h = 0; h < of_one.of(k).size(); ++h)
+      EXPECT_EQ(of_one.of(k)[h].points, of_four.of(k)[h].points) << k;
+  }
+}
+
+// Combs of 64 teeth each, which are apart except for one pair of teeth.
+TEST(Rest, TheDeepestOfManyHullsIsFound) {
+  Boxes combs;
+  combs.add({0, 0, 0}, {0.5, 1, 1});
+  combs.add({0.5, 0.5, 0}, {1, 1.5, 1});
+  for (int k = 1; k < 64; ++k)
+    for (std::size_t body : {0u, 1u}) {
+      const double reach = body == 1 && k == 40 ? 0.125 : 0;
+      combs.hulls.of_fragment[body].hulls.push_back(
+          box_hull({1.0 * k - reach, 0, 0}, {1.0 * k + 0.4375, 1, 1}));
+    }
+  const std::vector<Overlap> found =
+      find_overlaps({{&combs.set.fragments[0], &combs.set.fragments[1]},
+                     {&combs.hulls.of_fragment[0], &combs.hulls.of_fragment[1]}},
+                    {CellMap()}, {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].hull_a, 40u);
+  EXPECT_EQ(found[0].hull_b, 40u);
+  EXPECT_NEAR(found[0].depth, 0.0625, 1e-4);
+}
+
 TEST(Rest, OneBodyInsideAnotherCanBeTrimmedToo) {
   Boxes boxes;
   for (int k = 0; k < 32; ++k) {
@@ -170,7 +265,7 @@ TEST(HullTrim, ALegEndsAtTheTopThatItSticksInto) {
   double top = 0;
   for (const Vec3f& p : hulls.of(0)[0].points) top = std::fmax(top, p.y);
   EXPECT_NEAR(top, 1 - kHullInset, 1e-6);
-  EXPECT_NEAR(hulls.of_fragment[0].least_share, (1 - kHullInset) / 1.1, 1e-5);
+  EXPECT_NEAR(least_share(hulls.of(0)), (1 - kHullInset) / 1.1, 1e-5);
   const CollisionHulls once = hulls;
   trim_at_contacts(set, solid, hulls, {});
   EXPECT_EQ(hulls.of(0)[0].points, once.of(0)[0].points);

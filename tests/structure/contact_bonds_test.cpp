@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "common/contacts/contact_report.hpp"
@@ -105,6 +106,25 @@ TEST(ContactBonds, OfAPartInsideAnother) {
     EXPECT_NEAR(length(bond->centroid - Vec3d{side * (0.5 + 4 * 0.5 * 0.25) / 3, 0, 0}), 0, 1e-12);
     EXPECT_NEAR(length(bond->normal - Vec3d{-side, 0, 0}), 0, 1e-12);
   }
+}
+
+TEST(ContactBonds, AddUpWithThoseBySharedCaps) {
+  const std::vector<Bond> caps{{0, 1, 3, {1, 0, 0}, {1, 0, 0}}, {1, 2, 1, {0, 0, 0}, {1, 0, 0}}};
+  const std::vector<Bond> contacts{{0, 1, 1, {5, 4, 0}, {0, 1, 0}, 0.5},
+                                   {0, 2, 2, {7, 0, 0}, {0, 0, 1}, 0.5},
+                                   {1, 2, 1, {2, 0, 0}, {-1, 0, 0}, 2},
+                                   {3, 4, 1, {0, 0, 0}, {0, 0, 1}}};
+  const std::vector<Bond> all = with_contact_bonds(caps, contacts, {});
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[0].area, 4);
+  EXPECT_EQ(all[0].centroid, (Vec3d{2, 1, 0}));
+  EXPECT_NEAR(length(all[0].normal - (1 / std::sqrt(10.0)) * Vec3d{3, 1, 0}), 0, 1e-15);
+  EXPECT_EQ(all[0].strength, (3 + 0.5) / 4);
+  EXPECT_TRUE(same_bits(all[1], contacts[1]));
+  EXPECT_EQ(all[2].area, 2);
+  EXPECT_EQ(all[2].normal, (Vec3d{1, 0, 0}));  // they cancel, and the areas are equal: that of the caps
+  EXPECT_EQ(all[2].strength, 1.5);
+  EXPECT_TRUE(same_bits(all[3], contacts[3]));
 }
 
 TEST(ContactBonds, NeedAGapWithinTheLimit) {

@@ -1,7 +1,9 @@
 // Fragments of several parts (parts=together), on boxes whose cells and contacts are known by hand.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
+#include <utility>
 
 #include "common/base/disjoint_sets.hpp"
 #include "common/hits/difference.hpp"
@@ -66,7 +68,6 @@ TEST(PartJoins, PiecesThatTouchInACellAreOneFragment) {
   }
   ASSERT_EQ(set.bonds.size(), 1u);  // both caps; nothing of the contact is between the halves
   EXPECT_NEAR(set.bonds[0].area, 2, 1e-12);
-  EXPECT_FALSE(set.bonds[0].across_parts);
   EXPECT_EQ(set.certificate.united, 2u);
   EXPECT_NEAR(set.certificate.volume_out, 4, 1e-12);
 }
@@ -189,6 +190,27 @@ TEST(PartJoins, PiecesOfAFragmentWeighAsMuchAsIt) {
   EXPECT_NEAR(clusters, 16 - common, 1e-9);
 }
 
+// The same cubes, cut at x = 1/2. The first half of the first cube does not overlap anything, but has the density of its part.
+TEST(PartJoins, TheUnbrokenFragmentWeighsAsMuchAsItsPieces) {
+  const Solid solid = solid_in_contact({box({0, 0, 0}, {2, 2, 2}), box({1, 0.5, 0.5}, {3, 2.5, 2.5})});
+  FractureParameters p = cut_by({{0, 1, 1}, {1, 1, 1}});
+  p.parts = Parts::kTogether;
+  p.intact = true;
+  const Fractured whole = fracture_solid(solid, p);
+  const Fragment& half = whole.set.fragments[fragment_at(whole.set, 0, {0.25, 1, 1})];
+  ASSERT_NEAR(half.mass.volume, 2, 1e-9);
+  StageTimings timings;
+  const Expected<FracturedSolid> made =
+      refracture(whole.solid, whole.diagram, p, {.fragment = half.id, .sites = 6, .seed = 1}, {}, timings);
+  ASSERT_TRUE(made) << made.error().detail;
+  ASSERT_TRUE(made->intact);
+  ASSERT_EQ(made->intact->parts.size(), 1u);
+  const Fragment& unbroken = made->intact->parts[0];
+  const double share = (16 - 1 * 1.5 * 1.5) / 16;
+  EXPECT_NEAR(unbroken.density_share * unbroken.mass.volume, share * 2, 1e-9);
+  EXPECT_EQ(unbroken.source_part, half.source_part);
+}
+
 // Nested boxes weigh as much as the outermost one, however many there are.
 TEST(PartJoins, NestedPartsWeighAsMuchAsTheOutermost) {
   std::vector<Mesh> boxes;
@@ -199,6 +221,42 @@ TEST(PartJoins, NestedPartsWeighAsMuchAsTheOutermost) {
   for (const Fragment& f : made.set.fragments) sum += f.density_share * f.mass.volume;
   EXPECT_NEAR(sum, 8, 1e-6);
   EXPECT_NEAR(made.set.certificate.volume_once, 8, 1e-6);
+}
+
+// A bar that is cut, with twenty studs on it, each in one piece. A stud across a cut joins one piece of the bar and touches
+// the other, so these two fragments share both a cut and a contact. Their bond is the sum.
+TEST(PartJoins, ACutAndAContactOfTwoFragmentsAreOneBond) {
+  std::vector<Mesh> parts{box({0, 0, 0}, {4, 1, 1})};
+  for (int k = 0; k < 20; ++k) parts.push_back(box({0.2 * k, 1, 0}, {0.2 * k + 0.15, 1.1, 1}));
+  FractureParameters p = wood_like(6);
+  p.contact_strength = 0;
+  const Fractured cut = together(parts, p);
+  p.contact_strength = 0.5;
+  const Fractured made = together(parts, p);
+  ASSERT_EQ(made.set.fragments.size(), cut.set.fragments.size());
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Bond> cuts;
+  for (const Bond& bond : cut.set.bonds) cuts[{bond.a, bond.b}] = bond;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
+  std::size_t both = 0;
+  double area = 0;
+  for (const Bond& bond : made.set.bonds) {
+    EXPECT_TRUE(seen.insert({bond.a, bond.b}).second) << bond.a << " and " << bond.b << " have two bonds";
+    const auto of_cut = cuts.find({bond.a, bond.b});
+    const double by_cut = of_cut == cuts.end() ? 0 : of_cut->second.area;
+    const double by_contact = bond.area - by_cut;
+    area += by_contact;
+    EXPECT_NEAR(bond.area * bond.strength, by_cut + 0.5 * by_contact, 1e-12);
+    EXPECT_NEAR(length(bond.normal), 1, 1e-12);
+    if (by_cut == 0 || by_contact < 1e-6) continue;
+    ++both;
+    // Without the share of the cut, the centroid is on the bar's top.
+    const Vec3d at = (1 / by_contact) * (bond.area * bond.centroid - by_cut * of_cut->second.centroid);
+    EXPECT_NEAR(at.y, 1, 1e-6);
+  }
+  EXPECT_EQ(seen.size(), made.set.bonds.size());
+  EXPECT_GE(both, 1u) << "nothing is tested above";
+  EXPECT_GT(area, 0);
+  EXPECT_LT(area, 20 * 0.15);  // most of the contacts are within fragments
 }
 
 // A hit in the lowest plank of forty: fragments of the upper half keep their ids and bytes.

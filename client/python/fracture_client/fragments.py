@@ -74,7 +74,7 @@ class Fragment:
 
 @dataclass(frozen=True)
 class Bond:
-    """Two fragments that hold together, by the cut faces that they share or by the contact of their parts."""
+    """Two fragments that hold together, by the cut faces that they share, by contacts of their parts, or by both."""
 
     a: int  # id of a fragment, or of a cluster in a level
     b: int

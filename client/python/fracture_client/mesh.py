@@ -34,8 +34,8 @@ class Mesh:
 
     @property
     def report(self) -> Dict[str, Any]:
-        """The server's report on the mesh: verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings,
-        notes. The report comes from put() or the latest refresh(); {} before these calls."""
+        """The server's report on the mesh: verdict ("closed" or "repaired"), solid, volume_once, frame, nodes, materials, images,
+        warnings, notes. The report comes from put() or the latest refresh(); {} before these calls."""
         return self.stored.get("report", {})
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:

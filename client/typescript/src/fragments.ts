@@ -64,7 +64,7 @@ export interface Figures {
   [figure: string]: any;
 }
 
-/** Two fragments that hold together, by the cut faces that they share or by the contact of their parts. */
+/** Two fragments that hold together, by the cut faces that they share, by contacts of their parts, or by both. */
 export interface Bond {
   /** Ids of the two fragments. */
   a: number;

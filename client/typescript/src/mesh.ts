@@ -18,7 +18,7 @@ export interface StoredMesh {
   files: number;
   /** Seconds from the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** The report on the mesh: verdict (closed, repaired), solid, frame, nodes, materials, images, warnings, notes, and contacts between parts. */
+  /** The report on the mesh: verdict (closed, repaired), solid, volume_once, frame, nodes, materials, images, warnings, notes, and contacts between parts. */
   report: Record<string, any>;
 }
 

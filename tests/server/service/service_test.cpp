@@ -6,10 +6,14 @@
 #include <set>
 #include <stop_token>
 
+#include "common/contacts/contacts.hpp"
+#include "server/service/mesh_report.hpp"
 #include "tests/server/support/fake_engine.hpp"
 #include "tests/server/support/figures_of.hpp"
 #include "tests/server/support/fracture_request.hpp"
 #include "tests/server/support/temporary_folder.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture {
 namespace {
@@ -52,6 +56,19 @@ TEST(ResultTiersTest, HashingWhatTheDiskHasPolls) {
             16);
   ASSERT_TRUE(found.result);
   EXPECT_EQ(found.result->file, result->file);
+}
+
+// A bar of 3 x 1 x 1 and a bar across it have a cube in common.
+TEST(MeshReport, StatesTheVolumeWithOverlapsCountedOnce) {
+  PreparedMesh mesh;
+  mesh.solid = test::solid_of(test::joined(
+      {test::box({-1.5, -0.5, -0.5}, {1.5, 0.5, 0.5}), test::box({-0.5, -1.5, -0.5}, {0.5, 1.5, 0.5})}));
+  EXPECT_DOUBLE_EQ(mesh_report(mesh).at("volume_once").get<double>(), 6)
+      << "without contacts, nothing is known to overlap";
+  keep_contacts(mesh.solid, {}, {});
+  const nlohmann::json report = mesh_report(mesh);
+  EXPECT_NEAR(report.at("solid").at("volume").get<double>(), 6, 1e-12);
+  EXPECT_NEAR(report.at("volume_once").get<double>(), 5, 1e-9);
 }
 
 using nlohmann::json;
