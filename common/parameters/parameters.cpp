@@ -94,14 +94,16 @@ void refuse_both(Offences& offences, const Given& given, const char* name, const
                std::string("'") + name + "' and '" + other + "' were both given: " + why);
 }
 
-/// If a caller gives a material and `impacts`, it should break there. So if the material's own pattern has
-/// no impacts, the pattern becomes impact.
-void hit_material(SitePattern& pattern) {
+/// If a caller gives `impacts` but no pattern, the mesh should break there. So if the default pattern or the
+/// material's own pattern has no impacts, the pattern becomes impact.
+void choose_impact(SitePattern& pattern, bool of_material) {
   if (!std::holds_alternative<UniformPattern>(pattern) && !std::holds_alternative<ClusteredPattern>(pattern))
     return;
   ImpactPattern impact;
-  impact.exponent = 1.5;
-  impact.share = 0.55;
+  if (of_material) {
+    impact.exponent = 1.5;
+    impact.share = 0.55;
+  }
   pattern = impact;
 }
 
@@ -177,8 +179,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   for (const ParameterSpec& spec : specs_) {
     const auto value = values.find(spec.name);
     if (value == values.end()) continue;
-    if (spec.name == "impacts" && values.contains("material") && !values.contains("pattern"))
-      hit_material(result.fracture.pattern);
+    if (spec.name == "impacts" && !values.contains("pattern"))
+      choose_impact(result.fracture.pattern, values.contains("material"));
     if (!belongs(spec, result.fracture.pattern)) {
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
                    "'" + spec.name + "' belongs to the " + join(spec.patterns) +

@@ -36,7 +36,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
            "these points; to break only the area around a hit, use `local_point`. `radial`: the first point is the centre of the "
            "rings and spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
            "bricks break. Default: the centre of the bounding box, or the centre of the box's +z side if spokes run in all "
-           "directions. If the material's pattern is `uniform` or `clustered`, `impacts` changes it to `impact`."}));
+           "directions. If `pattern` is not given and would be `uniform` or `clustered`, `impacts` changes it to `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,

@@ -166,7 +166,12 @@ TEST(MaterialParameters, AHitOnAMaterialAsksForThePatternOfHits) {
     ASSERT_TRUE(same) << same.error().detail;
     EXPECT_EQ(canonical_parameters(*same), canonical_parameters(*asked));
   }
-  EXPECT_FALSE(table().parse({{"impacts", hit, true}})) << "no material asks for it";
+  const auto alone = table().parse({{"impacts", hit, true}});
+  ASSERT_TRUE(alone) << alone.error().detail;
+  EXPECT_EQ(alone->fracture.pattern, SitePattern(ImpactPattern{.impacts = {{0.1, 0.2, 0.3}}}));
+  EXPECT_EQ(canonical_parameters(*alone),
+            canonical_parameters(*table().parse({{"pattern", "impact", false}, {"impacts", hit, true}})));
+  EXPECT_FALSE(table().parse({{"pattern", "uniform", false}, {"impacts", hit, true}}));
   EXPECT_FALSE(
       table().parse({{"material", "stone", false}, {"pattern", "uniform", false}, {"impacts", hit, true}}));
 }
