@@ -33,7 +33,8 @@ constexpr double kNotch = 0.6;
 
 class Aggregator {
  public:
-  Aggregator(const RestrictedDiagram& d, const FractureParameters& p, const Execution& execution)
+  Aggregator(const RestrictedDiagram& d, const FractureParameters& p, std::span<const Vec3d> impacts,
+             const Execution& execution)
       : d_(d),
         p_(p),
         execution_(execution),
@@ -53,7 +54,7 @@ class Aggregator {
       all_ += volume_[s];
       free_ += volume_[s] > 0;
     }
-    find_ways_out();
+    find_ways_out(impacts);
   }
 
   std::vector<std::uint32_t> run() {
@@ -88,21 +89,15 @@ class Aggregator {
   }
 
   /// Finds, per site, the direction away from the nearest impact, in the image; none without impacts.
-  void find_ways_out() {
-    const auto* pattern = std::get_if<ImpactPattern>(&p_.pattern);
-    if (!pattern) return;
+  void find_ways_out(std::span<const Vec3d> impacts) {
+    if (impacts.empty()) return;
     const CellMap& map = d_.diagram.map();
-    std::vector<Vec3d> impacts = pattern->impacts;
-    // Same rule as in the pattern: without impacts, the middle of the image, or the middle of the solid if
-    // there are several images.
-    const bool in_image = impacts.empty() && map.frames().size() < 2;
-    if (impacts.empty()) impacts.push_back(in_image ? d_.seen.box.center() : d_.solid.box.center());
     for (const SiteId s : ids<SiteId>(group_.size())) {
       pacer_.step(impacts.size());
       Vec3d out;
       double least = HUGE_VAL;
       for (const Vec3d& impact : impacts) {
-        const Vec3d from = site(s) - (map && !in_image ? map.at(site(s)).image(impact) : impact);
+        const Vec3d from = site(s) - (map ? map.at(site(s)).image(impact) : impact);
         if (const double square = dot(from, from); square < least) {
           least = square;
           out = from;
@@ -331,8 +326,8 @@ class Aggregator {
 bool is_aggregated(const SiteParameters& parameters) { return cells_per_fragment(parameters) > 1; }
 
 std::vector<std::uint32_t> aggregate(const RestrictedDiagram& diagram, const FractureParameters& parameters,
-                                     const Execution& execution) {
-  return Aggregator(diagram, parameters, execution).run();
+                                     std::span<const Vec3d> impacts, const Execution& execution) {
+  return Aggregator(diagram, parameters, impacts, execution).run();
 }
 
 }  // namespace fracture

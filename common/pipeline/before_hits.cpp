@@ -12,6 +12,7 @@
 #include "common/pipeline/part_contacts.hpp"
 #include "common/pipeline/split_large.hpp"
 #include "common/rough/roughen.hpp"
+#include "common/sites/request_places.hpp"
 #include "common/solid/image.hpp"
 
 namespace fracture {
@@ -93,8 +94,8 @@ Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const Fractu
   canonicalize(before.tetrahedralization, execution);
   const Tetrahedralization& all = before.tetrahedralization;
   const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
-  const std::vector<std::uint32_t> groups =
-      aggregate(restrict_to_solid(seen, voronoi, execution), parameters, execution);
+  const std::vector<std::uint32_t> groups = aggregate(restrict_to_solid(seen, voronoi, execution), parameters,
+                                                      impacts_of(parameters.pattern), execution);
   std::uint32_t next = all.site_count();  // larger than every group number
   for (const SiteId s : all.site_of_input) plan.groups.push_back(s == kNoSite ? next++ : groups[s]);
   plan.points = std::move(before.sites);

@@ -10,7 +10,8 @@
 
 namespace fracture {
 
-/// Replaces the plan's groups by those of aggregate(). The plan must contain only the pattern's points;
+/// Replaces the plan's groups by those of aggregate(). The plan must contain only the pattern's points, and
+/// the pattern's impacts must be on the solid;
 /// max_volume adds further points. Errors: those of tetrahedralize() and split_large(). Throws Interrupted.
 Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
                                              SitePlan& plan, const Execution& execution);

@@ -20,6 +20,7 @@
 #include "common/pipeline/overlaps.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
+#include "common/sites/request_places.hpp"
 #include "common/solid/image.hpp"
 #include "common/structure/contact_bonds.hpp"
 #include "common/structure/hierarchy.hpp"
@@ -56,9 +57,12 @@ bool has_rest(const FractureParameters& parameters) {
 
 }  // namespace
 
-Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
+Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& given,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
+    FractureParameters parameters = given;
+    Remarks remarks;
+    put_impacts_on(solid, parameters.pattern, remarks, execution);
     Expected<CellMap> map = map_of_cells(solid, parameters, execution);
     if (!map) return tl::unexpected(map.error());
     // Barycentric cells do not support frames, and a kept region needs a single diagram. So all parts share one.
@@ -105,7 +109,10 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.groups = std::move(plan->groups);
     diagram.bricks = std::move(plan->bricks);
     diagram.map = plan->map;
-    diagram.remarks = std::move(plan->remarks);
+    remarks.add(plan->remarks);
+    diagram.remarks = std::move(remarks);
+    const std::span<const Vec3d> impacts = impacts_of(parameters.pattern);
+    diagram.impacts.assign(impacts.begin(), impacts.end());
     diagram.tetrahedralization = std::move(*t);
     if (parameters.max_volume > 0 && parameters.hits.empty()) {
       Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
@@ -143,7 +150,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     restricted.bricks = bricks;
     if (inspect) inspect(restricted);
     std::vector<std::uint32_t> groups = diagram.groups.empty() && is_aggregated(parameters)
-                                            ? aggregate(restricted, parameters, execution)
+                                            ? aggregate(restricted, parameters, diagram.impacts, execution)
                                             : groups_of_sites(t, diagram.groups, execution);
     keep_together(t.site_count(), kept, groups);
     const Ownership ownership = Ownership::from_groups(t.site_count(), groups, execution);

@@ -73,7 +73,9 @@ struct Diagram {
   Remarks remarks{};                      ///< about the sites
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< effect of FractureParameters::max_volume
-  std::size_t of_pattern = 0;             ///< number of `sites`, from the first one, that are not of hits
+  /// Where the impacts of the pattern are on the solid (sites/request_places.hpp). Empty: it has none.
+  std::vector<Vec3d> impacts{};
+  std::size_t of_pattern = 0;  ///< number of `sites`, from the first one, that are not of hits
 };
 
 /// Makes the diagram. Errors: those of plan_sites() and tetrahedralize(), or an interruption.

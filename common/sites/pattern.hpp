@@ -40,7 +40,7 @@ struct PointsPattern {
 /// distance^-exponent out to the radius. Distances are drawn by their inverse distribution, so a small radius
 /// costs no more than a large one.
 struct ImpactPattern {
-  std::vector<Vec3d> impacts{};    ///< empty: the middle of the box
+  std::vector<Vec3d> impacts{};    ///< empty: the middle of the box (see also sites/request_places.hpp)
   std::optional<double> radius{};  ///< > 0; none: a third of the box's longest side
   double exponent = 2;             ///< 0 (even within the radius) … 2.9 (nearly all at the impact)
   double share = 0.8;              ///< share of the sites that are near an impact, 0 … 1

@@ -8,6 +8,7 @@
 #include "common/sites/generators.hpp"
 #include "common/sites/grain.hpp"
 #include "common/sites/masonry.hpp"
+#include "common/sites/request_places.hpp"
 #include "common/sites/shapes.hpp"
 #include "common/sites/sites.hpp"
 #include "common/solid/image.hpp"
@@ -146,8 +147,9 @@ Expected<SitePlan> generate(const Task& task, const UniformPattern&, const Image
   return plan;
 }
 
-Expected<SitePlan> generate(const Task&, const PointsPattern& pattern, const ImageMap& map) {
+Expected<SitePlan> generate(const Task& task, const PointsPattern& pattern, const ImageMap& map) {
   SitePlan plan;
+  check_points(task.seen.original(), pattern.points, plan.remarks, task.execution);
   plan.points = mapped(pattern.points, map);
   plan.groups = pattern.groups;
   return plan;
