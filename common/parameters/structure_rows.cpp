@@ -33,9 +33,10 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .max = max_sites,
        .doc =
            "Number of fragments in the answer. If the actual number differs by more than a tenth, a warning says why. Parts that "
-           "touch nothing share the fragments in proportion to their volumes, and each is at least one fragment. Pieces broken "
-           "off by hits (`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many "
-           "cells as are needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
+           "touch nothing share the fragments in proportion to their volumes, and each is at least one fragment. Parts near "
+           "`impacts` get fragments by their distance to them instead, however thin they are. Pieces broken off by hits "
+           "(`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are "
+           "needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };

@@ -12,6 +12,7 @@
 #include "common/pipeline/part_contacts.hpp"
 #include "common/pipeline/split_large.hpp"
 #include "common/rough/roughen.hpp"
+#include "common/sites/part_shares.hpp"
 #include "common/sites/request_places.hpp"
 #include "common/solid/image.hpp"
 
@@ -125,6 +126,23 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
   return groups;
 }
 
+std::vector<double> weights_of_parts(const Solid& solid, const FractureParameters& parameters,
+                                     const std::vector<Vec3d>& impacts, const Execution& execution) {
+  if (!parameters.size.any() || impacts.empty() || solid.parts.size() < 2) return {};
+  SitePattern pattern = parameters.pattern;
+  std::visit(
+      [&](auto& p) {
+        if constexpr (requires { p.impacts; }) p.impacts = impacts;
+      },
+      pattern);
+  const std::optional<PartShares> shares = shares_of_parts(solid, pattern, execution);
+  if (!shares) return {};
+  std::vector<double> weights;
+  for (std::size_t p = 0; p < solid.parts.size(); ++p)
+    weights.push_back(shares->share[p] * solid.report.volume / solid.parts[p].volume);
+  return weights;
+}
+
 std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,
                                const FractureParameters& parameters, const Execution& execution) {
   if (!parameters.keep) return {};
@@ -165,7 +183,8 @@ SizeLimits limits_of_flat_pieces(const FractureParameters& parameters) {
 Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,
                                                 const FractureParameters& parameters,
                                                 const Execution& execution) {
-  const SizeLimits limits = limits_of_flat_pieces(parameters);
+  SizeLimits limits = limits_of_flat_pieces(parameters);
+  limits.weights = weights_of_parts(seen.original(), parameters, diagram.impacts, execution);
   if (!limits.any() && !joins_parts(seen.original(), parameters)) return std::vector<Union>();
   const Allowance::Temporary temporary(execution.allowance);
   const auto first = [&](const auto& all) {

@@ -27,6 +27,11 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
                                            const std::vector<std::uint32_t>& groups_of_input,
                                            const Execution& execution);
 
+/// Returns SizeLimits::weights: the share of the pieces that a part should have because of impacts, divided by
+/// its share of the volume. Empty if impacts do not decide. `impacts`: Diagram::impacts. Throws Interrupted.
+std::vector<double> weights_of_parts(const Solid& solid, const FractureParameters& parameters,
+                                     const std::vector<Vec3d>& impacts, const Execution& execution);
+
 /// Returns the cells that FractureParameters::keep keeps together: those that meet the region, and those
 /// whose rough cuts might. Ascending. Throws Interrupted.
 std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,

@@ -163,9 +163,11 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
       cut.unions = std::move(*unions);
       before = unions_beside_hits(cut.unions, diagram, ownership, execution);
     }
+    SizeLimits limits = limits_in_force(parameters, solid.report.volume, sites_of_pattern(diagram));
+    if (parameters.hits.empty())
+      limits.weights = weights_of_parts(solid, parameters, diagram.impacts, execution);
     make_rough_fragments(
-        restricted, parameters, limits_in_force(parameters, solid.report.volume, sites_of_pattern(diagram)),
-        ownership, std::move(before),
+        restricted, parameters, std::move(limits), ownership, std::move(before),
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
         trace);
     if (parameters.hulls == Hulls::kConvex)

@@ -47,7 +47,8 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   std::optional<Pieces> flat;
   std::optional<PartContacts> across;  // only pieces with flat cuts join across parts, and only without hits
   if (!with_hits && rough) {
-    const SizeLimits of_pieces = limits_of_flat_pieces(parameters);
+    SizeLimits of_pieces = limits_of_flat_pieces(parameters);
+    of_pieces.weights = limits.weights;
     if (of_pieces.any() || joins_parts(restricted.solid, parameters)) {
       flat = gather_pieces(restricted, ownership, execution);
       across = find_part_contacts(restricted, ownership, *flat, parameters, execution);

@@ -44,6 +44,9 @@ struct ImpactPattern {
   std::optional<double> radius{};  ///< > 0; none: a third of the box's longest side
   double exponent = 2;             ///< 0 (even within the radius) … 2.9 (nearly all at the impact)
   double share = 0.8;              ///< share of the sites that are near an impact, 0 … 1
+  /// Whether parts near an impact share its sites by their distance (sites/part_shares.hpp). False: every
+  /// place within the radius has the same chance, so thick parts get most sites.
+  bool by_parts = true;
   friend bool operator==(const ImpactPattern&, const ImpactPattern&) = default;
 };
 
