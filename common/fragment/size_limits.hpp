@@ -24,6 +24,10 @@ struct SizeLimits {
   /// with the mean. So pieces of thin parts that are hit stay (sites/part_shares.hpp). Empty: all count as they
   /// are. min_volume, min_fraction and max_triangles always concern the pieces as they are.
   std::vector<double> weights{};
+  /// The owner of the cells in a kept region: its pieces never merge with a neighbour, and another piece merges
+  /// with them only if it has no other neighbour. kNoOwner: none.
+  std::uint32_t kept_owner = kNoOwner;
+  static constexpr std::uint32_t kNoOwner = 0xffffffffu;
 
   bool any_least() const { return min_volume > 0 || min_fraction > 0 || min_of_mean > 0; }
   /// Minimum volume, m³, for `count` fragments of a solid of this volume.

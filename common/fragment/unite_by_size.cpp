@@ -39,7 +39,7 @@ class Merging {
         volumes_(volumes),
         execution_(execution),
         all_(d.solid.report.volume),
-        order_(d, pieces, groups, volumes, across, execution) {}
+        order_(d, pieces, groups, volumes, across, limits.kept_owner, execution) {}
 
   const Unions& unions() const { return unions_; }
 
@@ -181,7 +181,10 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   SizeFigures figures;
   SizeLimits others = limits;
   if (!limits.weights.empty()) {  // first the limits that concern the pieces as they are
-    figures = merge_by_size(d, pieces, {.min_volume = limits.min_volume, .min_fraction = limits.min_fraction},
+    figures = merge_by_size(d, pieces,
+                            {.min_volume = limits.min_volume,
+                             .min_fraction = limits.min_fraction,
+                             .kept_owner = limits.kept_owner},
                             across, groups, execution);
     others.min_volume = others.min_fraction = 0;
   }

@@ -161,13 +161,16 @@ ParameterSpec box_row(const char* name, const char* doc) {
 }
 
 void add_keep_rows(std::vector<ParameterSpec>& rows) {
+  const std::size_t first = rows.size();
   rows.push_back(with_member(
       {.name = "keep_center",
        .type = Type::kVector,
        .unit = "m",
        .low = -kFar,
        .high = kFar,
-       .doc = "Centre of a sphere in which nothing is cut. Requires `keep_radius`."},
+       .doc =
+           "Centre of a sphere in which nothing is cut. Outside it, the mesh breaks as usual, and the sphere is a cut made of 92 "
+           "flat facets. Requires `keep_radius`."},
       [](auto& r) -> auto& { return r.keep_center; }));
   rows.push_back(with_member(
       {.name = "keep_radius",
@@ -179,7 +182,8 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.keep_radius; }));
   ParameterSpec box = box_row(
       "keep_box",
-      "Lowest and highest corners of a box in which nothing is cut. Use it instead of `keep_center` and `keep_radius`.");
+      "Lowest and highest corners of a box in which nothing is cut. Outside it, the mesh breaks as usual, and the box's sides are "
+      "flat cuts. Use it instead of `keep_center` and `keep_radius`.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -189,6 +193,7 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
     return vectors({r.fracture.keep->box.min, r.fracture.keep->box.max});
   };
   rows.push_back(std::move(box));
+  for (std::size_t k = first; k < rows.size(); ++k) rows[k].decides = Decides::kSites;
 }
 
 void add_anchor_rows(std::vector<ParameterSpec>& rows) {

@@ -20,8 +20,8 @@ struct PartShares {
 };
 
 /// Shares for a pattern whose impacts are on the solid (sites/request_places.hpp). A part at the distance d
-/// (0 if the impact is inside it) weighs 1 / (1 + (d / s)²), as energy thins out with the square of the
-/// distance; s is an eighth of the pattern's radius, and parts beyond the radius weigh nothing. The rest of
+/// (0 if the impact is inside it) weighs 1 / (1 + (d / s)²), because energy thins out with the square of the
+/// distance. Here, s is an eighth of the pattern's radius. Parts beyond the radius weigh nothing. The rest of
 /// the pieces (ImpactPattern::share, or a fifth) is shared in proportion to volume. None if the solid has one
 /// part, if no part is near an impact, or if the pattern does not break parts separately: then volumes alone
 /// decide. Linear in triangles for each impact. Throws Interrupted.

@@ -209,6 +209,9 @@ struct SitePlan {
   /// outside every brick. If hits added points, covers only the points before them. A cut between two
   /// different bricks is a joint; any other cut goes through a brick.
   std::vector<std::uint32_t> bricks{};
+  /// With a kept region: no further site may be nearer than this to the region, m, in the image
+  /// (pipeline/keep_sites.hpp).
+  double clearance = 0;
 };
 
 /// Number of cells per fragment: the number in Aggregation, reduced if kMaxPatternSites requires it. 1 if the

@@ -1,4 +1,4 @@
-// What is hit breaks: parts near an impact get pieces by their distance to it, whatever their volumes.
+// Parts near an impact get pieces by their distance to it, whatever their volumes, so they break.
 #include <gtest/gtest.h>
 
 #include <algorithm>
