@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "common/parameters/effects.hpp"
 #include "common/parameters/nearest_name.hpp"
 #include "common/parameters/rows.hpp"
 #include "common/parameters/values.hpp"
@@ -18,13 +19,20 @@ const std::vector<ParameterSpec>& rows() {
   return all;
 }
 
+/// `with_idle`: whether to include parameters that do not matter but that the report mentions.
 template <class Wanted>
-nlohmann::json canonical(const RequestParameters& parameters, const Wanted& wanted) {
+nlohmann::json canonical(const RequestParameters& parameters, bool with_idle, const Wanted& wanted) {
   nlohmann::json json = nlohmann::json::object();
+  std::optional<RequestParameters> baseline;
   for (const ParameterSpec& row : rows()) {
     if (!wanted(row) || !belongs(row, parameters.fracture.pattern)) continue;
-    if (row.matters && !row.matters(parameters)) continue;
+    const bool matters = !row.matters || row.matters(parameters);
+    if (!matters && !(with_idle && has_effect_check(row.name))) continue;
     nlohmann::json value = row.get(parameters, row);
+    if (!matters) {
+      if (!baseline) baseline = baseline_of(parameters);
+      if (value == row.get(*baseline, row)) continue;
+    }
     if (!value.is_null()) json[row.name] = std::move(value);
   }
   return json;
@@ -234,18 +242,32 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
 
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
   nlohmann::json json =
-      canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
+      canonical(parameters, false, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
   // A material with its walls turned off is equivalent to a material without walls.
   if (!(parameters.hollow.fraction > 0)) json.erase("shell_fraction");
   return json;
 }
 
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters) {
-  return canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSites; });
+  return canonical(parameters, false,
+                   [](const ParameterSpec& row) { return row.decides == Decides::kSites; });
+}
+
+RequestParameters baseline_of(const RequestParameters& parameters) {
+  RequestParameters baseline;
+  const auto set = [&](std::string_view name, std::size_t choice) {
+    const auto row = std::find_if(rows().begin(), rows().end(),
+                                  [&](const ParameterSpec& spec) { return spec.name == name; });
+    row->set(baseline, *row, std::uint64_t{choice});
+  };
+  if (const MaterialPreset* preset = find_material_preset(parameters.material))
+    set("material", static_cast<std::size_t>(preset - material_presets().data()));
+  set("pattern", parameters.fracture.pattern.index());
+  return baseline;
 }
 
 nlohmann::json canonical_parameters(const RequestParameters& parameters) {
-  return canonical(parameters, [](const ParameterSpec&) { return true; });
+  return canonical(parameters, true, [](const ParameterSpec&) { return true; });
 }
 
 nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bool hit) {
@@ -259,7 +281,7 @@ nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bo
     base.local_sites.resize(before);
   }
   // Without the parameters of the support analysis, which change from hit to hit.
-  return canonical(base,
+  return canonical(base, false,
                    [](const ParameterSpec& row) { return row.name != "broken" && row.name != "gravity"; });
 }
 
