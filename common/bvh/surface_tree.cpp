@@ -28,28 +28,32 @@ std::vector<Box> boxes_of(const std::vector<std::array<Vec3d, 3>>& triangles, co
 
 }  // namespace
 
-double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+Vec3d nearest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
-  const auto to = [&](const Vec3d& q) { return length(p - q); };
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return to(a);
+  if (d1 <= 0 && d2 <= 0) return a;
   const Vec3d bp = p - b;
   const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return to(b);
+  if (d3 >= 0 && d4 <= d3) return b;
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return to(a + (d1 / (d1 - d3)) * ab);
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 - d3 > 0) return a + (d1 / (d1 - d3)) * ab;
   const Vec3d cp = p - c;
   const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return to(c);
+  if (d6 >= 0 && d5 <= d6) return c;
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return to(a + (d2 / (d2 - d6)) * ac);
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 - d6 > 0) return a + (d2 / (d2 - d6)) * ac;
   const double va = d3 * d6 - d5 * d4;
   const double on_bc = d4 - d3, beyond = d5 - d6;
   if (va <= 0 && on_bc >= 0 && beyond >= 0 && on_bc + beyond > 0)
-    return to(b + (on_bc / (on_bc + beyond)) * (c - b));
+    return b + (on_bc / (on_bc + beyond)) * (c - b);
   const double sum = va + vb + vc;
-  if (!(sum > 0)) return std::min({to(a), to(b), to(c)});  // a flat triangle
-  return to(a + (vb / sum) * ab + (vc / sum) * ac);
+  if (sum > 0) return a + (vb / sum) * ab + (vc / sum) * ac;
+  const double to_a = length(p - a), to_b = length(p - b), to_c = length(p - c);  // a flat triangle
+  return to_a <= to_b && to_a <= to_c ? a : to_b <= to_c ? b : c;
+}
+
+double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return length(p - nearest_on_triangle(p, a, b, c));
 }
 
 SurfaceTree::SurfaceTree(std::vector<std::array<Vec3d, 3>> triangles, const Execution& execution)

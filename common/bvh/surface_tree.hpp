@@ -11,8 +11,10 @@
 
 namespace fracture {
 
-/// Distance from p to the triangle (Ericson 2005, Real-Time Collision Detection, 5.1.5: the regions of its
-/// corners, edges and face).
+/// The point of the triangle that is nearest to p (Ericson 2005, Real-Time Collision Detection, 5.1.5: the
+/// regions of its corners, edges and face).
+Vec3d nearest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
+/// Distance from p to the triangle.
 double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
 
 class SurfaceTree {

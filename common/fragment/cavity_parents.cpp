@@ -4,7 +4,7 @@
 #include <memory>
 #include <numeric>
 
-#include "common/fragment/ray_crossing.hpp"
+#include "common/bvh/ray_crossing.hpp"
 #include "common/solid/stabbing_tree.hpp"
 
 namespace fracture {

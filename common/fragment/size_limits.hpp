@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <vector>
 
 namespace fracture {
 
@@ -19,6 +20,14 @@ struct SizeLimits {
   /// Maximum number of triangles in all fragments. A budget below the triangles of the uncut solid cannot
   /// be met; then nothing is united.
   std::uint64_t max_triangles = 0;
+  /// Per part: pieces in it count as this many times as large when pieces are compared with each other and
+  /// with the mean. So pieces of thin parts that are hit stay (sites/part_shares.hpp). Empty: all count as they
+  /// are. min_volume, min_fraction and max_triangles always concern the pieces as they are.
+  std::vector<double> weights{};
+  /// The owner of the cells in a kept region: its pieces never merge with a neighbour, and another piece merges
+  /// with them only if it has no other neighbour. kNoOwner: none.
+  std::uint32_t kept_owner = kNoOwner;
+  static constexpr std::uint32_t kNoOwner = 0xffffffffu;
 
   bool any_least() const { return min_volume > 0 || min_fraction > 0 || min_of_mean > 0; }
   /// Minimum volume, m³, for `count` fragments of a solid of this volume.

@@ -6,29 +6,31 @@ namespace fracture {
 
 SmallestFirst::SmallestFirst(const RestrictedDiagram& d, const Pieces& pieces, const PieceGroups& groups,
                              const std::vector<double>& volumes, const PartContacts* across,
-                             const Execution& execution)
+                             std::uint32_t kept_owner, const Execution& execution)
     : SmallestFirst(pieces, groups, volumes, find_piece_contacts(d, pieces, groups.names(), execution),
-                    across, execution) {}
+                    across, kept_owner, execution) {}
 
 SmallestFirst::SmallestFirst(const Pieces& pieces, const PieceGroups& groups,
                              const std::vector<double>& volumes, const std::vector<PieceContact>& caps,
-                             const PartContacts* across, const Execution& execution)
+                             const PartContacts* across, std::uint32_t kept_owner, const Execution& execution)
     : pacer_(execution),
       volume_(volumes),
       name_(pieces.pieces.size()),
       seat_(pieces.pieces.size()),
       changes_(pieces.pieces.size(), 0),
+      is_kept_(pieces.pieces.size(), 0),
       caps_(static_cast<std::uint32_t>(pieces.pieces.size()), caps.size() / 2, pacer_) {
   for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
     pacer_.step(4);
     name_[p] = seat_[p] = p;
+    if (pieces.pieces[p].owners[0] == kept_owner) is_kept_[groups.of(p)] = 1;
   }
   for (const PieceContact& c : caps)  // each pair is listed twice
     if (c.of < c.with) caps_.add(c.of, c.with, c.area);
   if (across != nullptr && !across->pieces.empty()) add_across(*across, groups);
   for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
     if (!groups.is_group(p)) continue;
-    push(p);
+    if (!is_kept_[p]) push(p);
     ++count_;
   }
 }
@@ -61,16 +63,26 @@ void SmallestFirst::take_back() {
   left_.clear();
 }
 
-std::uint32_t SmallestFirst::nearest(const ContactTable& table, std::uint32_t group) const {
+std::uint32_t SmallestFirst::nearest(const ContactTable& table, std::uint32_t group, bool kept) const {
   std::uint32_t with = kNoIndex;
   double area = -1;
   table.visit(seat_[group], [&](std::uint32_t other, double shared) {
+    if (static_cast<bool>(is_kept_[name_[other]]) != kept) return;
     if (shared > area || (shared == area && name_[other] < with)) {
       with = name_[other];
       area = shared;
     }
   });
   return with;
+}
+
+std::uint32_t SmallestFirst::nearest(std::uint32_t group) const {
+  for (const bool kept : {false, true}) {
+    if (const std::uint32_t with = nearest(caps_, group, kept); with != kNoIndex) return with;
+    if (!across_) continue;
+    if (const std::uint32_t with = nearest(*across_, group, kept); with != kNoIndex) return with;
+  }
+  return kNoIndex;
 }
 
 std::size_t SmallestFirst::degree(std::uint32_t seat) const {
@@ -80,8 +92,7 @@ std::size_t SmallestFirst::degree(std::uint32_t seat) const {
 std::pair<std::uint32_t, std::uint32_t> SmallestFirst::unite_smallest() {
   const std::uint32_t g = order_.front().group;
   pop();
-  std::uint32_t with = nearest(caps_, g);
-  if (with == kNoIndex && across_) with = nearest(*across_, g);
+  const std::uint32_t with = nearest(g);
   if (with == kNoIndex) return {g, g};
   const std::uint32_t name = std::min(g, with);
   volume_[name] += volume_[std::max(g, with)];
@@ -93,7 +104,8 @@ std::pair<std::uint32_t, std::uint32_t> SmallestFirst::unite_smallest() {
   seat_[name] = kept;
   ++changes_[g];
   ++changes_[with];
-  push(name);
+  is_kept_[name] = is_kept_[with];
+  if (!is_kept_[name]) push(name);
   --count_;
   return {g, with};
 }

@@ -20,9 +20,11 @@ namespace fracture {
 class SmallestFirst {
  public:
   /// `volumes`: per group, m³, indexed by its name. `across`: contacts between pieces of different parts;
-  /// if null, such pieces do not merge.
+  /// if null, such pieces do not merge. `kept_owner`: SizeLimits::kept_owner; groups with its pieces are not in
+  /// the order.
   SmallestFirst(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
-                const std::vector<double>& volumes, const PartContacts* across, const Execution& execution);
+                const std::vector<double>& volumes, const PartContacts* across, std::uint32_t kept_owner,
+                const Execution& execution);
   SmallestFirst(const SmallestFirst&) = delete;  // its tables borrow its pacer
   SmallestFirst& operator=(const SmallestFirst&) = delete;
 
@@ -35,8 +37,8 @@ class SmallestFirst {
   void leave_smallest();
   /// Puts back the groups that leave_smallest() took out.
   void take_back();
-  /// Merges the smallest group with the neighbour that shares the largest cap area with it (ties: the lowest name). If it
-  /// shares no caps, the neighbour is that of the largest contact across parts. Returns the names of both groups. If
+  /// Merges the smallest group with the neighbour that shares the largest cap area with it (ties: the lowest name). Kept
+  /// groups come last. If it shares no caps, the neighbour is that of the largest contact across parts. Returns the names of both groups. If
   /// there is no neighbour, the group leaves the order, and both names are its own.
   std::pair<std::uint32_t, std::uint32_t> unite_smallest();
 
@@ -50,10 +52,12 @@ class SmallestFirst {
   }
 
   SmallestFirst(const Pieces& pieces, const PieceGroups& groups, const std::vector<double>& volumes,
-                const std::vector<PieceContact>& caps, const PartContacts* across,
+                const std::vector<PieceContact>& caps, const PartContacts* across, std::uint32_t kept_owner,
                 const Execution& execution);
   void add_across(const PartContacts& across, const PieceGroups& groups);
-  std::uint32_t nearest(const ContactTable& table, std::uint32_t group) const;
+  /// The neighbour that shares the largest area, among kept groups or among the others.
+  std::uint32_t nearest(const ContactTable& table, std::uint32_t group, bool kept) const;
+  std::uint32_t nearest(std::uint32_t group) const;
   std::size_t degree(std::uint32_t seat) const;
   void push(std::uint32_t group);
   void pop();
@@ -62,6 +66,7 @@ class SmallestFirst {
   std::vector<double> volume_;              // per group
   std::vector<std::uint32_t> name_, seat_;  // per seat: its group; per group: its seat
   std::vector<std::uint32_t> changes_;      // per group
+  std::vector<char> is_kept_;               // per group
   ContactTable caps_;                       // between seats
   std::optional<ContactTable> across_;      // between seats
   std::vector<Entry> order_;                // a heap

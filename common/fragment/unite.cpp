@@ -112,12 +112,14 @@ std::vector<PartOwner> part_owners_of(const Pieces& pieces, const std::vector<st
 }  // namespace
 
 std::vector<double> volumes_of_groups(const RestrictedDiagram& d, const Pieces& pieces,
-                                      const PieceGroups& groups, const Execution& execution) {
+                                      const PieceGroups& groups, const Execution& execution,
+                                      const std::vector<double>& weights) {
   std::vector<double> volumes(pieces.pieces.size());
   Pacer pacer(execution);
   for (std::uint32_t p = 0; p < volumes.size(); ++p) {
     const std::vector<Face>& faces = pieces.pieces[p].faces;
-    volumes[groups.of(p)] += signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
+    const double volume = signed_volume(d, faces.data(), faces.size(), d.point(faces[0].v[0]), execution);
+    volumes[groups.of(p)] += weights.empty() ? volume : weights[pieces.pieces[p].part] * volume;
     pacer.step(4 + faces.size());
   }
   return volumes;

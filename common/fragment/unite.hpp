@@ -35,9 +35,10 @@ std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& diagram, 
                                               const Execution& execution);
 
 /// Returns the volume of each group of pieces, m³, indexed by its name; 0 if there is no group of that
-/// name. Throws Interrupted.
+/// name. `weights`: SizeLimits::weights. Throws Interrupted.
 std::vector<double> volumes_of_groups(const RestrictedDiagram& diagram, const Pieces& pieces,
-                                      const PieceGroups& groups, const Execution& execution);
+                                      const PieceGroups& groups, const Execution& execution,
+                                      const std::vector<double>& weights = {});
 
 /// Returns the total volume of the member pieces in each part, ascending by part in the whole. Throws
 /// Interrupted.

@@ -39,7 +39,7 @@ class Merging {
         volumes_(volumes),
         execution_(execution),
         all_(d.solid.report.volume),
-        order_(d, pieces, groups, volumes, across, execution) {}
+        order_(d, pieces, groups, volumes, across, limits.kept_owner, execution) {}
 
   const Unions& unions() const { return unions_; }
 
@@ -116,17 +116,13 @@ class Merging {
   Unions unions_;
 };
 
-}  // namespace
-
-SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, const SizeLimits& limits,
+/// unite_by_size() after pieces of different parts in the same cell were joined.
+SizeFigures merge_by_size(const RestrictedDiagram& d, const Pieces& pieces, const SizeLimits& limits,
                           const PartContacts* across, PieceGroups& groups, const Execution& execution) {
-  execution.poll();
   SizeFigures figures;
-  if (pieces.pieces.empty()) return figures;
-  Pacer pacer(execution);
-  if (across != nullptr) figures.united = join_in_cells(pieces, *across, groups, pacer);
   if (!limits.any()) return figures;
-  const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution);
+  Pacer pacer(execution);
+  const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution, limits.weights);
   std::uint32_t count = 0;
   double smallest = HUGE_VAL;
   for (std::uint32_t g = 0; g < volumes.size(); ++g) {
@@ -171,6 +167,33 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   // Every group that has a neighbour was merged. Groups without volume do not stay.
   for (std::uint32_t g = 0; g < left.size(); ++g)
     figures.alone += groups.is_group(g) && left[g] > 0 && left[g] < figures.min_volume;
+  return figures;
+}
+
+}  // namespace
+
+SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, const SizeLimits& limits,
+                          const PartContacts* across, PieceGroups& groups, const Execution& execution) {
+  execution.poll();
+  if (pieces.pieces.empty()) return {};
+  Pacer pacer(execution);
+  const std::uint32_t joined = across != nullptr ? join_in_cells(pieces, *across, groups, pacer) : 0;
+  SizeFigures figures;
+  SizeLimits others = limits;
+  if (!limits.weights.empty()) {  // first the limits that concern the pieces as they are
+    figures = merge_by_size(d, pieces,
+                            {.min_volume = limits.min_volume,
+                             .min_fraction = limits.min_fraction,
+                             .kept_owner = limits.kept_owner},
+                            across, groups, execution);
+    others.min_volume = others.min_fraction = 0;
+  }
+  const SizeFigures rest = merge_by_size(d, pieces, others, across, groups, execution);
+  figures.united += joined + rest.united;
+  figures.alone = std::max(figures.alone, rest.alone);
+  figures.parts = rest.parts;
+  figures.min_volume = std::max(figures.min_volume, rest.min_volume);
+  figures.fewest_triangles = rest.fewest_triangles;
   return figures;
 }
 

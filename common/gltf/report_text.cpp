@@ -177,7 +177,12 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
         .member("flat", report.hulls->flat)
         .member("simplified", report.hulls->simplified)
         .end_object();
-  if (report.kept_cells) json.key("keep").begin_object().member("cells", *report.kept_cells).end_object();
+  if (report.kept)
+    json.key("keep")
+        .begin_object()
+        .member("cells", report.kept->cells)
+        .member("share", report.kept->share)
+        .end_object();
   if (const auto& levels = fractured.hierarchy.levels; !levels.empty()) {
     json.key("levels").begin_array();
     for (const ClusterLevel& level : levels) json.value(level.clusters.size());

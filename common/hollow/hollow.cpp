@@ -47,6 +47,26 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
         "Ask for thicker walls, or model the inner side in a modelling tool.");
 }
 
+/// Says which parts stay solid, although the request (not a material) asks for walls.
+void report_too_thick(const HollowOptions& options, std::uint64_t parts, std::uint64_t too_thin,
+                      std::uint64_t with_walls, double thinnest, Remarks& remarks) {
+  const std::string name = options.thickness > 0 ? "'shell'" : "'shell_fraction'";
+  const bool none = too_thin + with_walls == parts;
+  const auto tell = [&](std::string sentence) {
+    none ? remarks.warn(std::move(sentence)) : remarks.note(std::move(sentence));
+  };
+  if (too_thin > 0)
+    tell(grouped(too_thin) + " of " + counted(parts, "closed part", "closed parts") +
+         (too_thin == 1 ? " stays" : " stay") + " solid, because " + name +
+         " asks for walls of at least half the part's thickness. " +
+         (options.thickness > 0 ? "Give a value below " + short_number(thinnest / 2) + " m."
+                                : "Give a smaller value."));
+  if (with_walls > 0)
+    tell(grouped(with_walls) + " of " + counted(parts, "closed part", "closed parts") +
+         (with_walls == 1 ? " has" : " have") + " a cavity already, so " + name + " does not apply to " +
+         (with_walls == 1 ? "it." : "them."));
+}
+
 /// Lattice triangles per triangle that a part may have. If many parts share the triangles, more would be
 /// wasted work.
 constexpr std::uint32_t kMarched = 4;
@@ -122,12 +142,29 @@ class Hollower {
     parallel_for(execution_, may_be.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) may_be[p] = may(p);
     });
+    if (least_ball_ == 0) report_unsuitable();
     for (std::size_t p = 0; p < may_be.size(); ++p) {
       if (!may_be[p]) continue;
       chosen_.push_back(p);
       longest_ = std::fmax(longest_, solid_.parts[p].box.longest_side());
     }
     waiting_ = asked();
+  }
+
+  void report_unsuitable() {
+    std::uint64_t too_thin = 0, with_walls = 0;
+    double thinnest = HUGE_VAL;
+    for (const Part& part : solid_.parts) {
+      const Vec3d size = part.box.size();
+      const double shortest = std::fmin(size.x, std::fmin(size.y, size.z));
+      if (part.shells.size() > 1) {
+        ++with_walls;
+      } else if (!(shortest > 2 * thickness_of(part))) {
+        ++too_thin;
+        thinnest = std::fmin(thinnest, shortest);
+      }
+    }
+    report_too_thick(options_, solid_.parts.size(), too_thin, with_walls, thinnest, solid_.report.remarks);
   }
 
   /// Maximum number of triangles of the next waiting part, and a lower bound of this limit for the others.

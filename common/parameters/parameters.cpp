@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "common/parameters/effects.hpp"
 #include "common/parameters/nearest_name.hpp"
 #include "common/parameters/rows.hpp"
 #include "common/parameters/values.hpp"
@@ -18,13 +19,20 @@ const std::vector<ParameterSpec>& rows() {
   return all;
 }
 
+/// `with_idle`: whether to include parameters that do not matter but that the report mentions.
 template <class Wanted>
-nlohmann::json canonical(const RequestParameters& parameters, const Wanted& wanted) {
+nlohmann::json canonical(const RequestParameters& parameters, bool with_idle, const Wanted& wanted) {
   nlohmann::json json = nlohmann::json::object();
+  std::optional<RequestParameters> baseline;
   for (const ParameterSpec& row : rows()) {
     if (!wanted(row) || !belongs(row, parameters.fracture.pattern)) continue;
-    if (row.matters && !row.matters(parameters)) continue;
+    const bool matters = !row.matters || row.matters(parameters);
+    if (!matters && !(with_idle && has_effect_check(row.name))) continue;
     nlohmann::json value = row.get(parameters, row);
+    if (!matters) {
+      if (!baseline) baseline = baseline_of(parameters);
+      if (value == row.get(*baseline, row)) continue;
+    }
     if (!value.is_null()) json[row.name] = std::move(value);
   }
   return json;
@@ -94,14 +102,16 @@ void refuse_both(Offences& offences, const Given& given, const char* name, const
                std::string("'") + name + "' and '" + other + "' were both given: " + why);
 }
 
-/// If a caller gives a material and `impacts`, it should break there. So if the material's own pattern has
-/// no impacts, the pattern becomes impact.
-void hit_material(SitePattern& pattern) {
+/// If a caller gives `impacts` but no pattern, the mesh should break there. So if the default pattern or the
+/// material's own pattern has no impacts, the pattern becomes impact.
+void choose_impact(SitePattern& pattern, bool of_material) {
   if (!std::holds_alternative<UniformPattern>(pattern) && !std::holds_alternative<ClusteredPattern>(pattern))
     return;
   ImpactPattern impact;
-  impact.exponent = 1.5;
-  impact.share = 0.55;
+  if (of_material) {
+    impact.exponent = 1.5;
+    impact.share = 0.55;
+  }
   pattern = impact;
 }
 
@@ -177,8 +187,8 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
   for (const ParameterSpec& spec : specs_) {
     const auto value = values.find(spec.name);
     if (value == values.end()) continue;
-    if (spec.name == "impacts" && values.contains("material") && !values.contains("pattern"))
-      hit_material(result.fracture.pattern);
+    if (spec.name == "impacts" && !values.contains("pattern"))
+      choose_impact(result.fracture.pattern, values.contains("material"));
     if (!belongs(spec, result.fracture.pattern)) {
       offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
                    "'" + spec.name + "' belongs to the " + join(spec.patterns) +
@@ -232,18 +242,32 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
 
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
   nlohmann::json json =
-      canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
+      canonical(parameters, false, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
   // A material with its walls turned off is equivalent to a material without walls.
   if (!(parameters.hollow.fraction > 0)) json.erase("shell_fraction");
   return json;
 }
 
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters) {
-  return canonical(parameters, [](const ParameterSpec& row) { return row.decides == Decides::kSites; });
+  return canonical(parameters, false,
+                   [](const ParameterSpec& row) { return row.decides == Decides::kSites; });
+}
+
+RequestParameters baseline_of(const RequestParameters& parameters) {
+  RequestParameters baseline;
+  const auto set = [&](std::string_view name, std::size_t choice) {
+    const auto row = std::find_if(rows().begin(), rows().end(),
+                                  [&](const ParameterSpec& spec) { return spec.name == name; });
+    row->set(baseline, *row, std::uint64_t{choice});
+  };
+  if (const MaterialPreset* preset = find_material_preset(parameters.material))
+    set("material", static_cast<std::size_t>(preset - material_presets().data()));
+  set("pattern", parameters.fracture.pattern.index());
+  return baseline;
 }
 
 nlohmann::json canonical_parameters(const RequestParameters& parameters) {
-  return canonical(parameters, [](const ParameterSpec&) { return true; });
+  return canonical(parameters, true, [](const ParameterSpec&) { return true; });
 }
 
 nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bool hit) {
@@ -257,7 +281,7 @@ nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bo
     base.local_sites.resize(before);
   }
   // Without the parameters of the support analysis, which change from hit to hit.
-  return canonical(base,
+  return canonical(base, false,
                    [](const ParameterSpec& row) { return row.name != "broken" && row.name != "gravity"; });
 }
 

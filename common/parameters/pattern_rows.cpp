@@ -35,8 +35,10 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
            "Points where the mesh is hit, in the answer's coordinate frame. The whole mesh breaks, with the smallest pieces at "
            "these points; to break only the area around a hit, use `local_point`. `radial`: the first point is the centre of the "
            "rings and spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
-           "bricks break. Default: the centre of the bounding box, or the centre of the box's +z side if spokes run in all "
-           "directions. If the material's pattern is `uniform` or `clustered`, `impacts` changes it to `impact`."}));
+           "bricks break. A point outside the mesh and farther from its surface than a tenth of the mesh's longest side is moved "
+           "to the nearest point of the surface, with a warning. Default: the centre of the bounding box, or the point of the "
+           "surface nearest to it if the centre is empty; the centre of the box's +z side if spokes run in all directions. If "
+           "`pattern` is not given and would be `uniform` or `clustered`, `impacts` changes it to `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,

@@ -33,9 +33,10 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .max = max_sites,
        .doc =
            "Number of fragments in the answer. If the actual number differs by more than a tenth, a warning says why. Parts that "
-           "touch nothing share the fragments in proportion to their volumes, and each is at least one fragment. Pieces broken "
-           "off by hits (`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many "
-           "cells as are needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
+           "touch nothing share the fragments in proportion to their volumes, and each is at least one fragment. Parts near "
+           "`impacts` get fragments by their distance to them instead, however thin they are. Pieces broken off by hits "
+           "(`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are "
+           "needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
@@ -160,13 +161,16 @@ ParameterSpec box_row(const char* name, const char* doc) {
 }
 
 void add_keep_rows(std::vector<ParameterSpec>& rows) {
+  const std::size_t first = rows.size();
   rows.push_back(with_member(
       {.name = "keep_center",
        .type = Type::kVector,
        .unit = "m",
        .low = -kFar,
        .high = kFar,
-       .doc = "Centre of a sphere in which nothing is cut. Requires `keep_radius`."},
+       .doc =
+           "Centre of a sphere in which nothing is cut. Outside it, the mesh breaks as usual, and the sphere is a cut made of 92 "
+           "flat facets. Requires `keep_radius`."},
       [](auto& r) -> auto& { return r.keep_center; }));
   rows.push_back(with_member(
       {.name = "keep_radius",
@@ -178,7 +182,8 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
       [](auto& r) -> auto& { return r.keep_radius; }));
   ParameterSpec box = box_row(
       "keep_box",
-      "Lowest and highest corners of a box in which nothing is cut. Use it instead of `keep_center` and `keep_radius`.");
+      "Lowest and highest corners of a box in which nothing is cut. Outside it, the mesh breaks as usual, and the box's sides are "
+      "flat cuts. Use it instead of `keep_center` and `keep_radius`.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -188,6 +193,7 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
     return vectors({r.fracture.keep->box.min, r.fracture.keep->box.max});
   };
   rows.push_back(std::move(box));
+  for (std::size_t k = first; k < rows.size(); ++k) rows[k].decides = Decides::kSites;
 }
 
 void add_anchor_rows(std::vector<ParameterSpec>& rows) {

@@ -33,7 +33,8 @@ constexpr double kNotch = 0.6;
 
 class Aggregator {
  public:
-  Aggregator(const RestrictedDiagram& d, const FractureParameters& p, const Execution& execution)
+  Aggregator(const RestrictedDiagram& d, const FractureParameters& p, std::span<const Vec3d> impacts,
+             std::span<const SiteId> kept, const Execution& execution)
       : d_(d),
         p_(p),
         execution_(execution),
@@ -53,15 +54,21 @@ class Aggregator {
       all_ += volume_[s];
       free_ += volume_[s] > 0;
     }
-    find_ways_out();
+    keep(kept);
+    find_ways_out(impacts);
   }
 
   std::vector<std::uint32_t> run() {
-    if (free_ == 0) {  // each cell is its own group
-      std::iota(group_.begin(), group_.end(), 0u);
+    if (free_ == 0) {  // each cell is its own group, except kept ones
+      const auto kept =
+          static_cast<std::uint32_t>(std::find(group_.begin(), group_.end(), kKept) - group_.begin());
+      for (std::uint32_t s = 0; s < group_.size(); ++s) group_[s] = group_[s] == kKept ? kept : s;
       return std::move(group_);
     }
-    const std::uint32_t count = std::min(std::max(1u, p_.sites), free_);
+    // As many fragments as requested, or as many cells as the pattern would make outside the region.
+    const double share = p_.size.fragments > 0 ? 1 : not_kept_;
+    const auto wanted = static_cast<std::uint32_t>(std::nearbyint(p_.sites * share));
+    const std::uint32_t count = std::min(std::max(1u, wanted), free_);
     SizesLeft sizes(count, p_.aggregation.spread, all_, kAboveLeast * p_.size.least(all_, count), pacer_);
     const std::vector<std::uint32_t> wish = ranks_by_place(sizes);
     give_small_ones(sizes);
@@ -72,11 +79,23 @@ class Aggregator {
     give_scraps_away();
     for (const SiteId s : ids<SiteId>(group_.size()))
       if (is_free(s)) group_[s] = groups_++;
+    for (std::uint32_t& group : group_)
+      if (group == kKept) group = groups_;
     return std::move(group_);
   }
 
  private:
-  static constexpr std::uint32_t kScrap = kNoIndex - 1;
+  static constexpr std::uint32_t kScrap = kNoIndex - 1, kKept = kNoIndex - 2;
+
+  /// Takes these cells for a group of their own, which no other cell joins.
+  void keep(std::span<const SiteId> kept) {
+    const double whole = all_;
+    for (const SiteId s : kept) {
+      take(s, kKept);
+      all_ -= volume_[s];
+    }
+    if (!kept.empty() && whole > 0) not_kept_ = std::fmax(0, all_) / whole;
+  }
 
   bool is_free(SiteId s) const { return group_[s] == kNoIndex; }
   const Vec3d& site(SiteId s) const { return d_.diagram.site(s); }
@@ -88,21 +107,15 @@ class Aggregator {
   }
 
   /// Finds, per site, the direction away from the nearest impact, in the image; none without impacts.
-  void find_ways_out() {
-    const auto* pattern = std::get_if<ImpactPattern>(&p_.pattern);
-    if (!pattern) return;
+  void find_ways_out(std::span<const Vec3d> impacts) {
+    if (impacts.empty()) return;
     const CellMap& map = d_.diagram.map();
-    std::vector<Vec3d> impacts = pattern->impacts;
-    // Same rule as in the pattern: without impacts, the middle of the image, or the middle of the solid if
-    // there are several images.
-    const bool in_image = impacts.empty() && map.frames().size() < 2;
-    if (impacts.empty()) impacts.push_back(in_image ? d_.seen.box.center() : d_.solid.box.center());
     for (const SiteId s : ids<SiteId>(group_.size())) {
       pacer_.step(impacts.size());
       Vec3d out;
       double least = HUGE_VAL;
       for (const Vec3d& impact : impacts) {
-        const Vec3d from = site(s) - (map && !in_image ? map.at(site(s)).image(impact) : impact);
+        const Vec3d from = site(s) - (map ? map.at(site(s)).image(impact) : impact);
         if (const double square = dot(from, from); square < least) {
           least = square;
           out = from;
@@ -128,6 +141,7 @@ class Aggregator {
     };
     std::vector<Place> places;
     for (const SiteId s : ids<SiteId>(group_.size())) {
+      if (!is_free(s)) continue;  // kept
       double sum = volume_[s];
       for (const CellTouch& t : touches_.of(s)) sum += volume_[t.cell];
       pacer_.step(touches_.of(s).size());
@@ -154,7 +168,7 @@ class Aggregator {
   void give_small_ones(SizesLeft& sizes) {
     std::vector<SiteId> by_volume;
     for (const SiteId s : ids<SiteId>(group_.size()))
-      if (volume_[s] > 0) by_volume.push_back(s);
+      if (is_free(s) && volume_[s] > 0) by_volume.push_back(s);
     sort_with_polls(execution_, by_volume.begin(), by_volume.end(), [&](SiteId a, SiteId b) {
       return volume_[a] != volume_[b] ? volume_[a] < volume_[b] : a < b;
     });
@@ -318,7 +332,8 @@ class Aggregator {
   std::vector<double> taken_;            // m², area of its caps to cells that are taken
   std::vector<std::uint32_t> seen_;      // the first cell of the last fragment that found it
   std::vector<Vec3d> out_;
-  double all_ = 0;
+  double all_ = 0;          // m³, without kept cells
+  double not_kept_ = 1;     // share of the volume
   std::uint32_t free_ = 0;  // cells with volume
   std::uint32_t groups_ = 0;
   std::vector<double> group_volume_;
@@ -331,8 +346,9 @@ class Aggregator {
 bool is_aggregated(const SiteParameters& parameters) { return cells_per_fragment(parameters) > 1; }
 
 std::vector<std::uint32_t> aggregate(const RestrictedDiagram& diagram, const FractureParameters& parameters,
+                                     std::span<const Vec3d> impacts, std::span<const SiteId> kept,
                                      const Execution& execution) {
-  return Aggregator(diagram, parameters, execution).run();
+  return Aggregator(diagram, parameters, impacts, kept, execution).run();
 }
 
 }  // namespace fracture

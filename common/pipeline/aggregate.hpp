@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/clip/restricted_diagram.hpp"
@@ -22,9 +23,12 @@ bool is_aggregated(const SiteParameters& parameters);
 /// Returns a number per site; cells with equal numbers stay together. There are as many groups as
 /// SiteParameters::sites says. There are more if parts of the solid or FractureParameters::max_volume need
 /// them, and fewer if there are not enough cells. If the pattern crowds small cells together, the small
-/// fragments are there. Around impacts, fragments are longer in the direction away from the impact. Takes n
-/// log n in the number of cells. Throws Interrupted.
+/// fragments are there. Around `impacts`, fragments are longer in the direction away from the impact. The cells
+/// `kept` are one group; the number of the other groups falls with the volume that is left, unless
+/// SizeLimits::fragments is set. Takes n log n
+/// in the number of cells. Throws Interrupted.
 std::vector<std::uint32_t> aggregate(const RestrictedDiagram& diagram, const FractureParameters& parameters,
+                                     std::span<const Vec3d> impacts, std::span<const SiteId> kept,
                                      const Execution& execution);
 
 /// Approximate ratio of length to width of fragments, in the direction away from a hit.

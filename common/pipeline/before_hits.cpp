@@ -9,9 +9,12 @@
 #include "common/base/pacer.hpp"
 #include "common/fragment/unite.hpp"
 #include "common/pipeline/aggregate.hpp"
+#include "common/pipeline/kept_space.hpp"
 #include "common/pipeline/part_contacts.hpp"
 #include "common/pipeline/split_large.hpp"
 #include "common/rough/roughen.hpp"
+#include "common/sites/part_shares.hpp"
+#include "common/sites/request_places.hpp"
 #include "common/solid/image.hpp"
 
 namespace fracture {
@@ -30,7 +33,10 @@ Expected<Diagram> without_hits(const SeenSolid& seen, const FractureParameters& 
                                const Execution& execution) {
   Expected<Tetrahedralization> t = tetrahedralize(plan.points, seen.seen().box, execution);
   if (!t) return tl::unexpected(t.error());
-  Diagram before{.sites = std::move(plan.points), .map = plan.map, .tetrahedralization = std::move(*t)};
+  Diagram before{.sites = std::move(plan.points),
+                 .map = plan.map,
+                 .tetrahedralization = std::move(*t),
+                 .clearance = plan.clearance};
   if (parameters.max_volume > 0) {
     Expected<SplitFigures> split = split_large(seen, before, parameters, execution);
     if (!split) return tl::unexpected(split.error());
@@ -94,7 +100,8 @@ Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const Fractu
   const Tetrahedralization& all = before.tetrahedralization;
   const VoronoiDiagram voronoi(all, seen.seen().box, before.map, execution);
   const std::vector<std::uint32_t> groups =
-      aggregate(restrict_to_solid(seen, voronoi, execution), parameters, execution);
+      aggregate(restrict_to_solid(seen, voronoi, execution), parameters, impacts_of(parameters.pattern),
+                kept_cells(seen, voronoi, parameters, execution), execution);
   std::uint32_t next = all.site_count();  // larger than every group number
   for (const SiteId s : all.site_of_input) plan.groups.push_back(s == kNoSite ? next++ : groups[s]);
   plan.points = std::move(before.sites);
@@ -124,13 +131,47 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
   return groups;
 }
 
+std::vector<double> weights_of_parts(const Solid& solid, const FractureParameters& parameters,
+                                     const std::vector<Vec3d>& impacts, const Execution& execution) {
+  if (!parameters.size.any() || impacts.empty() || solid.parts.size() < 2) return {};
+  SitePattern pattern = parameters.pattern;
+  std::visit(
+      [&](auto& p) {
+        if constexpr (requires { p.impacts; }) p.impacts = impacts;
+      },
+      pattern);
+  const std::optional<PartShares> shares = shares_of_parts(solid, pattern, execution);
+  if (!shares) return {};
+  std::vector<double> weights;
+  for (std::size_t p = 0; p < solid.parts.size(); ++p)
+    weights.push_back(shares->share[p] * solid.report.volume / solid.parts[p].volume);
+  return weights;
+}
+
 std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,
                                const FractureParameters& parameters, const Execution& execution) {
-  if (!parameters.keep) return {};
-  std::vector<Movement> movements;
-  if (parameters.roughness.amplitude > 0 && parameters.dual == Dual::kCircumcenter)
-    movements = movements_of_cuts(seen.original(), parameters.roughness, diagram.map());
-  return cells_meeting(*parameters.keep, diagram, seen.seen().box, execution, movements);
+  if (!parameters.keep || parameters.dual != Dual::kCircumcenter) return {};
+  const KeptSpace space(*parameters.keep, seen);
+  std::vector<SiteId> kept;
+  Pacer pacer(execution);
+  for (const SiteId s : ids<SiteId>(diagram.dual().site_count())) {
+    pacer.step(4);
+    if (space.holds(diagram.site(s))) kept.push_back(s);
+  }
+  return kept;
+}
+
+Restraints flat_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,
+                          const FractureParameters& parameters, const std::vector<SiteId>& kept,
+                          const Execution& execution) {
+  if (kept.empty() || !(parameters.roughness.amplitude > 0)) return {};
+  Restraints flat(diagram.dual().site_count(), Restraint::kNone);
+  const std::vector<Movement> movements =
+      movements_of_cuts(seen.original(), parameters.roughness, diagram.map());
+  for (const SiteId s : cells_meeting(*parameters.keep, diagram, seen.seen().box, execution, movements))
+    flat[s] = Restraint::kFlat;
+  for (const SiteId s : kept) flat[s] = Restraint::kFlat;
+  return flat;
 }
 
 void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups) {
@@ -164,7 +205,8 @@ SizeLimits limits_of_flat_pieces(const FractureParameters& parameters) {
 Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Diagram& diagram,
                                                 const FractureParameters& parameters,
                                                 const Execution& execution) {
-  const SizeLimits limits = limits_of_flat_pieces(parameters);
+  SizeLimits limits = limits_of_flat_pieces(parameters);
+  limits.weights = weights_of_parts(seen.original(), parameters, diagram.impacts, execution);
   if (!limits.any() && !joins_parts(seen.original(), parameters)) return std::vector<Union>();
   const Allowance::Temporary temporary(execution.allowance);
   const auto first = [&](const auto& all) {
@@ -177,8 +219,10 @@ Expected<std::vector<Union>> unions_before_hits(const SeenSolid& seen, const Dia
   const VoronoiDiagram voronoi(*t, seen.seen().box, diagram.map, execution);
   const RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
   std::vector<std::uint32_t> of_sites = groups_of_sites(*t, first(diagram.groups), execution);
-  keep_together(t->site_count(), kept_cells(seen, voronoi, parameters, execution), of_sites);
+  const std::vector<SiteId> kept = kept_cells(seen, voronoi, parameters, execution);
+  keep_together(t->site_count(), kept, of_sites);
   const Ownership ownership = Ownership::from_groups(t->site_count(), of_sites, execution);
+  if (!kept.empty()) limits.kept_owner = ownership.owner_of_site[kept[0]];
   const Pieces pieces = gather_pieces(restricted, ownership, execution);
   PieceGroups groups(pieces.pieces.size());
   const std::optional<PartContacts> across =

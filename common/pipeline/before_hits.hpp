@@ -7,10 +7,12 @@
 
 #include "common/fragment/unions.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "common/rough/restraint.hpp"
 
 namespace fracture {
 
-/// Replaces the plan's groups by those of aggregate(). The plan must contain only the pattern's points;
+/// Replaces the plan's groups by those of aggregate(). The plan must contain only the pattern's points, and
+/// the pattern's impacts must be on the solid;
 /// max_volume adds further points. Errors: those of tetrahedralize() and split_large(). Throws Interrupted.
 Expected<SplitFigures> aggregate_before_hits(const SeenSolid& seen, const FractureParameters& parameters,
                                              SitePlan& plan, const Execution& execution);
@@ -26,10 +28,20 @@ std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
                                            const std::vector<std::uint32_t>& groups_of_input,
                                            const Execution& execution);
 
-/// Returns the cells that FractureParameters::keep keeps together: those that meet the region, and those
-/// whose rough cuts might. Ascending. Throws Interrupted.
+/// Returns SizeLimits::weights: the share of the pieces that a part should have because of impacts, divided by
+/// its share of the volume. Empty if impacts do not decide. `impacts`: Diagram::impacts. Throws Interrupted.
+std::vector<double> weights_of_parts(const Solid& solid, const FractureParameters& parameters,
+                                     const std::vector<Vec3d>& impacts, const Execution& execution);
+
+/// Returns the cells whose sites are in the region FractureParameters::keep, ascending. Throws Interrupted.
 std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diagram,
                                const FractureParameters& parameters, const Execution& execution);
+
+/// Returns flat cuts for the kept cells and for cells whose rough cuts might enter the region. Empty if cuts
+/// are flat anyway. Throws Interrupted.
+Restraints flat_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,
+                          const FractureParameters& parameters, const std::vector<SiteId>& kept,
+                          const Execution& execution);
 
 /// Keeps these cells together, whatever their groups are. (Empty `groups`: each cell is its own group.)
 void keep_together(std::uint32_t sites, const std::vector<SiteId>& kept, std::vector<std::uint32_t>& groups);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <variant>
 
 #include "common/base/pacer.hpp"
+#include "common/pipeline/kept_space.hpp"
 #include "common/sites/column_sampler.hpp"
 
 namespace fracture {
@@ -26,6 +28,17 @@ bool divides_the_box(const SitePattern& pattern) {
 
 bool crowds(const SitePattern& pattern) {
   return std::holds_alternative<ImpactPattern>(pattern) || std::holds_alternative<ClusteredPattern>(pattern);
+}
+
+/// Share of the solid in the kept region, at most kMostKept.
+double kept_share(const SeenSolid& solid, const KeptSpace& kept, const Execution& execution) {
+  constexpr std::uint32_t kSamples = 512;
+  constexpr double kMostKept = 0.9;
+  const std::vector<Vec3d> samples = sites_detail::ColumnSampler(solid.seen(), 0, execution).spread(kSamples);
+  const auto inside =
+      std::count_if(samples.begin(), samples.end(), [&](const Vec3d& p) { return kept.holds(p); });
+  if (samples.empty()) return 0;
+  return std::fmin(kMostKept, static_cast<double>(inside) / static_cast<double>(samples.size()));
 }
 
 /// Number of groups of cells that contain one of these points.
@@ -74,6 +87,13 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
                       std::to_string(parameters.most_sites) + ". Ask for fewer fragments.",
                   "fragments");
   }
+  std::optional<KeptSpace> kept;
+  if (parameters.keep && parameters.dual == Dual::kCircumcenter) {
+    kept.emplace(*parameters.keep, solid);
+    const double sites = more.sites / (1 - kept_share(solid, *kept, execution));
+    more.sites = std::max(
+        more.sites, static_cast<std::uint32_t>(std::fmin(std::nearbyint(sites), parameters.most_sites)));
+  }
   Expected<SitePlan> plan = plan_sites(solid, more, execution);
   if (!divides_the_box(parameters.pattern)) return plan;
   std::vector<Vec3d> samples;
@@ -85,6 +105,7 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     if (samples.empty())
       samples =
           sites_detail::ColumnSampler(solid.seen(), 0, execution).spread(static_cast<std::uint32_t>(count));
+    if (kept) std::erase_if(samples, [&](const Vec3d& p) { return kept->holds(p); });
     if (samples.empty()) break;  // the solid is too thin for a column to hit it
     if (changed) met = groups_met(samples, *plan, execution);
     if (met >= wanted) break;

@@ -12,7 +12,8 @@ namespace fracture {
 /// Calls plan_sites(). If as many cells as fragments are requested, it asks for more cells. For impacts and
 /// clusters, some of whose cells are too small to keep, it asks for twice as many. For a pattern that
 /// divides the box, it repeats the plan a few times, until enough of the cells contain one of a set of
-/// sample points in the solid. It does not repeat for more than about 700 fragments, or for cells of a
+/// sample points in the solid. With a kept region, which is one fragment, it asks for as many more as the
+/// region takes away. It does not repeat for more than about 700 fragments, or for cells of a
 /// given size. Returns the errors of plan_sites() for any of these plans, because the sites must not depend
 /// on the server. Throws Interrupted.
 Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParameters& parameters,

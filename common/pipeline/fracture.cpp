@@ -15,11 +15,13 @@
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/intact.hpp"
+#include "common/pipeline/keep_sites.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/make_report.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
+#include "common/sites/request_places.hpp"
 #include "common/solid/image.hpp"
 #include "common/structure/contact_bonds.hpp"
 #include "common/structure/hierarchy.hpp"
@@ -49,6 +51,16 @@ std::vector<std::uint32_t> bricks_of_sites(const Tetrahedralization& t,
   return bricks;
 }
 
+/// Share of the volume that fragments with one of these cells have. `kept`: ascending.
+double share_of(const std::vector<SiteId>& kept, const FragmentSet& set) {
+  double volume = 0;
+  for (const Fragment& f : set.fragments)
+    if (std::any_of(f.sites.begin(), f.sites.end(),
+                    [&](SiteId s) { return std::binary_search(kept.begin(), kept.end(), s); }))
+      volume += f.mass.volume;
+  return set.certificate.volume_in > 0 ? volume / set.certificate.volume_in : 0;
+}
+
 /// Whether a rest of the solid stays whole regardless of its size.
 bool has_rest(const FractureParameters& parameters) {
   return parameters.keep || (!parameters.hits.empty() && parameters.rest == LocalRest::kWhole);
@@ -56,9 +68,12 @@ bool has_rest(const FractureParameters& parameters) {
 
 }  // namespace
 
-Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
+Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& given,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
+    FractureParameters parameters = given;
+    Remarks remarks;
+    put_impacts_on(solid, parameters.pattern, remarks, execution);
     Expected<CellMap> map = map_of_cells(solid, parameters, execution);
     if (!map) return tl::unexpected(map.error());
     // Barycentric cells do not support frames, and a kept region needs a single diagram. So all parts share one.
@@ -86,6 +101,13 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       return fail(ErrorCode::kBadParameter,
                   "'max_volume' divides cells, but pieces of this pattern have several cells. Leave it out.",
                   "max_volume");
+    std::optional<KeptSpace> kept;
+    if (parameters.keep && parameters.dual == Dual::kCircumcenter) {
+      kept.emplace(*parameters.keep, seen);
+      add_keep_sites(*kept, seen, !aggregated && !(parameters.max_volume > 0),
+                     std::holds_alternative<PointsPattern>(parameters.pattern), *plan, execution);
+      diagram.of_pattern = plan->points.size();
+    }
     if (!parameters.hits.empty()) {
       if (aggregated || parameters.max_volume > 0) {
         const Expected<SplitFigures> split = aggregated
@@ -97,6 +119,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
       diagram.of_pattern = plan->points.size();
       if (auto added = append_hits(solid, parameters, parameters.hits, 0, 0, *plan, execution); !added)
         return tl::unexpected(added.error());
+      if (kept) leave_out_hits(*kept, diagram.of_pattern, *plan, execution);
       group_hits(parameters.hits, parameters.rest, diagram.of_pattern, *plan, execution);
     }
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.seen().box, execution);
@@ -105,7 +128,11 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& par
     diagram.groups = std::move(plan->groups);
     diagram.bricks = std::move(plan->bricks);
     diagram.map = plan->map;
-    diagram.remarks = std::move(plan->remarks);
+    diagram.clearance = plan->clearance;
+    remarks.add(plan->remarks);
+    diagram.remarks = std::move(remarks);
+    const std::span<const Vec3d> impacts = impacts_of(parameters.pattern);
+    diagram.impacts.assign(impacts.begin(), impacts.end());
     diagram.tetrahedralization = std::move(*t);
     if (parameters.max_volume > 0 && parameters.hits.empty()) {
       Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
@@ -142,9 +169,10 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     const std::vector<std::uint32_t> bricks = bricks_of_sites(t, diagram.bricks, execution);
     restricted.bricks = bricks;
     if (inspect) inspect(restricted);
-    std::vector<std::uint32_t> groups = diagram.groups.empty() && is_aggregated(parameters)
-                                            ? aggregate(restricted, parameters, execution)
-                                            : groups_of_sites(t, diagram.groups, execution);
+    std::vector<std::uint32_t> groups =
+        diagram.groups.empty() && is_aggregated(parameters)
+            ? aggregate(restricted, parameters, diagram.impacts, kept, execution)
+            : groups_of_sites(t, diagram.groups, execution);
     keep_together(t.site_count(), kept, groups);
     const Ownership ownership = Ownership::from_groups(t.site_count(), groups, execution);
     cut.grouped = ownership.grouped;
@@ -156,11 +184,16 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
       cut.unions = std::move(*unions);
       before = unions_beside_hits(cut.unions, diagram, ownership, execution);
     }
+    SizeLimits limits = limits_in_force(parameters, solid.report.volume, sites_of_pattern(diagram));
+    if (parameters.hits.empty())
+      limits.weights = weights_of_parts(solid, parameters, diagram.impacts, execution);
+    if (!kept.empty()) limits.kept_owner = ownership.owner_of_site[kept[0]];
+    const Restraints flat = flat_near_kept(seen, voronoi, parameters, kept, execution);
     make_rough_fragments(
-        restricted, parameters, limits_in_force(parameters, solid.report.volume, sites_of_pattern(diagram)),
-        ownership, std::move(before),
+        restricted, parameters, std::move(limits), ownership, flat, std::move(before),
         [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
         trace);
+    cut.kept_share = share_of(kept, cut.set);
     if (parameters.hulls == Hulls::kConvex)
       cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits.count,
                                        cells_per_fragment(parameters), has_rest(parameters), execution);

@@ -50,7 +50,8 @@ struct FractureParameters : SiteParameters {
   bool intact = false;    ///< whether to make FracturedSolid::intact
   SizeLimits size;        ///< small fragments are merged with a neighbour
   double max_volume = 0;  ///< m³; 0: no limit. Cells with a larger piece get more sites
-  /// Nothing inside this region is cut: the cells that meet it form one group.
+  /// Nothing inside this region is cut: its surface is a boundary of cells (pipeline/keep_sites.hpp), and the
+  /// cells in it form one group. Not with Dual::kBarycenter.
   std::optional<Region> keep{};
   Roughness roughness{};  ///< of the cuts; uses the sites' seed. Only with Dual::kCircumcenter
   /// The number of clusters in each level of the hierarchy above the fragments, coarsest first; increasing.
@@ -73,7 +74,10 @@ struct Diagram {
   Remarks remarks{};                      ///< about the sites
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< effect of FractureParameters::max_volume
-  std::size_t of_pattern = 0;             ///< number of `sites`, from the first one, that are not of hits
+  /// The impacts of the pattern, on the solid (sites/request_places.hpp). Empty: it has none.
+  std::vector<Vec3d> impacts{};
+  double clearance = 0;        ///< SitePlan::clearance
+  std::size_t of_pattern = 0;  ///< number of `sites`, from the first one, that are not of hits
 };
 
 /// Makes the diagram. Errors: those of plan_sites() and tetrahedralize(), or an interruption.

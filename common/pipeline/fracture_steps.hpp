@@ -45,6 +45,7 @@ struct CutCells {
   FragmentSet set;
   CollisionHulls hulls;                 ///< hulls that are known already
   std::size_t kept = 0;                 ///< cells that FractureParameters::keep keeps together
+  double kept_share = 0;                ///< share of the solid's volume that their fragments have
   bool grouped = false;                 ///< whether some fragment has several cells
   std::vector<SiteId> lowest{};         ///< per site, if cells stay together: the lowest of these cells
   std::vector<std::uint32_t> pieces{};  ///< per site: number of pieces; of a group: at its lowest site

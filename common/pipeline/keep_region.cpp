@@ -6,26 +6,13 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/pipeline/convex_polygon.hpp"
 
 namespace fracture {
 namespace {
 
-using Polygon = std::vector<Vec3d>;
-
-/// Keeps the part of the polygon with normal · x <= offset.
-void clip(Polygon& polygon, const Vec3d& normal, double offset, Polygon& scratch) {
-  scratch.clear();
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vec3d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-    const double da = dot(normal, a) - offset, db = dot(normal, b) - offset;
-    if (da <= 0) scratch.push_back(a);
-    if ((da < 0 && db > 0) || (da > 0 && db < 0)) scratch.push_back(a + (da / (da - db)) * (b - a));
-  }
-  polygon.swap(scratch);
-}
-
 /// Squared distance from q to a convex polygon in the plane with this unit normal.
-double distance2(const Polygon& polygon, const Vec3d& normal, const Vec3d& q) {
+double distance2(const ConvexPolygon& polygon, const Vec3d& normal, const Vec3d& q) {
   double nearest = HUGE_VAL;
   int turns = 0;  // all to one side: the foot of q is inside
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -188,7 +175,7 @@ class RegionWalk {
   Box limits_;  ///< the region's box within the bounds
   std::vector<std::pair<SiteId, SiteId>> rings_;
   std::vector<SiteId> ring_;
-  Polygon polygon_, scratch_;
+  ConvexPolygon polygon_, scratch_;
 };
 
 }  // namespace

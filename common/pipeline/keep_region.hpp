@@ -1,4 +1,4 @@
-// A region of space that never breaks: all cells that meet it form one group, so no cut runs through it.
+// A region of space that never breaks, and the cells that meet it (see also kept_space.hpp, keep_sites.hpp).
 #pragma once
 
 #include <span>

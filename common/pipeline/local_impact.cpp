@@ -77,7 +77,8 @@ Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
     near.sites = hit.sites;
     // Uses a sequence that differs from the pattern's and from that of every other hit.
     near.seed = (parameters.seed ^ 0x696d70616374ull) + k * kGoldenGamma;
-    near.pattern = ImpactPattern{.impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1};
+    near.pattern = ImpactPattern{
+        .impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1, .by_parts = false};
     near.lloyd = 0;
     near.aggregation.cells = cells_per_fragment(parameters);  // from the original pattern
     near.density_from.clear();

@@ -24,6 +24,9 @@ void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet&
         "1/100,000 of the size. Small details may be ragged. Move the mesh nearer to the origin.");
 }
 
+/// A kept share above this is everything but rounding.
+constexpr double kAllKept = 1 - 1e-9;
+
 /// `volumes` must be ascending.
 VolumeDistribution volume_distribution(const std::vector<double>& volumes) {
   const std::size_t n = volumes.size();
@@ -145,15 +148,26 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
         "more 'sites', or lower the limits that merge pieces.");
 }
 
-void report_structure(const FractureParameters& p, std::size_t kept_cells,
-                      std::optional<std::uint32_t> anchored, Report& report) {
-  if (p.keep) {
-    report.kept_cells = kept_cells;
-    if (kept_cells == 0)
-      report.remarks.warn(
-          "The region to keep is outside the mesh's box, so nothing is kept whole. Move it onto the mesh; "
-          "its coordinates are in metres, with y up.");
+void report_kept(const FractureParameters& p, const CutCells& cut, Report& report) {
+  if (!p.keep) return;
+  const std::string name =
+      p.keep->shape == Region::Shape::kBox ? "'keep_box'" : "'keep_center' and 'keep_radius'";
+  if (p.dual == Dual::kBarycenter) {
+    report.remarks.warn("dual=barycenter keeps no region whole, so " + name +
+                        " had no effect. Leave out either this or 'dual'.");
+    return;
   }
+  report.kept = {cut.kept, cut.kept_share};
+  if (!(cut.kept_share > 0))
+    report.remarks.warn("The region of " + name +
+                        " contains nothing of the mesh, so nothing is kept whole. Move it onto the mesh; its "
+                        "coordinates are in metres, with y up.");
+  else if (cut.kept_share > kAllKept)
+    report.remarks.warn("The region of " + name +
+                        " contains the whole mesh, so nothing is cut. Make the region smaller.");
+}
+
+void report_structure(std::optional<std::uint32_t> anchored, Report& report) {
   report.anchored = anchored;
   if (anchored == 0u) report.remarks.warn(kNothingAnchored);
 }
@@ -247,7 +261,8 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
   Report report;
   report_sites(solid, sites, set, report);
   report_size(parameters, sites.split, cut.whole ? *cut.whole : sizes_of(set, execution), set, report);
-  report_structure(parameters, cut.kept, anchored, report);
+  report_kept(parameters, cut, report);
+  report_structure(anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);
   if (rest) report_rest(rest->figures, report.remarks);
   if (parameters.hulls == Hulls::kConvex) report.hulls = cut.whole ? cut.whole->hulls : hulls;

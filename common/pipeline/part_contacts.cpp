@@ -5,7 +5,7 @@
 
 #include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
-#include "common/fragment/ray_crossing.hpp"
+#include "common/bvh/ray_crossing.hpp"
 #include "common/structure/contact_bonds.hpp"
 
 namespace fracture {

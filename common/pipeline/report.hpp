@@ -75,10 +75,16 @@ struct Report {
   SolidReport solid;
   SiteFigures sites;
   SizeReport size;
-  std::optional<ContactReport> contacts{};    ///< if the solid has several parts
-  std::optional<std::uint64_t> kept_cells{};  ///< cells that FractureParameters::keep keeps together
-  std::optional<std::uint32_t> anchored{};    ///< number of anchored fragments
-  std::optional<HullReport> hulls{};          ///< of all fragments of the answer
+  std::optional<ContactReport> contacts{};  ///< if the solid has several parts
+  /// Effect of FractureParameters::keep.
+  struct Kept {
+    std::uint64_t cells = 0;  ///< cells that stay together
+    double share = 0;         ///< of the solid's volume: fragments that meet the inside of the region
+    bool operator==(const Kept&) const = default;
+  };
+  std::optional<Kept> kept{};
+  std::optional<std::uint32_t> anchored{};  ///< number of anchored fragments
+  std::optional<HullReport> hulls{};        ///< of all fragments of the answer
   std::optional<RoughCuts> rough_cuts{};
   std::optional<BarycenterReport> barycenter{};  ///< Dual::kBarycenter: no partition is promised
   std::optional<RefracturedFragment> fragment{};

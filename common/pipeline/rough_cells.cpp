@@ -24,6 +24,12 @@ void restrain(const FragmentSet& set, const std::vector<std::uint32_t>& fragment
     for (const SiteId s : set.fragments[f].sites) restraints[s] = first ? Restraint::kLess : Restraint::kFlat;
 }
 
+Restraints stronger_of(const Restraints& a, Restraints b) {
+  if (b.empty()) return a;
+  for (std::size_t s = 0; s < a.size(); ++s) b[s] = std::max(a[s], b[s]);
+  return b;
+}
+
 /// Unites pieces with flat cuts, so that neither the noise nor a hit decides which pieces unite.
 SizeFigures unite_flat(const RestrictedDiagram& restricted, const Pieces& pieces, const Ownership& ownership,
                        const SizeLimits& limits, const PartContacts* across, std::vector<Union>& unions,
@@ -37,8 +43,8 @@ SizeFigures unite_flat(const RestrictedDiagram& restricted, const Pieces& pieces
 }  // namespace
 
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
-                          SizeLimits limits, const Ownership& ownership, std::vector<Union> before,
-                          const std::function<Verdict(const FragmentSet&)>& judged,
+                          SizeLimits limits, const Ownership& ownership, const Restraints& always,
+                          std::vector<Union> before, const std::function<Verdict(const FragmentSet&)>& judged,
                           const Execution& execution, CutCells& cut, std::optional<RoughTrace>* trace) {
   Roughness roughness = parameters.roughness;
   Restraints restraints;
@@ -47,7 +53,9 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   std::optional<Pieces> flat;
   std::optional<PartContacts> across;  // only pieces with flat cuts join across parts, and only without hits
   if (!with_hits && rough) {
-    const SizeLimits of_pieces = limits_of_flat_pieces(parameters);
+    SizeLimits of_pieces = limits_of_flat_pieces(parameters);
+    of_pieces.weights = limits.weights;
+    of_pieces.kept_owner = limits.kept_owner;
     if (of_pieces.any() || joins_parts(restricted.solid, parameters)) {
       flat = gather_pieces(restricted, ownership, execution);
       across = find_part_contacts(restricted, ownership, *flat, parameters, execution);
@@ -60,8 +68,8 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   PieceRecord record;
   for (int restrained = 0;; ++restrained) {
     execution.reaches(0.7);
-    cut.rough = roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed,
-                        execution, trace);
+    cut.rough = roughen(restricted, ownership.owner_of_site, roughness, stronger_of(always, restraints),
+                        parameters.seed, execution, trace);
     execution.reaches(0.9);
     std::optional<Pieces> pieces;
     if (flat) pieces = with_finer_caps(*flat, restricted, execution);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
 #include "common/clip/restricted_diagram.hpp"
 #include "common/fragment/pieces.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "common/pipeline/keep_sites.hpp"
 #include "common/sites/sites.hpp"
 
 namespace fracture {
@@ -19,6 +21,8 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
   for (const LocalImpact& hit : parameters.hits)
     of_hits += std::uint64_t{cells_per_fragment(parameters)} * hit.sites;
   const std::size_t most = parameters.most_sites - std::min<std::uint64_t>(of_hits, parameters.most_sites);
+  std::optional<KeptSpace> kept;
+  if (parameters.keep && parameters.dual == Dual::kCircumcenter) kept.emplace(*parameters.keep, solid);
   SplitFigures figures;
   for (;;) {
     const Tetrahedralization& t = diagram.tetrahedralization;
@@ -34,7 +38,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
       pacer.step(4 + p.faces.size());
       const double volume = signed_volume(restricted, p.faces.data(), p.faces.size(),
                                           restricted.point(p.faces[0].v[0]), execution);
-      if (!(volume > max_volume)) continue;
+      if (!(volume > max_volume) || (kept && kept->holds(voronoi.site(SiteId{p.owners[0]})))) continue;
       ++figures.too_large;
       // Every cell is its own owner here, so the owner's number is the site's. There are 30 % more points
       // than the volume requires, because random parts are uneven.
@@ -57,7 +61,7 @@ Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
       pacer.step(256);  // nearest() is a walk
       if (diagram.sites.size() >= most) break;
       cell = voronoi.nearest(p, cell);
-      if (wanted[cell] == 0) continue;
+      if (wanted[cell] == 0 || (kept && !may_have_site(*kept, p, diagram.clearance))) continue;
       --wanted[cell];
       diagram.sites.push_back(p);
       ++figures.sites_added;

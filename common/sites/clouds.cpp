@@ -155,6 +155,15 @@ double expected_sites(const ClusteredPattern&, double count, const Vec3d&) { ret
 Expected<SitePlan> generate(const Task& task, const ImpactPattern& pattern, const ImageMap& map) {
   ColumnSampler sampler(task.solid, task.seed, task.execution);
   const double radius = pattern.radius.value_or(box_in_image(task).longest_side() / 3);
+  if (const auto shares = shares_of_parts(task.seen.original(), pattern, task.execution)) {
+    const std::uint32_t count = part_of(pattern.share, task.count);
+    std::vector<Vec3d> near =
+        points_near_parts(task, pattern.impacts, radius, pattern.exponent, *shares, count);
+    const std::size_t missing = count - near.size();
+    SitePlan plan = with_rest(task, sampler, std::move(near));
+    if (missing > 0) add_remark(missing, count, pattern, radius, plan.remarks);
+    return plan;
+  }
   std::vector<Vec3d> impacts;
   if (map.frames().size() > 1) {
     const Vec3d middle = task.seen.original().box.center();

@@ -9,7 +9,9 @@
 #include "common/base/cell_map.hpp"
 #include "common/sites/column_sampler.hpp"
 #include "common/sites/density.hpp"
+#include "common/sites/part_shares.hpp"
 #include "common/sites/pattern.hpp"
+#include "common/sites/shapes.hpp"
 
 namespace fracture::sites_detail {
 
@@ -54,6 +56,12 @@ double expected_sites(const ClusteredPattern& pattern, double count, const Vec3d
 /// Whether each part breaks according to its own shape (sites/shapes.hpp): true for Around::kShape if neither
 /// axis, spokes nor rings are given.
 bool breaks_by_parts(const RadialPattern& pattern);
+/// The shapes of the parts. Parts that get the most pieces have frames of their own.
+struct ShapesForPieces {
+  std::optional<PartShares> shares;  ///< none: pieces are shared by volume
+  Shapes shapes;
+};
+ShapesForPieces shapes_for(const Solid& solid, const RadialPattern& pattern, const Execution& execution);
 
 /// Maps points from the frame of the answer to the image. The map has at most one frame.
 std::vector<Vec3d> mapped(std::vector<Vec3d> points, const ImageMap& map);
@@ -76,6 +84,11 @@ struct Cloud {
 std::vector<Vec3d> points_in_clouds(const Task& task, ColumnSampler& sampler, std::span<const Cloud> clouds,
                                     std::span<const std::uint32_t> cloud_of, double exponent);
 inline constexpr int kDraws = 64;
+
+/// Returns about `count` points near the impacts (in the frame of the answer), divided among the parts by
+/// PartShares::near. There are fewer if too little of a part is within the radius.
+std::vector<Vec3d> points_near_parts(const Task& task, std::span<const Vec3d> impacts, double radius,
+                                     double exponent, const PartShares& shares, std::uint32_t count);
 
 /// Error of a pattern that would generate `sites` sites.
 tl::unexpected<Error> too_many_sites(const Task& task, double sites);

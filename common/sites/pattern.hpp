@@ -40,10 +40,13 @@ struct PointsPattern {
 /// distance^-exponent out to the radius. Distances are drawn by their inverse distribution, so a small radius
 /// costs no more than a large one.
 struct ImpactPattern {
-  std::vector<Vec3d> impacts{};    ///< empty: the middle of the box
+  std::vector<Vec3d> impacts{};    ///< empty: the middle of the box (see also sites/request_places.hpp)
   std::optional<double> radius{};  ///< > 0; none: a third of the box's longest side
   double exponent = 2;             ///< 0 (even within the radius) … 2.9 (nearly all at the impact)
   double share = 0.8;              ///< share of the sites that are near an impact, 0 … 1
+  /// Whether parts near an impact share its sites by their distance (sites/part_shares.hpp). False: every
+  /// place within the radius has the same chance, so thick parts get most sites.
+  bool by_parts = true;
   friend bool operator==(const ImpactPattern&, const ImpactPattern&) = default;
 };
 
@@ -206,6 +209,9 @@ struct SitePlan {
   /// outside every brick. If hits added points, covers only the points before them. A cut between two
   /// different bricks is a joint; any other cut goes through a brick.
   std::vector<std::uint32_t> bricks{};
+  /// With a kept region: no further site may be nearer than this to the region, m, in the image
+  /// (pipeline/keep_sites.hpp).
+  double clearance = 0;
 };
 
 /// Number of cells per fragment: the number in Aggregation, reduced if kMaxPatternSites requires it. 1 if the

@@ -8,6 +8,7 @@
 #include "common/sites/generators.hpp"
 #include "common/sites/grain.hpp"
 #include "common/sites/masonry.hpp"
+#include "common/sites/request_places.hpp"
 #include "common/sites/shapes.hpp"
 #include "common/sites/sites.hpp"
 #include "common/solid/image.hpp"
@@ -54,8 +55,8 @@ CellMap map_of(const Solid& solid, const std::vector<Matrix3>& matrices,
 
 /// The map of parts that break separately. Each frame's box is twice the size of its parts, because rings may
 /// extend that far beyond a part.
-CellMap map_of_parts(const Solid& solid, const Execution& execution) {
-  const Shapes shapes = shapes_of(solid, CellMap::kMostFrames, execution);
+CellMap map_of_parts(const Solid& solid, const RadialPattern& pattern, const Execution& execution) {
+  const Shapes shapes = sites_detail::shapes_for(solid, pattern, execution).shapes;
   if (shapes.frames < 2) return {};
   std::vector<Box> boxes(shapes.frames);
   Pacer pacer(execution);
@@ -79,7 +80,7 @@ CellMap map_of(const Solid& solid, const SiteParameters& p, const Execution& exe
   }
   if (const auto* radial = std::get_if<RadialPattern>(&p.pattern);
       radial && sites_detail::breaks_by_parts(*radial) && anisotropy.stretch == 1)
-    return map_of_parts(solid, execution);
+    return map_of_parts(solid, *radial, execution);
   if (anisotropy.stretch == 1) return {};
   const auto along = [&](const Vec3d& grain) { return along_grain(grain, anisotropy.stretch); };
   if (anisotropy.grain) return along(*anisotropy.grain);
@@ -146,8 +147,9 @@ Expected<SitePlan> generate(const Task& task, const UniformPattern&, const Image
   return plan;
 }
 
-Expected<SitePlan> generate(const Task&, const PointsPattern& pattern, const ImageMap& map) {
+Expected<SitePlan> generate(const Task& task, const PointsPattern& pattern, const ImageMap& map) {
   SitePlan plan;
+  check_points(task.seen.original(), pattern.points, plan.remarks, task.execution);
   plan.points = mapped(pattern.points, map);
   plan.groups = pattern.groups;
   return plan;

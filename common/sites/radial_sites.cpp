@@ -294,17 +294,19 @@ void keep_at(const Box& part, const BoxTree& tree, const std::vector<Box>& parts
   plan = std::move(kept);
 }
 
-/// Breaks each part separately, with a number of pieces proportional to its volume: a plate around an axis, a
-/// body around a point, a rod across. Every part is hit at its point nearest to the hit.
+/// Breaks each part separately: a plate around an axis, a body around a point, a rod across. Every part is hit
+/// at its point nearest to the hit. The number of pieces is proportional to volume, or with a hit, to
+/// PartShares::share.
 Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
   const Solid& solid = task.seen.original();
   const CellMap& map = task.seen.map();
-  const Shapes shapes = shapes_of(solid, CellMap::kMostFrames, task.execution);
+  const auto [shares, shapes] = shapes_for(solid, pattern, task.execution);
   const Vec3d* const hit = pattern.impacts.empty() ? nullptr : pattern.impacts.data();
   Pacer pacer(task.execution);
   double volume = 0;
   std::vector<std::uint32_t> in_frame(shapes.frames, 0);
-  std::size_t crushed = 0;  // the part that is hit: the nearest to the hit or, without a hit, the largest
+  // The part that is hit: the nearest to the hit or, without a hit, the largest.
+  std::size_t crushed = shares ? shares->nearest : 0;
   const auto later = [&](std::size_t p) {
     return hit ? square_distance(solid.parts[p].box, *hit) : -solid.parts[p].volume;
   };
@@ -312,7 +314,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     pacer.step(4);
     volume += solid.parts[p].volume;
     ++in_frame[shapes.frame_of_part[p]];
-    if (later(p) < later(crushed)) crushed = p;
+    if (!shares && later(p) < later(crushed)) crushed = p;
   }
   // Boxes of the parts that share a frame.
   std::vector<Box> beside;
@@ -330,7 +332,8 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     const PartShape& shape = shapes.of_part[p];
     const CellMap::Frame& frame = map.of_part(static_cast<std::uint32_t>(p));
     const Box& box = solid.parts[p].box;
-    auto count = static_cast<std::uint32_t>(std::nearbyint(task.count * solid.parts[p].volume / volume));
+    const double share = shares ? shares->share[p] : solid.parts[p].volume / volume;
+    auto count = static_cast<std::uint32_t>(std::nearbyint(task.count * share));
     if (p == crushed && count < 2) count = std::min(task.count, kLeastOfOne);
     const bool alone = in_frame[shapes.frame_of_part[p]] == 1;
     // Parts that share a frame and are too small for a piece belong to the cells of their neighbours in it.
@@ -369,11 +372,6 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
 }
 
 }  // namespace
-
-bool breaks_by_parts(const RadialPattern& pattern) {
-  return pattern.around == RadialPattern::Around::kShape && !pattern.axis && !pattern.spokes &&
-         !pattern.rings;
-}
 
 double expected_sites(const RadialPattern& pattern, double count, const Vec3d&) {
   // Omitting a ring crack merges several cells into one piece.

@@ -82,7 +82,8 @@ std::optional<Vec3d> thin_axis(const Solid& solid, const Execution& execution) {
   return thin_axis(moments);
 }
 
-Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& execution) {
+Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& execution,
+                 std::span<const double> sizes) {
   Shapes shapes;
   const std::size_t parts = solid.parts.size();
   if (parts < 2) return shapes;
@@ -115,7 +116,8 @@ Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& executio
   std::vector<std::uint32_t> order(parts);
   std::iota(order.begin(), order.end(), 0u);
   sort_with_polls(execution, order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
-    const double a = solid.parts[x].volume, b = solid.parts[y].volume;
+    const double a = sizes.empty() ? solid.parts[x].volume : sizes[x];
+    const double b = sizes.empty() ? solid.parts[y].volume : sizes[y];
     return a != b ? a > b : x < y;
   });
   shapes.frames = std::min(parts, most);

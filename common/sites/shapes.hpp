@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -36,9 +37,10 @@ struct Shapes {
 
 /// Returns no parts and no frames if the solid breaks as one: if it has one part, or if its plates form one
 /// plate together, such as the panes of a window. Uses second moments, which are proportional to squared
-/// lengths. If two volumes are equal, the earlier part counts as larger. Linear in the triangles.
-/// Throws Interrupted.
-Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& execution = {});
+/// lengths. If two volumes are equal, the earlier part counts as larger. `sizes`: per part, instead of the
+/// volumes; empty: the volumes. Linear in the triangles. Throws Interrupted.
+Shapes shapes_of(const Solid& solid, std::size_t most, const Execution& execution = {},
+                 std::span<const double> sizes = {});
 
 /// The direction in which the whole solid is thin, if it is a plate. Throws Interrupted.
 std::optional<Vec3d> thin_axis(const Solid& solid, const Execution& execution = {});

@@ -7,7 +7,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/bvh/box_tree.hpp"
-#include "common/fragment/ray_crossing.hpp"
+#include "common/bvh/ray_crossing.hpp"
 
 namespace fracture {
 namespace {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/json_reader.hpp"
+#include "common/parameters/effects.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "common/pipeline/algorithm_version.hpp"
 #include "common/structure/support.hpp"
@@ -302,6 +303,8 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
                                    request.parameters.broken};
       fractured.support = analyze_support(fractured.set, fractured.anchored, support, execution);
     }
+    for (std::string& sentence : parameters_without_effect(request.parameters, fractured))
+      fractured.report.remarks.warn(std::move(sentence));
     options.interior = std::move(*interior);
     options.exterior = exterior_materials(request.parameters.exterior, *mesh.solid.source, execution);
     options.mesh_digest = result->mesh_digest;

@@ -57,7 +57,7 @@ FracturedSolid with_everything() {
                               .place = {},
                               .normal = {1, 0, 0},
                               .volume = 0.25}};
-  report.kept_cells = 5;
+  report.kept = {5, 0.25};
   report.anchored = 1;
   report.hulls = {.hulls = 3, .flat = 2, .simplified = 1, .excess = 1.25};
   report.rough_cuts = {.amplitude = 0.01,
@@ -99,7 +99,7 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
   EXPECT_EQ(report.at("frame"), json::parse(R"({"metres_per_unit": 0.0254, "unit_from": "request", "up": "z",
                                                 "up_from": "file"})"));
   EXPECT_EQ(report.at("hulls"), json::parse(R"({"count": 3, "flat": 2, "simplified": 1, "excess": 1.25})"));
-  EXPECT_EQ(report.at("keep"), json::parse(R"({"cells": 5})"));
+  EXPECT_EQ(report.at("keep"), json::parse(R"({"cells": 5, "share": 0.25})"));
   EXPECT_EQ(report.at("levels"), json({1, 2, 2})) << "two clusters, two fragments";
   EXPECT_EQ(report.at("passed_through"), json::parse(R"({"triangles": 11})"));
   EXPECT_EQ(report.at("rough_cuts"),

@@ -219,6 +219,28 @@ TEST(Hollow, OnlyWhatHoldsTheBallWhereOneIsAskedFor) {
   EXPECT_EQ(hollowed(solid_of(things), {.fraction = 0.01}, {}).report.parts_hollowed, 3u);
 }
 
+TEST(Hollow, WallsThatDoNotFitAreNamedWithTheParameterAndItsLargestValue) {
+  const auto warnings = [](const Mesh& mesh, const HollowOptions& options) {
+    return hollowed(solid_of(mesh), options, {}).report.remarks.warnings;
+  };
+  const auto thick = warnings(cube(), {.thickness = 0.6});
+  ASSERT_EQ(thick.size(), 1u);
+  EXPECT_NE(thick[0].find("'shell'"), std::string::npos) << thick[0];
+  EXPECT_NE(thick[0].find("below 0.5 m"), std::string::npos) << thick[0];
+  const auto fraction = warnings(cube(), {.fraction = 0.5});
+  ASSERT_EQ(fraction.size(), 1u);
+  EXPECT_NE(fraction[0].find("'shell_fraction'"), std::string::npos) << fraction[0];
+  const auto nested = warnings(nested_spheres(2, 500), {.thickness = 0.05});
+  ASSERT_EQ(nested.size(), 1u);
+  EXPECT_NE(nested[0].find("a cavity already"), std::string::npos) << nested[0];
+  // If other parts become hollow, it is only a note; a material's walls are not mentioned.
+  const Mesh some = joined({cube(), translated(thin_plate(0.01), {3, 0, 0})});
+  const Solid both = hollowed(solid_of(some), {.thickness = 0.1}, {});
+  EXPECT_TRUE(both.report.remarks.warnings.empty());
+  EXPECT_EQ(both.report.remarks.notes.size(), 1u);
+  EXPECT_TRUE(warnings(thin_plate(0.01), {.fraction = 0.1, .least_ball = 0.2}).empty());
+}
+
 TEST(Hollow, TheCopyOfTheSourceIsCounted) {
   const Solid solid = solid_of(ico_sphere(5));
   const std::size_t bytes = solid.source->positions.size() * sizeof(Vec3f);

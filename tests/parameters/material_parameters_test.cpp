@@ -166,7 +166,12 @@ TEST(MaterialParameters, AHitOnAMaterialAsksForThePatternOfHits) {
     ASSERT_TRUE(same) << same.error().detail;
     EXPECT_EQ(canonical_parameters(*same), canonical_parameters(*asked));
   }
-  EXPECT_FALSE(table().parse({{"impacts", hit, true}})) << "no material asks for it";
+  const auto alone = table().parse({{"impacts", hit, true}});
+  ASSERT_TRUE(alone) << alone.error().detail;
+  EXPECT_EQ(alone->fracture.pattern, SitePattern(ImpactPattern{.impacts = {{0.1, 0.2, 0.3}}}));
+  EXPECT_EQ(canonical_parameters(*alone),
+            canonical_parameters(*table().parse({{"pattern", "impact", false}, {"impacts", hit, true}})));
+  EXPECT_FALSE(table().parse({{"pattern", "uniform", false}, {"impacts", hit, true}}));
   EXPECT_FALSE(
       table().parse({{"material", "stone", false}, {"pattern", "uniform", false}, {"impacts", hit, true}}));
 }
@@ -184,8 +189,9 @@ TEST(MaterialParameters, RoughnessIsCheckedAndShownWhereItMatters) {
   ASSERT_TRUE(spelled);
   EXPECT_EQ(spelled->fracture.roughness, (Roughness{0.02, 5, 2}));
   EXPECT_EQ(canonical_parameters(*spelled).at("rough_octaves"), 2);
-  EXPECT_FALSE(canonical_parameters(*parse_text("rough_octaves", "4")).contains("rough_octaves"))
-      << "of flat cuts";
+  EXPECT_EQ(canonical_parameters(*parse_text("rough_octaves", "4")).at("rough_octaves"), 4)
+      << "the report says that it had no effect";
+  EXPECT_FALSE(canonical_site_parameters(*parse_text("rough_octaves", "4")).contains("rough_octaves"));
   const auto stone = table().parse({{"material", "stone"}}),
              flat = table().parse({{"material", "stone"}, {"rough_amplitude", "0"}});
   EXPECT_GT(stone->fracture.roughness.amplitude, 0);

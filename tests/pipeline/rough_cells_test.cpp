@@ -33,7 +33,7 @@ struct Net : testing::Test {
     const Ownership ownership = Ownership::from_groups(diagram.tetrahedralization.site_count(), {});
     RestrictedDiagram restricted = restrict_to_solid(SeenSolid(solid), voronoi, execution);
     CutCells out;
-    make_rough_fragments(restricted, p, p.size, ownership, {}, judged, execution, out);
+    make_rough_fragments(restricted, p, p.size, ownership, {}, {}, judged, execution, out);
     return out;
   }
   Verdict real(const FragmentSet& set) const { return judge(set, solid, Promise::kPartition); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "common/bvh/surface_tree.hpp"
 #include "common/materials/materials.hpp"
@@ -106,7 +107,7 @@ TEST(KeepRegion, NothingInsideIsCutAndAllInvariantsHold) {
     expect_closed(f.set);
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     expect_outside_untouched(f.set, mesh);
-    EXPECT_GT(f.report.kept_cells.value(), 0u);
+    EXPECT_GT(f.report.kept.value().cells, 0u);
     each_cut(f.set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
       EXPECT_GT(distance_to_triangle(ball.center, a, b, c), ball.radius * (1 - 1e-6));
     });
@@ -149,6 +150,123 @@ TEST(KeepRegion, NoRoughCutRunsThroughIt) {
   }
   EXPECT_GE(rough, 10u);
   EXPECT_GT(cuts, 10'000u);
+}
+
+/// The lower 30 % of a cube of 1 m; the box is wider than the cube.
+const Region kLower{.shape = Region::Shape::kBox, .box = {{-1, -1, -1}, {1, -0.2, 1}}};
+/// 3.4 % of the cube.
+const Region kBall{.center = {0.1, 0.05, -0.1}, .radius = 0.2};
+
+const Fragment& fragment_at(const FragmentSet& set, const Vec3d& place) {
+  return *std::min_element(
+      set.fragments.begin(), set.fragments.end(), [&](const Fragment& a, const Fragment& b) {
+        return length(a.mass.center_of_mass - place) < length(b.mass.center_of_mass - place);
+      });
+}
+
+TEST(KeepRegion, TheKeptShareIsThatOfTheRegionWithEveryPatternAndMaterial) {
+  const Mesh mesh = cube();
+  std::size_t turn = 0;
+  for (const std::uint64_t seed : {kSeed, kSeed + 1, kSeed + 2}) {
+    std::vector<NamedParameters> requests = pattern_requests(box_of(mesh), 50, seed);
+    for (auto& [name, p] : requests) {
+      if (p.dual != Dual::kCircumcenter || !has_turn(turn++, 2, 3)) continue;
+      for (const auto& [region, share, middle] :
+           {std::tuple(kLower, 0.3, Vec3d{0, -0.35, 0}),
+            std::tuple(kBall, 4 * M_PI / 3 * std::pow(0.2, 3), kBall.center)}) {
+        SCOPED_TRACE(name + " seed " + std::to_string(seed) + " share " + std::to_string(share));
+        p.keep = region;
+        p.size.min_of_mean = kLeastOfMean;
+        const Fractured f = fracture_mesh(mesh, p);
+        const double mean = 1.0 / static_cast<double>(f.set.fragments.size());
+        const double most = share + std::fmax(mean, 0.05 * share);
+        const double kept = fragment_at(f.set, middle).mass.volume;
+        EXPECT_GE(kept, share * (1 - 1e-5));
+        EXPECT_LE(kept, most);
+        EXPECT_NEAR(f.report.kept.value().share, kept, 1e-9);
+        EXPECT_GT(f.set.fragments.size(), 5u) << "the rest breaks";
+        std::size_t inside = 0;
+        each_cut(f.set, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+          if (region.shape == Region::Shape::kSphere)
+            inside += distance_to_triangle(region.center, a, b, c) < region.radius * (1 - 1e-5);
+          else
+            inside += std::fmin(a.y, std::fmin(b.y, c.y)) < region.box.max.y - 2e-6;
+        });
+        EXPECT_EQ(inside, 0u);
+      }
+    }
+  }
+}
+
+TEST(KeepRegion, ItsSurfaceIsOneFlatCut) {
+  for (const char* material : {"wood", "brick", "stone", "cast_iron"}) {
+    SCOPED_TRACE(material);
+    FractureParameters p = of_material(*find_material_preset(material), 60, kSeed);
+    p.keep = kLower;
+    const Fractured f = fracture_mesh(cube(), p);
+    const Fragment& kept = fragment_at(f.set, {0, -0.35, 0});
+    double area = 0;
+    for (const FragmentPrimitive& primitive : kept.primitives) {
+      if (!is_of_cuts(primitive.material)) continue;
+      for (std::uint32_t k = primitive.first_index; k < primitive.first_index + primitive.index_count;
+           k += 3) {
+        Vec3d corner[3];
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          corner[c] = to_double(kept.positions[kept.indices[k + c]]) + kept.pivot;
+          EXPECT_NEAR(corner[c].y, -0.2, 1e-5);
+        }
+        area += 0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
+      }
+    }
+    EXPECT_NEAR(area, 1, 1e-5) << "the section of the cube";
+  }
+}
+
+TEST(KeepRegion, ARegionThatHoldsNothingOrEverythingIsNamed) {
+  FractureParameters p;
+  p.sites = 30;
+  p.keep = Region{.center = {3, 0, 0}, .radius = 1};
+  const Fractured nothing = fracture_mesh(cube(), p);
+  EXPECT_TRUE(warns(nothing.report, "'keep_center' and 'keep_radius' contains nothing of the mesh"));
+  EXPECT_EQ(nothing.report.kept.value().share, 0);
+  EXPECT_GT(nothing.set.fragments.size(), 20u);
+  p.keep = Region{.shape = Region::Shape::kBox, .box = {{-1, -1, -1}, {1, 1, 1}}};
+  const Fractured all = fracture_mesh(cube(), p);
+  EXPECT_TRUE(warns(all.report, "'keep_box' contains the whole mesh"));
+  EXPECT_EQ(all.set.fragments.size(), 1u);
+  p.keep = kLower;
+  EXPECT_TRUE(fracture_mesh(cube(), p).report.remarks.warnings.empty());
+}
+
+TEST(KeepRegion, SizeLimitsLeaveItAsItIs) {
+  FractureParameters p;
+  p.sites = p.size.fragments = 40;
+  for (const Region& region : {kLower, kBall}) {
+    p.keep = region;
+    const Fractured f = fracture_mesh(cube(), p);
+    EXPECT_NEAR(static_cast<double>(f.set.fragments.size()), 40, 4);
+    const double share = region.shape == Region::Shape::kBox ? 0.3 : 4 * M_PI / 3 * std::pow(0.2, 3);
+    EXPECT_NEAR(f.report.kept.value().share, share, 0.05 * share);
+  }
+  // A tenth of the volume at least: the ball is smaller, but no piece joins it.
+  p.size = {.min_fraction = 0.1};
+  p.keep = kBall;
+  EXPECT_LT(fracture_mesh(cube(), p).report.kept.value().share, 0.04);
+}
+
+TEST(KeepRegion, HitsAndLimitsOfVolumeDoNotCutIt) {
+  FractureParameters p;
+  p.sites = 40;
+  p.keep = kLower;
+  p.hits = {{{0, -0.2, 0}, 0.4, 60}};
+  p.rest = LocalRest::kFractured;
+  const Fractured hit = fracture_mesh(cube(), p);
+  EXPECT_NEAR(hit.report.kept.value().share, 0.3, 0.03);
+  EXPECT_TRUE(has_note(hit.report, "left out, because the region to keep is there"));
+  p.hits.clear();
+  p.max_volume = 0.02;
+  const Fractured divided = fracture_mesh(cube(), p);
+  EXPECT_NEAR(divided.report.kept.value().share, 0.3, 0.03);
 }
 
 TEST(KeepRegion, AllOfTheSolidKeptIsTheSolid) {

@@ -174,9 +174,9 @@ TEST_F(BakePlanTest, ALineMayNeedTheParametersOfARule) {
     const auto made = plan_bake({.manifest = manifest, .rules = with}, parse);
     return made ? "" : made.error().detail;
   };
-  EXPECT_THAT(detail(R"({"impacts": [[0, 0, 0]]})", ""), testing::HasSubstr("'impacts'"));
-  EXPECT_EQ(detail(R"({"impacts": [[0, 0, 0]]})", rules), "");
-  EXPECT_THAT(detail(R"({"impacts": [[0, 0, 0]], "sitess": 4})", rules), testing::HasSubstr("'sitess'"));
+  EXPECT_THAT(detail(R"({"radius": 1})", ""), testing::HasSubstr("'radius'"));
+  EXPECT_EQ(detail(R"({"radius": 1})", rules), "");
+  EXPECT_THAT(detail(R"({"radius": 1, "sitess": 4})", rules), testing::HasSubstr("'sitess'"));
 }
 
 TEST(LineFaults, DifferentOnesAreCountedBeyondTheMost) {

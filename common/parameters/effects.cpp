@@ -1,0 +1,195 @@
+#include "common/parameters/effects.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "common/base/words.hpp"
+#include "common/parameters/rows.hpp"
+
+namespace fracture {
+namespace {
+
+/// Why a parameter had no effect and what to do, after "'name' had no effect: ". None: it had an effect.
+using Why = std::optional<std::string>;
+
+struct Asked {
+  const RequestParameters& request;
+  const FracturedSolid& answer;
+  const FractureParameters& fracture = request.fracture;
+  const SitePattern& pattern = request.fracture.pattern;
+};
+
+struct Check {
+  const char* parameter;
+  Why (*why)(const Asked&);
+};
+
+std::string pattern_in(const Asked& a) {
+  return std::string("pattern=") + kPatternTraits[a.pattern.index()].name;
+}
+
+Why needs_hits(const Asked& a) {
+  if (!a.request.local_point.empty()) return {};
+  return "it belongs to hits. Give 'local_point' and 'local_radius'.";
+}
+Why needs_fragment(const Asked& a) {
+  if (a.request.fragment) return {};
+  return "it belongs to a fragment that breaks again. Give 'fragment'.";
+}
+Why needs_roughness(const Asked& a) {
+  if (a.fracture.roughness.amplitude > 0) return {};
+  return "the cuts are flat. Give 'rough_amplitude'.";
+}
+Why needs_hulls(const Asked& a) {
+  if (a.request.physics != Physics::kNone || a.request.ue_collision != UeCollision::kNone) return {};
+  return "physics=none makes no collision hulls. Choose another 'physics'.";
+}
+Why needs_parts(const Asked& a) {
+  if (a.answer.report.solid.parts > 1) return {};
+  return "the mesh has one part, so there are no contacts between parts.";
+}
+
+Why grain(const Asked& a) {
+  if (a.fracture.anisotropy.stretch != 1) return {};
+  return "pieces are as long as wide. Give a 'stretch' other than 1.";
+}
+
+Why grain_of(const Asked& a) {
+  if (!is_scattered(a.pattern))
+    return pattern_in(a) + " has one grain for the whole mesh. Use pattern=uniform, impact or clustered.";
+  return grain(a);
+}
+
+Why size_spread(const Asked& a) {
+  if (cells_per_fragment(a.fracture) > 1) return {};
+  return "each fragment is one cell. Give 'cells_per_fragment'.";
+}
+
+Why seed(const Asked& a) {
+  if (a.fracture.roughness.amplitude > 0 || !a.fracture.hits.empty() || a.request.fragment) return {};
+  const auto* grid = std::get_if<GridPattern>(&a.pattern);
+  if (!std::holds_alternative<PointsPattern>(a.pattern) && !(grid && grid->jitter == 0)) return {};
+  return pattern_in(a) + " uses no random numbers" + (grid ? " without 'jitter'." : ".");
+}
+
+Why axis(const Asked& a) {
+  const auto* radial = std::get_if<RadialPattern>(&a.pattern);
+  if (!radial || radial->around != RadialPattern::Around::kPoint) return {};
+  return "with around=point, spokes run in all directions. Use around=axis.";
+}
+
+Why tilt(const Asked& a) {
+  const auto* slices = std::get_if<SlicePattern>(&a.pattern);
+  if (!slices || slices->normals.size() < 2) return {};
+  return "only planes of a single family are tilted. Give one of the 'normals'.";
+}
+
+Why mortar(const Asked& a) {
+  if (a.fracture.dual == Dual::kCircumcenter) return {};
+  return "dual=barycenter makes no joints. Leave out 'dual'.";
+}
+
+/// The radius and the exponent of impacts or clusters without sites.
+Why near_sites(const Asked& a) {
+  const auto* impact = std::get_if<ImpactPattern>(&a.pattern);
+  const auto* clustered = std::get_if<ClusteredPattern>(&a.pattern);
+  if ((!impact || impact->share > 0) && (!clustered || clustered->share > 0)) return {};
+  return "'share' is 0, so no sites are near impacts or in clusters.";
+}
+
+Why impacts(const Asked& a) {
+  const auto* radial = std::get_if<RadialPattern>(&a.pattern);
+  if (!radial || radial->impacts.size() < 2 || a.answer.report.solid.parts > 1) return {};
+  return "except for the first point, because pattern=radial has one centre. Use pattern=impact.";
+}
+
+Why drop_above(const Asked& a) {
+  const auto& barycenter = a.answer.report.barycenter;
+  if (!barycenter || !barycenter->dropped || barycenter->dropped->fragments > 0) return {};
+  return "no fragment is larger. Give a smaller volume.";
+}
+
+Why shell_ball(const Asked& a) {
+  if (a.request.hollow.any()) return {};
+  return "nothing becomes hollow. Give 'shell' or 'shell_fraction'.";
+}
+
+Why gravity(const Asked& a) {
+  if (a.fracture.anchors.any()) return {};
+  return "it belongs to the support analysis, which needs anchors. Give 'anchor_plane', 'anchor_box' or "
+         "'anchor_points'.";
+}
+
+Why broken(const Asked& a) {
+  if (!a.answer.support || a.answer.support->unknown == 0) return {};
+  std::vector<std::uint64_t> ids;
+  for (const Fragment& f : a.answer.set.fragments) ids.push_back(f.id);
+  std::sort(ids.begin(), ids.end());
+  std::string unknown;
+  constexpr std::size_t kMostNamed = 5;
+  std::size_t count = 0;
+  for (const std::uint64_t id : a.request.broken) {
+    if (std::binary_search(ids.begin(), ids.end(), id) || ++count > kMostNamed) continue;
+    unknown += (unknown.empty() ? "" : ", ") + std::to_string(id);
+  }
+  if (count > kMostNamed) unknown += " and " + grouped(count - kMostNamed) + " more";
+  return "no fragment has the ID " + unknown + ". Use the IDs of this request's answer without 'broken'.";
+}
+
+constexpr Check kChecks[] = {
+    {"seed", seed},
+    {"grain", grain},
+    {"grain_of", grain_of},
+    {"size_spread", size_spread},
+    {"impacts", impacts},
+    {"radius", near_sites},
+    {"exponent", near_sites},
+    {"axis", axis},
+    {"mortar", mortar},
+    {"tilt", tilt},
+    {"parts", needs_parts},
+    {"contact_gap", needs_parts},
+    {"contact_strength", needs_parts},
+    {"gravity", gravity},
+    {"broken", broken},
+    {"local_sites", needs_hits},
+    {"local_rest", needs_hits},
+    {"fragment_sites", needs_fragment},
+    {"fragment_seed", needs_fragment},
+    {"rough_frequency", needs_roughness},
+    {"rough_octaves", needs_roughness},
+    {"shell_ball", shell_ball},
+    {"drop_above", drop_above},
+    {"max_hulls", needs_hulls},
+    {"hull_excess", needs_hulls},
+};
+
+nlohmann::json value_of(const ParameterSpec& row, const RequestParameters& parameters) {
+  return belongs(row, parameters.fracture.pattern) ? row.get(parameters, row) : nlohmann::json();
+}
+
+}  // namespace
+
+bool has_effect_check(std::string_view parameter) {
+  return std::any_of(std::begin(kChecks), std::end(kChecks),
+                     [&](const Check& check) { return check.parameter == parameter; });
+}
+
+std::vector<std::string> parameters_without_effect(const RequestParameters& parameters,
+                                                   const FracturedSolid& answer) {
+  static const std::vector<ParameterSpec> rows = parameter_rows(1, FormatSet());
+  const RequestParameters baseline = baseline_of(parameters);
+  std::vector<std::string> sentences;
+  for (const Check& check : kChecks) {
+    const auto row = std::find_if(rows.begin(), rows.end(),
+                                  [&](const ParameterSpec& spec) { return spec.name == check.parameter; });
+    if (value_of(*row, parameters) == value_of(*row, baseline)) continue;
+    if (const Why why = check.why({parameters, answer}))
+      sentences.push_back("'" + row->name + "' had no effect: " + *why);
+  }
+  return sentences;
+}
+
+}  // namespace fracture

@@ -1,0 +1,38 @@
+// Compares the places in a request with the solid: puts impacts on it, and finds points that have no effect.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/execution.hpp"
+#include "common/base/remarks.hpp"
+#include "common/sites/pattern.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture {
+
+/// The impacts of a pattern; none if the pattern has no impacts.
+std::span<const Vec3d> impacts_of(const SitePattern& pattern);
+
+/// An impact outside the solid and farther from its surface than this share of the solid's longest side is
+/// moved.
+inline constexpr double kFarFromSolid = 0.1;
+
+/// Moves each impact that is far outside the solid to the nearest point of its surface, with a warning. Gives
+/// an ImpactPattern without impacts a default impact: the centre of the solid's box if that is in the solid,
+/// otherwise the point of its surface nearest to that centre, with a note. Leaves other patterns as they are.
+/// Linear in triangles for each impact. Throws Interrupted.
+void put_impacts_on(const Solid& solid, SitePattern& pattern, Remarks& remarks, const Execution& execution);
+
+/// Warns if no point of a PointsPattern is in the solid, if points are far outside its box, and if points are
+/// equal. Near-linear in triangles + points. Throws Interrupted.
+void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks& remarks,
+                  const Execution& execution);
+
+/// The unit in which `place` would be in or near the box, although it is far away in metres: "centimetres",
+/// "millimetres" or "inches". None if there is no such unit.
+std::optional<std::string> likely_unit(const Vec3d& place, const Box& box);
+
+}  // namespace fracture
