@@ -54,7 +54,9 @@ class ModelReader {
       const json* extras = fracture_extras(document_, index);
       if (extras != nullptr) mark_interior(*extras);
       const tinygltf::Node& node = gltf_.nodes[static_cast<std::size_t>(index)];
-      if (node.mesh < 0 || node.name.starts_with("UCX_")) continue;
+      if (node.mesh < 0 || node.name.starts_with("UCX_") ||
+          is_sheet(index, parents[static_cast<std::size_t>(index)]))
+        continue;
       const Transform& world = *graph.world[static_cast<std::size_t>(index)];
       for (const Transform& instance : gltf_instances(gltf_, node, limits_.max_triangles))
         read_object(node, world * instance, fragment_info(index, extras, parents));
@@ -63,6 +65,17 @@ class ModelReader {
   }
 
  private:
+  /// Whether a node has the sheets that a fragment, its parent (-1: none), carries. They are drawn as part of the fragment.
+  bool is_sheet(int index, int parent) const {
+    const tinygltf::Node& node = gltf_.nodes[static_cast<std::size_t>(index)];
+    if (parent < 0 || node.mesh < 0 || node.name.starts_with("UCX_")) return false;
+    if (!node.matrix.empty() || !node.translation.empty() || !node.rotation.empty() || !node.scale.empty())
+      return false;
+    const json *own = fracture_extras(document_, index), *above = fracture_extras(document_, parent);
+    return own == nullptr && above != nullptr && above->contains("id") &&
+           gltf_.nodes[static_cast<std::size_t>(parent)].mesh >= 0;
+  }
+
   /// The root's extras list the materials of cut faces. Before algorithm 11, it was the last material.
   void mark_interior(const json& extras) {
     const auto listed = extras.find("interior_materials");
@@ -105,6 +118,7 @@ class ModelReader {
       refuse(ErrorCode::kMalformedMesh, "Mesh " + std::to_string(node.mesh) + " does not exist.");
     for (const tinygltf::Primitive& p : gltf_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
       read_primitive(p, number, world.determinant() < 0);
+    if (fragment) read_sheets(node, number, world.determinant() < 0);
     if (model_.surfaces.size() == first_surface) {
       model_.vertices.resize(first_vertex);
       return;
@@ -123,6 +137,20 @@ class ModelReader {
       fragment->centroid = glm::vec3(object.transform * glm::vec4(object.bounds.center, 1));
     object.fragment = std::move(fragment);
     model_.objects.push_back(std::move(object));
+  }
+
+  /// Reads the sheets that a fragment carries, as surfaces of the same object.
+  void read_sheets(const tinygltf::Node& fragment, std::uint32_t number, bool mirrored) {
+    const int parent = static_cast<int>(&fragment - gltf_.nodes.data());
+    for (const int child : fragment.children) {
+      if (!is_sheet(child, parent)) continue;
+      const int mesh = gltf_.nodes[static_cast<std::size_t>(child)].mesh;
+      if (static_cast<std::size_t>(mesh) >= gltf_.meshes.size())
+        refuse(ErrorCode::kMalformedMesh, "Mesh " + std::to_string(mesh) + " does not exist.");
+      shared_.clear();
+      for (const tinygltf::Primitive& p : gltf_.meshes[static_cast<std::size_t>(mesh)].primitives)
+        read_primitive(p, number, mirrored);
+    }
   }
 
   void read_primitive(const tinygltf::Primitive& primitive, std::uint32_t object, bool mirrored) {

@@ -7,6 +7,7 @@
 #include "common/base/stamped_map.hpp"
 #include "common/fragment/certain_volume.hpp"
 #include "common/fragment/closedness.hpp"
+#include "common/fragment/cut_weights.hpp"
 #include "common/fragment/mass_properties.hpp"
 #include "common/fragment/mirror_sum.hpp"
 #include "common/fragment/repeated_edges.hpp"
@@ -292,7 +293,7 @@ class Assembler {
           break;
         }
         case VertexSource::kInside:
-          writer.blend(d_.solid.wedges[s.a], barycentric(s.a, points_[k]));
+          writer.blend(d_.solid.wedges[s.a], weights_in(s.a, points_[k]));
           break;
         case VertexSource::kInterior:
           if (s.a != frame_of) frame = FlatFrame(flat_normal(s.a), grain_at(s.a));
@@ -326,26 +327,9 @@ class Assembler {
     return l > 0 ? (1 / l) * n : Vec3d{0, 0, 1};
   }
 
-  /// Parameter of x on the segment (a, b), computed along the segment's longest axis.
-  static double along(const Vec3d& a, const Vec3d& b, const Vec3d& x) {
-    const Vec3d e = b - a;
-    int axis = 0;
-    for (int k = 1; k < 3; ++k)
-      if (std::fabs(e[k]) > std::fabs(e[axis])) axis = k;
-    if (e[axis] == 0) return 0;
-    return std::clamp((x[axis] - a[axis]) / e[axis], 0.0, 1.0);
-  }
-
-  std::array<double, 3> barycentric(std::uint32_t t, const Vec3d& x) const {
+  std::array<double, 3> weights_in(std::uint32_t t, const Vec3d& x) const {
     const std::array<CutVertexId, 3> v = d_.corners(t);
-    const Vec3d a = d_.point(v[0]) - x, b = d_.point(v[1]) - x, c = d_.point(v[2]) - x;
-    const Vec3d n = cross(b - a, c - a);
-    std::array<double, 3> w{std::fmax(0, dot(n, cross(b, c))), std::fmax(0, dot(n, cross(c, a))),
-                            std::fmax(0, dot(n, cross(a, b)))};
-    const double sum = w[0] + w[1] + w[2];
-    if (!(sum > 0)) return {1, 0, 0};
-    for (double& k : w) k /= sum;
-    return w;
+    return barycentric({d_.point(v[0]), d_.point(v[1]), d_.point(v[2])}, x);
   }
 
   // -- measurements and final positions

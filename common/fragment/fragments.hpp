@@ -16,6 +16,8 @@
 
 namespace fracture {
 
+struct Sheets;  // solid/solid.hpp
+
 /// Triangles of one fragment with one material: a range of Fragment::indices.
 struct FragmentPrimitive {
   std::uint32_t
@@ -87,6 +89,9 @@ struct Fragment {
   /// points before roughening, which lie in convex cells.
   std::vector<std::vector<Vec3f>> bodies;
   double exterior_area = 0;  ///< m², of all primitives except cuts
+  /// The sheets that the fragment carries (carried_sheets.hpp); null if there are none. Only positions in the
+  /// fragment's local frame, attributes, indices and primitives. Not part of the volume, the bonds or the hulls.
+  std::shared_ptr<const Fragment> sheet{};
   /// Data that proves the result (pipeline/soundness.hpp).
   std::vector<IndexRange> caps;  ///< interior triangles that another fragment has mirrored
   double surface_area = 0;       ///< m², of all triangles except caps
@@ -123,6 +128,9 @@ struct Certificate {
   /// m², of the solid's surface, and of the triangles that cover it in the fragments, including
   /// pocket_area.
   double area_in = 0, area_out = 0;
+  /// m², of the sheets in the source that the answer should have, and of those in it: carried by fragments, or
+  /// whole. Sheets are not part of the other areas.
+  double sheet_area_in = 0, sheet_area_out = 0;
   /// The counts satisfy fragments = cells + islands - united - dropped.
   /// Cells (or groups of cells) count if they meet the solid. Islands are their further pieces. United
   /// pieces were united with a neighbour, because they have no volume or because of a size limit. Dropped
@@ -137,7 +145,9 @@ struct FragmentSet {
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Certificate certificate;
-  SizeFigures size;          ///< effect of the size limits
+  SizeFigures size;  ///< effect of the size limits
+  /// Sheets that stay whole, if there are any: triangles of the source (solid/solid.hpp).
+  std::shared_ptr<const Sheets> whole_sheets{};
   Vec3d lattice_step;        ///< h_a: step of the seam lattice, m
   double lattice_ratio = 0;  ///< max over axes of h/size; a value above 1e-5 causes a warning
 };

@@ -150,6 +150,11 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   for (std::size_t k = 0; k < fragments; ++k) {
     write_collider_nodes(json, k, options, layout);
     write_ucx_nodes(json, k, layout);
+    if (layout.sheet_nodes(k) > 0)
+      json.begin_object()
+          .member("name", layout.sheet_name(k))
+          .member("mesh", layout.sheet_mesh(k))
+          .end_object();
   }
   for (std::size_t k = 0; k < whole.size(); ++k)
     json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
@@ -212,6 +217,10 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const std::ve
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
     for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
+  for (std::size_t k = 0; k < set.fragments.size(); ++k) {
+    const std::shared_ptr<const Fragment>& sheet = set.fragments[k].sheet;
+    if (sheet) writer.write(json, *sheet, measure(*sheet, false, pacer), layout.sheet_name(k));
+  }
   for (const WholeNode& node : whole)
     writer.write_whole(json, node.mesh, measure(node.mesh, /*mesh_manifold=*/true, pacer), node.name);
   intact.write_meshes(json, options, writer);

@@ -4,7 +4,8 @@
 //   scene ── root (identity; extras.fracture: report, certificate, bonds)
 //             ├─ fragment 0  translation = pivot; extras.fracture: id, volume, …; rigid body;
 //             │   │          mesh 0: exterior primitives, interior
-//             │   └─ colliders of a compound, UCX_ hulls: identity, no extras
+//             │   ├─ colliders of a compound, UCX_ hulls: identity, no extras
+//             │   └─ sheets that the fragment carries, if any: identity, no extras
 //             └─ fragment 1 …
 //   scene "Intact", if requested: the solid before it breaks (intact_scene.hpp)
 //

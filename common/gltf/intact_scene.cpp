@@ -92,7 +92,7 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   if (!options.mesh_digest.empty()) json.member("mesh", options.mesh_digest);
   json.member("parts", names_.size()).end_object().end_object().end_object();
 
-  std::size_t child = first_child;
+  std::size_t child = first_child, sheet_mesh = first_hull_mesh() + hull_count();
   for (std::size_t k = 0; k < names_.size(); ++k) {
     write_part(json, k, child, options);
     child += children(k);
@@ -108,6 +108,8 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
           .member("name", hull_name(k, hull))
           .member("mesh", first_hull_mesh() + first_hull_[k] + hull)
           .end_object();
+    if (has_sheet(k))
+      json.begin_object().member("name", names_[k] + "_sheet").member("mesh", sheet_mesh++).end_object();
   }
   for (std::size_t k = 0; k < whole_names_.size(); ++k)
     json.begin_object().member("name", whole_names_[k]).member("mesh", first_whole_mesh_ + k).end_object();
@@ -121,6 +123,12 @@ void IntactScene::write_meshes(JsonText& json, const GltfOptions& options, MeshW
   for (std::size_t k = 0; k < names_.size(); ++k)
     for (std::size_t hull = 0; hull < hulls(k); ++hull)
       writer.write(json, intact.hulls.of(k)[hull], hull_name(k, hull));
+  Pacer pacer(execution_);
+  for (std::size_t k = 0; k < names_.size(); ++k)
+    if (has_sheet(k)) {
+      const Fragment& sheet = *intact.parts[k].sheet;
+      writer.write(json, sheet, measure(sheet, false, pacer), names_[k] + "_sheet");
+    }
 }
 
 }  // namespace fracture

@@ -2,7 +2,7 @@
 //
 //   scene "Intact" ── root (identity; extras.intact: digest of the mesh)
 //                      ├─ part 0  mesh with the source's materials; extras.intact: part, volume, mass; static collider
-//                      │   └─ colliders of a part with several hulls, UCX_ hulls: identity, no extras
+//                      │   └─ colliders of a part with several hulls, UCX_ hulls, sheets: identity, no extras
 //                      ├─ part 1 …
 //                      └─ parts that were not fractured: the same meshes as in the scene of the fragments
 //
@@ -31,7 +31,7 @@ class IntactScene {
   bool is_empty() const { return names_.empty(); }
   std::size_t root() const { return first_node_; }
   std::size_t node_count() const { return node_count_; }
-  /// Index of the first hull mesh. The meshes of all hulls are consecutive.
+  /// Index of the first hull mesh. The meshes of all hulls are consecutive; those of sheets follow them.
   std::size_t first_hull_mesh() const { return first_mesh_ + names_.size(); }
   std::size_t hull_count() const { return first_hull_.empty() ? 0 : first_hull_.back(); }
 
@@ -42,7 +42,10 @@ class IntactScene {
  private:
   std::size_t hulls(std::size_t part) const { return first_hull_[part + 1] - first_hull_[part]; }
   std::size_t colliders(std::size_t part) const { return has_physics_ && hulls(part) > 1 ? hulls(part) : 0; }
-  std::size_t children(std::size_t part) const { return colliders(part) + (ucx_ ? hulls(part) : 0); }
+  bool has_sheet(std::size_t part) const { return fractured_.intact->parts[part].sheet != nullptr; }
+  std::size_t children(std::size_t part) const {
+    return colliders(part) + (ucx_ ? hulls(part) : 0) + (has_sheet(part) ? 1 : 0);
+  }
   std::string hull_name(std::size_t part, std::size_t hull) const;
   void write_part(JsonText& json, std::size_t part, std::size_t first_child,
                   const GltfOptions& options) const;

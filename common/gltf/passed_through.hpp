@@ -1,5 +1,5 @@
-// The parts of the scene that were not fractured (Mesh::passed_through), as plain mesh nodes. They keep their names and
-// have neither extras.fracture nor physics.
+// The parts of the scene that were not fractured (Mesh::passed_through, and sheets that stay whole), as plain mesh
+// nodes. They keep their names and have neither extras.fracture nor physics.
 #pragma once
 
 #include <string>
@@ -17,7 +17,8 @@ struct WholeNode {
   Fragment mesh;
 };
 
-/// Returns one for each node of the source that keeps triangles, in the source's order. Throws Interrupted.
+/// Returns one for each node of the source that keeps triangles, in the source's order. Nodes with sheets come last.
+/// Throws Interrupted.
 std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
                                    const Execution& execution);
 

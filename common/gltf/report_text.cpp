@@ -141,8 +141,10 @@ void write_proof(JsonText& json, const Certificate& c) {
       .member("pocket_area", c.pocket_area)
       .member("unmirrored_caps", c.unmirrored_caps)
       .member("area_in", c.area_in)
-      .member("area_out", c.area_out)
-      .member("sites_asked", c.sites_asked)
+      .member("area_out", c.area_out);
+  if (c.sheet_area_in > 0)
+    json.member("sheet_area_in", c.sheet_area_in).member("sheet_area_out", c.sheet_area_out);
+  json.member("sites_asked", c.sites_asked)
       .member("cells", c.cells)
       .member("islands", c.islands)
       .member("united", c.united)

@@ -24,9 +24,21 @@ SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& opt
   first_hull_.push_back(mesh);
   digits_ = std::max<std::size_t>(2, std::to_string(std::max<std::size_t>(most, 1) - 1).size());
 
-  // Leaves room for the longest suffix of a hull or collider, so that their names have at most kMaxName bytes, too.
-  const std::size_t room =
-      has_hulls() ? kMaxName - digits_ - std::string_view("__collider").size() : kMaxName;
+  const auto carries = [&](const Fragment& f) { return f.sheet != nullptr; };
+  if (std::any_of(set.fragments.begin(), set.fragments.end(), carries)) {
+    first_sheet_.reserve(count + 1);
+    for (const Fragment& f : set.fragments) {
+      first_sheet_.push_back(mesh);
+      mesh += carries(f) ? 1 : 0;
+    }
+    first_sheet_.push_back(mesh);
+  }
+
+  // Leaves room for the longest suffix of a hull, collider or sheet, so that their names have at most kMaxName bytes,
+  // too.
+  const std::size_t room = has_hulls() ? kMaxName - digits_ - std::string_view("__collider").size()
+                           : !first_sheet_.empty() ? kMaxName - std::string_view("_sheet").size()
+                                                   : kMaxName;
   names_.reserve(count);
   const auto& sources = set.source->node_names;
   for (std::size_t k = 0; k < count; ++k) {

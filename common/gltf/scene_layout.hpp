@@ -1,5 +1,5 @@
 // Names and indices of the file's nodes and meshes. Nodes are in this order: the root, the fragments, the
-// children of the fragments. Meshes: the fragments, then their hulls.
+// children of the fragments. Meshes: the fragments, then their hulls, then their sheets.
 #pragma once
 
 #include <cstddef>
@@ -40,11 +40,20 @@ class SceneLayout {
     return physics_ && hulls(fragment) > 1 ? hulls(fragment) : 0;
   }
   std::size_t ucx_nodes(std::size_t fragment) const { return ucx_ ? hulls(fragment) : 0; }
-  std::size_t children(std::size_t fragment) const { return collider_nodes(fragment) + ucx_nodes(fragment); }
+  /// The node of the sheets that the fragment carries: the last of its children.
+  std::size_t sheet_nodes(std::size_t fragment) const {
+    return first_sheet_.empty() ? 0 : first_sheet_[fragment + 1] - first_sheet_[fragment];
+  }
+  std::size_t sheet_mesh(std::size_t fragment) const { return first_sheet_[fragment]; }
+  /// Returns "<fragment>_sheet".
+  std::string sheet_name(std::size_t fragment) const { return names_[fragment] + "_sheet"; }
+  std::size_t children(std::size_t fragment) const {
+    return collider_nodes(fragment) + ucx_nodes(fragment) + sheet_nodes(fragment);
+  }
   std::size_t first_child(std::size_t fragment) const { return first_child_[fragment]; }
 
   /// Index of the first mesh, or node, after all of these.
-  std::size_t mesh_count() const { return first_hull_.back(); }
+  std::size_t mesh_count() const { return first_sheet_.empty() ? first_hull_.back() : first_sheet_.back(); }
   std::size_t node_count() const {
     return names_.empty() ? 1 : first_child_.back() + children(names_.size() - 1);
   }
@@ -55,6 +64,7 @@ class SceneLayout {
   std::size_t digits_ = 2;
   std::vector<std::string> names_;
   std::vector<std::size_t> first_hull_;   ///< mesh indices; one per fragment, and the end
+  std::vector<std::size_t> first_sheet_;  ///< the same for sheets; empty if no fragment carries any
   std::vector<std::size_t> first_child_;  ///< node index
 };
 

@@ -17,6 +17,7 @@ UniqueNames::UniqueNames(const SceneLayout& layout, std::size_t fragments, const
       take(layout.hull_name(k, hull));
       take(layout.collider_name(k, hull));
     }
+    if (layout.sheet_nodes(k) > 0) take(layout.sheet_name(k));
   }
 }
 

@@ -14,7 +14,7 @@ namespace fracture {
 
 class UniqueNames {
  public:
-  /// Reserves the names of the fragments, hulls and colliders. Throws Interrupted.
+  /// Reserves the names of the fragments, hulls, colliders and sheets. Throws Interrupted.
   UniqueNames(const SceneLayout& layout, std::size_t fragments, const Execution& execution);
 
   void take(std::string name);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/fragment/carried_sheets.hpp"
 #include "common/hits/difference.hpp"
 #include "common/hits/local_hit.hpp"
 #include "common/pipeline/fracture_steps.hpp"
@@ -77,9 +78,12 @@ std::vector<ChangedBond> changed_contact_bonds(const ContactBonds& with, const H
   return bonds;
 }
 
-/// Returns the sites if bonds across parts need them, otherwise nothing.
+/// Whether fragments carry sheets.
+bool carries_sheets(const Solid& solid) { return solid.sheets && !solid.sheets->whole; }
+
+/// Returns the sites if bonds across parts or sheets need them, otherwise nothing.
 std::vector<Vec3d> points_of(const Solid& solid, const LocalBase& base, const Execution& execution) {
-  if (!parts_hold_together(solid)) return {};
+  if (!parts_hold_together(solid) && !carries_sheets(solid)) return {};
   std::vector<Vec3d> points;
   points.reserve(base.tetrahedra.site_count());
   Pacer pacer(execution);
@@ -171,6 +175,38 @@ CutCells changed_cells_of(const Solid& solid, const HitOutcome& hit, const CellS
   return cut;
 }
 
+/// Cuts all sheets again, because a piece may go to a fragment that the hit does not change. Adds the fragments of
+/// which only the sheets differ to the delta. Returns false if the sites are not those of the whole fracture.
+bool carry_sheets_after(const Solid& solid, const std::vector<Vec3d>& points, HitOutcome& hit,
+                        FragmentSet& set, const Execution& execution) {
+  const Box& box = hit.next.image ? hit.next.image->box : solid.box;
+  const Expected<Tetrahedralization> t = tetrahedralize(points, box, execution);
+  if (!t) throw Interrupted(t.error());
+  if (t->site_count() != points.size()) return false;
+  carry_sheets(solid, VoronoiDiagram(*t, box, hit.next.map, execution), box, set, execution);
+  const auto sorted = [&](std::vector<std::uint64_t> ids) {
+    sort_with_polls(execution, ids.begin(), ids.end());
+    return ids;
+  };
+  const std::vector<std::uint64_t> added = sorted(hit.delta.added), changed = sorted(hit.delta.changed);
+  const auto is_in = [](const std::vector<std::uint64_t>& ids, std::uint64_t id) {
+    return std::binary_search(ids.begin(), ids.end(), id);
+  };
+  auto sheets = std::make_shared<KeptSheets>();
+  hit.delta.changed.clear();
+  Pacer pacer(execution);
+  for (const Fragment& f : set.fragments) {
+    pacer.step(16);
+    if (f.sheet) sheets->emplace(f.id, f.sheet);
+    if (is_in(added, f.id)) continue;
+    const auto before = hit.next.sheets->find(f.id);
+    const Fragment* const was = before == hit.next.sheets->end() ? nullptr : before->second.get();
+    if (is_in(changed, f.id) || !same_sheet(was, f.sheet.get())) hit.delta.changed.push_back(f.id);
+  }
+  hit.next.sheets = std::move(sheets);
+  return true;
+}
+
 /// Returns nothing if the hits change more than the cells around them, or if the combination of stored and
 /// new fragments fails its check. Errors of plan_sites(). Throws Interrupted.
 Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const LocalBase& base,
@@ -189,15 +225,18 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
     if (!hit) return std::nullopt;
     hit->next.notes.remarks = std::move(plan.remarks);
     const std::vector<Vec3d> points = points_of(solid, hit->next, execution);
-    CutCells cut = new_hits.only_changed ? changed_cells_of(solid, *hit, {points, hit->next.map}, parameters,
-                                                            hit->delta, execution)
-                                         : all_cells_of(solid, hit->next, execution);
+    const bool sheets = carries_sheets(solid), part = new_hits.only_changed && !sheets;
+    CutCells cut =
+        part ? changed_cells_of(solid, *hit, {points, hit->next.map}, parameters, hit->delta, execution)
+             : all_cells_of(solid, hit->next, execution);
+    if (sheets && !carry_sheets_after(solid, points, *hit, cut.set, execution)) return std::nullopt;
     Expected<FracturedSolid> completed =
         complete(solid, hit->next.notes, parameters, std::move(cut), {points, hit->next.map}, execution);
     if (!completed) return std::nullopt;  // the whole is then made from scratch and decides
     if (completed->rest && completed->rest->trimmed_for_filters)
       return std::nullopt;  // hulls of bodies far away change, too
     completed->delta = std::move(hit->delta);
+    if (new_hits.only_changed && !part) keep_changed(*completed, execution);
     return KeptAnswer{std::move(*completed), {std::move(hit->next)}, true};
   });
 }

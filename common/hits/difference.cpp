@@ -26,11 +26,21 @@ bool same_shape(const Fragment& a, const Fragment& b) {
          a.attributes.uvs == b.attributes.uvs && a.attributes.colors == b.attributes.colors;
 }
 
+bool same_sheet(const Fragment* a, const Fragment* b) {
+  return a == b || (a != nullptr && b != nullptr && same_shape(*a, *b));
+}
+
 bool same_hulls(const FragmentHulls& a, const FragmentHulls& b) {
   return std::equal(a.hulls.begin(), a.hulls.end(), b.hulls.begin(), b.hulls.end(),
                     [](const CollisionHull& x, const CollisionHull& y) {
                       return x.points == y.points && x.triangles == y.triangles;
                     });
+}
+
+const Fragment* sheet_before(const FracturedBase& before, const Fragment& kept) {
+  if (!before.local) return kept.sheet.get();
+  const auto at = before.local->sheets->find(kept.id);
+  return at == before.local->sheets->end() ? nullptr : at->second.get();
 }
 
 Delta difference(const FracturedBase& before, const FracturedSolid& after, const Execution& execution) {
@@ -63,7 +73,9 @@ Delta difference(const FracturedBase& before, const FracturedSolid& after, const
     }
     still[at->second] = 1;
     const KeptFragment& was = *earlier[at->second];
-    if (!same_shape(was.fragment, f) || !same_hulls(was.hulls, hulls)) delta.changed.push_back(f.id);
+    if (!same_shape(was.fragment, f) || !same_hulls(was.hulls, hulls) ||
+        !same_sheet(sheet_before(before, was.fragment), f.sheet.get()))
+      delta.changed.push_back(f.id);
   }
   for (std::uint32_t k = 0; k < still.size(); ++k)
     if (!still[k]) delta.gone.push_back(earlier[k]->fragment.id);

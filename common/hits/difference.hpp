@@ -6,8 +6,12 @@
 
 namespace fracture {
 
-/// Whether two fragments are equal in everything that is written, except hulls.
+/// Whether two fragments are equal in everything that is written, except hulls and sheets.
 bool same_shape(const Fragment& a, const Fragment& b);
+/// Whether two fragments carry equal sheets; null: none.
+bool same_sheet(const Fragment* a, const Fragment* b);
+/// The sheets of a kept fragment of the answer before; null if it has none.
+const Fragment* sheet_before(const FracturedBase& before, const Fragment& kept);
 /// Whether hulls are equal. An aggregate's hulls can change while its shape does not, because neighbours
 /// beyond the solid also cut them.
 bool same_hulls(const FragmentHulls& a, const FragmentHulls& b);

@@ -75,6 +75,7 @@ std::size_t memory_size(const KeptFragment& kept) {
                       nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
                       heap(f.part_cells) + heap(f.part_volumes) + heap(f.topology) + heap(f.caps) +
                       nested_heap(f.bodies) + heap(kept.hulls.hulls);
+  if (f.sheet) bytes += memory_size(KeptFragment{*f.sheet, {}, 0});
   for (const CollisionHull& hull : kept.hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
   return bytes;
 }

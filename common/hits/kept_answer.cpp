@@ -43,6 +43,7 @@ std::size_t memory_size(const FracturedBase& base) {
     bytes += heap(unions->of_cell) + nested_heap(unions->all);
   if (local.bricks) bytes += heap(*local.bricks);
   bytes += heap(local.notes.point_of_site);
+  for (const auto& [id, sheet] : *local.sheets) bytes += 64 + memory_size(KeptFragment{*sheet, {}, 0});
   for (std::uint32_t k = 0; k < local.states->size(); ++k)  // as a vector, and as a key of the map
     bytes += 2 * (sizeof(std::vector<PartWinding>) + heap((*local.states)[k])) + 48;
   return bytes + kPerSite * local.cells.size() +
@@ -138,6 +139,9 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
   std::vector<KeptFragment> kept;
   kept.reserve(fragments.size());
   for (std::uint32_t k = 0; k < fragments.size(); ++k) kept.push_back(kept_fragment(answer, k, execution));
+  auto sheets = std::make_shared<KeptSheets>();
+  for (KeptFragment& each : kept)
+    if (each.fragment.sheet) sheets->emplace(each.fragment.id, std::exchange(each.fragment.sheet, nullptr));
   LocalBase base{std::move(*tetrahedra),
                  SharedBlocks<std::uint32_t, 256>(std::move(state_)),
                  std::make_shared<const WindingStates>(std::move(states_)),
@@ -154,6 +158,7 @@ std::optional<LocalBase> LocalBaseMaker::make(const FracturedSolid& answer, cons
                  std::make_shared<const KeptUnions>(std::move(unions_), execution),
                  std::make_shared<const KeptUnions>(std::move(late_), execution)};
   base.bricks = std::move(bricks_);
+  base.sheets = std::move(sheets);
   const std::vector<std::uint32_t>& first_of = base.figures.first_of;
   Pacer pacer(execution);
   std::vector<std::vector<SiteId>> members(lowest_.size());

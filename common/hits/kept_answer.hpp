@@ -82,6 +82,9 @@ struct KeptUnions {
   }
 };
 
+/// The sheets that fragments carry, by the ids of the fragments. Kept fragments themselves have none.
+using KeptSheets = std::map<std::uint64_t, std::shared_ptr<const Fragment>>;
+
 /// The data with which a hit changes only its surroundings.
 struct LocalBase {
   KeptTetrahedralization tetrahedra;
@@ -104,7 +107,8 @@ struct LocalBase {
   std::shared_ptr<const KeptUnions> late{};  ///< CutCells::late; all of them are fragments or parts of one
   std::optional<LocalRough> rough{};         ///< set if cuts are rough
   std::shared_ptr<const std::vector<std::uint32_t>>
-      bricks{};                ///< RestrictedDiagram::bricks; null if there are none
+      bricks{};  ///< RestrictedDiagram::bricks; null if there are none
+  std::shared_ptr<const KeptSheets> sheets = std::make_shared<const KeptSheets>();
   std::size_t cell_bytes = 0;  ///< memory behind `cells`; answers that share memory each count it
 
   SiteId lowest_of(SiteId s) const { return lowest.size() == 0 ? s : lowest[s]; }

@@ -103,7 +103,7 @@ class Reader {
 
   /// Visits a node and its children. Parents only group their children: nodes of an answer are never rotated
   /// or scaled. An answer has two or three levels, and one more for each level of clusters (at most 8).
-  void walk(std::uint64_t index, Vec3f place, int depth = 0) {
+  void walk(std::uint64_t index, Vec3f place, int depth = 0, bool carried = false) {
     constexpr int kDeepest = 64;
     const json& node = element(document_, "nodes", index);
     if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are not a tree"};
@@ -114,9 +114,21 @@ class Reader {
       place = {place.x + by->at(0).get<float>(), place.y + by->at(1).get<float>(),
                place.z + by->at(2).get<float>()};
     const bool fragment = is_fragment(node);
-    if (node.contains("mesh")) read_object(node, fragment, place);
-    if (fragment || !node.contains("children")) return;  // a fragment has only physics below it
-    for (const json& child : node.at("children")) walk(child.get<std::uint64_t>(), place, depth + 1);
+    if (node.contains("mesh")) {
+      read_object(node, fragment, place);
+      answer_.objects.back().carried = carried;
+    }
+    if (!node.contains("children")) return;
+    for (const json& child : node.at("children")) {
+      const std::uint64_t below = child.get<std::uint64_t>();
+      if (!fragment || has_sheets(below)) walk(below, place, depth + 1, fragment);
+    }
+  }
+
+  /// Whether a child of a fragment is its sheets. The others are for physics: colliders have no mesh of their own.
+  bool has_sheets(std::uint64_t index) const {
+    const json& node = element(document_, "nodes", index);
+    return node.contains("mesh") && !node.value("name", "").starts_with("UCX_");
   }
 
   static bool is_fragment(const json& node) {

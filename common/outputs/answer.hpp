@@ -67,10 +67,11 @@ struct Primitive {
   Indices indices;  ///< three per triangle; each refers to an existing vertex
 };
 
-/// A fragment, or a part of the scene that was not fractured.
+/// A fragment, the sheets that a fragment carries, or a part of the scene that was not fractured.
 struct Object {
   std::string name;                 ///< unique among objects; ASCII letters, digits and _
-  std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: not fractured
+  std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: another object
+  bool carried = false;             ///< sheets of the fragment before it
   Vec3f place;                      ///< translation of the node, added to its positions
   Floats positions, normals, colors;
   std::vector<Floats> uvs;

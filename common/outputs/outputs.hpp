@@ -4,8 +4,8 @@
 //
 // Frame and unit are the GLB's: metres, y up. Fragments are where they were cut from the mesh. Their
 // positions are the floats of Object::position(). Decimal formats use the fewest digits that read back as the
-// same float. So each fragment is closed, and points that two fragments share have the same bits. Parts that
-// were not fractured come after the fragments.
+// same float. So each fragment is closed, and points that two fragments share have the same bits. The sheets
+// that a fragment carries follow it. Parts that were not fractured come after the fragments.
 //
 // The bytes depend only on the answer. A change that alters them must raise kAlgorithmVersion, as for
 // answers.
@@ -41,7 +41,7 @@ std::vector<std::size_t> images_of_mtl(const Answer& answer);
 
 /// Writes binary, little-endian PLY. Vertices are those of the GLB, with every attribute that some object
 /// has: normals, s and t (v up), colours with 8 bits. `fragment` of each vertex and face is the number of its
-/// fragment from 0; -1: not in a fragment. Comments contain the fragments' names and ids.
+/// fragment from 0, also for its sheets; -1: not in a fragment. Comments contain the fragments' names and ids.
 bool write_ply(const Answer& answer, VertexColors colors, const Sink& sink);
 
 /// Writes binary STL: one solid with all triangles, in the order of the fragments.

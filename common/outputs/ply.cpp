@@ -93,7 +93,7 @@ bool write_ply(const Answer& answer, VertexColors colors, const Sink& sink) {
     std::int32_t fragment = 0;
     for (const Object& object : answer.objects) {
       if (!out.good()) return;
-      write(object, object.id ? fragment++ : -1);
+      write(object, object.id ? fragment++ : object.carried ? fragment - 1 : -1);
     }
   };
   each([&](const Object& object, std::int32_t fragment) {

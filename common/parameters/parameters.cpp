@@ -208,6 +208,9 @@ Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter
       refuse_both(offences, seen, "fragments", "dual",
                   "barycentric cells cannot be merged. Leave one of them out.");
   }
+  if (result.solid.thickness > 0 && result.solid.sheets != SheetsMode::kSolid)
+    refuse_both(offences, seen, "thickness", "sheets",
+                "a thickness needs sheets=solid. Leave one of them out, or use sheets=solid.");
   refuse_both(offences, seen, "mass", "density", "each determines the other. Leave one of them out.");
   refuse_both(offences, seen, "stretch_matrix", "stretch",
               "the matrix includes the stretch. Leave one of them out.");

@@ -1,6 +1,7 @@
 #include "common/parameters/rows.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/parameters/fields.hpp"
@@ -10,128 +11,6 @@ namespace fracture {
 namespace {
 
 using parameter_fields::with_member;
-
-void add_solid_rows(std::vector<ParameterSpec>& rows) {
-  const auto add = [&](ParameterSpec spec) {
-    spec.decides = Decides::kSolid;
-    rows.push_back(std::move(spec));
-  };
-  add(with_member(
-      {.name = "repair",
-       .type = Type::kChoice,
-       .choices = {"fill", "strict"},
-       .doc =
-           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
-           "are flipped. `strict`: the mesh is refused."},
-      [](auto& r) -> auto& { return r.solid.repair; }));
-  add(with_member(
-      {.name = "thickness",
-       .type = Type::kNumber,
-       .unit = "m",
-       .low = 0,
-       .high = 1000,
-       .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness. If closing the holes of a curved sheet encloses more volume "
-           "than the slab would have, the sheet becomes a solid body, and a warning says so. 0: open sheets are left out."},
-      [](auto& r) -> auto& { return r.solid.thickness; }));
-  ParameterSpec shell = with_member(
-      {.name = "shell",
-       .type = Type::kNumber,
-       .unit = "m",
-       .low = 0,
-       .high = 1000,
-       .doc =
-           "Wall thickness. Closed parts without a cavity become hollow if they are more than twice as thick as this value; their "
-           "walls are then at least this thick. Use `shell` for a vessel that is modelled as a solid. 0: the thickness comes from "
-           "`shell_fraction`. An explicit 0 also turns off the walls that a material sets."},
-      [](auto& r) -> auto& { return r.hollow.thickness; });
-  shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
-  };
-  shell.matters = [](const RequestParameters& r) { return r.hollow.thickness > 0; };
-  add(std::move(shell));
-  ParameterSpec fraction = with_member(
-      {.name = "shell_fraction",
-       .type = Type::kNumber,
-       .low = 0,
-       .high = 0.5,
-       .doc =
-           "Wall thickness as a fraction of the longest side of each part's bounding box. If both this and `shell` are 0, nothing "
-           "becomes hollow. Defaults: glass 0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
-      [](auto& r) -> auto& { return r.hollow.fraction; });
-  fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
-    r.hollow.fraction = std::get<double>(value);
-    r.hollow.least_ball = 0;
-  };
-  // 0 is kept if the material has walls, because a client may send an answer's parameters again.
-  fraction.matters = [](const RequestParameters& r) {
-    const MaterialPreset* preset = find_material_preset(r.material);
-    return r.hollow.fraction > 0 || (preset && preset->shell_fraction > 0);
-  };
-  add(std::move(fraction));
-  ParameterSpec ball = with_member(
-      {.name = "shell_ball",
-       .type = Type::kNumber,
-       .low = 0,
-       .high = 1,
-       .doc =
-           "Only parts that can contain a ball of this diameter become hollow. The diameter is a fraction of the longest side of "
-           "the part's bounding box. Plates, rods and parts that already have walls stay as they are. 0: all parts that are thick "
-           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise 0."},
-      [](auto& r) -> auto& { return r.hollow.least_ball; });
-  ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
-    const double given = std::get<double>(value);
-    if (given == 0 || given >= kSmallestBall) return std::nullopt;
-    return "be 0 or at least " + shortest(kSmallestBall);
-  };
-  ball.matters = [](const RequestParameters& r) { return r.hollow.any() && r.hollow.least_ball > 0; };
-  add(std::move(ball));
-  add(with_member(
-      {.name = "weld_tolerance",
-       .type = Type::kNumber,
-       .low = 0,
-       .high = 0.01,
-       .doc =
-           "Vertices are merged if they are closer together than this fraction of the bounding box's diagonal and merging them "
-           "closes open edges. 0: only vertices at the same position."},
-      [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
-  add(with_member(
-      {.name = "contact_gap",
-       .type = Type::kNumber,
-       .unit = "m",
-       .low = 0,
-       .high = 1000,
-       .doc =
-           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their fragments "
-           "are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the mesh's bounding box. "
-           "The maximum is 0.1 times this side; larger values are reduced to it."},
-      [](auto& r) -> auto& { return r.solid.contact_gap; }));
-  add(with_member(
-      {.name = "unit",
-       .type = Type::kChoice,
-       .choices = {"file", "m", "cm", "mm", "inch"},
-       .doc =
-           "Unit of the mesh's coordinates. `file`: the unit that the file or its format specifies, otherwise metres."},
-      [](auto& r) -> auto& { return r.frame.unit; }));
-  add(with_member(
-      {.name = "up",
-       .type = Type::kChoice,
-       .choices = {"file", "y", "z"},
-       .doc =
-           "Axis of the mesh that points up. `file`: the axis that the file or its format specifies, otherwise y."},
-      [](auto& r) -> auto& { return r.frame.up; }));
-  add(with_member(
-      {.name = "nodes",
-       .type = Type::kNames,
-       .doc = "Break only these nodes (comma-separated names or indices); all other nodes stay whole."},
-      [](auto& r) -> auto& { return r.parts.nodes; }));
-  add(with_member(
-      {.name = "materials",
-       .type = Type::kNames,
-       .doc =
-           "Break only triangles with these materials (comma-separated names or indices); all other triangles stay whole."},
-      [](auto& r) -> auto& { return r.parts.materials; }));
-}
 
 void add_output_rows(std::vector<ParameterSpec>& rows) {
   rows.push_back(with_member(
@@ -364,7 +243,8 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
   std::vector<ParameterSpec> rows = site_parameter_rows(max_sites);
   for (ParameterSpec& row : structure_parameter_rows(max_sites)) rows.push_back(std::move(row));
   for (ParameterSpec& row : rough_parameter_rows()) rows.push_back(std::move(row));
-  add_solid_rows(rows);
+  std::vector<ParameterSpec> solid = solid_parameter_rows();
+  std::move(solid.begin(), solid.end(), std::back_inserter(rows));
   add_output_rows(rows);
   add_exterior_row(rows);
   add_interior_rows(rows);

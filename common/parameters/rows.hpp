@@ -13,6 +13,9 @@ using Type = ParameterSpec::Type;  // for the rows
 /// `formats` are the server's.
 std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatSet& formats);
 
+/// The rows that determine the solid.
+std::vector<ParameterSpec> solid_parameter_rows();
+
 /// The rows that determine the positions of the sites; `material` and `pattern` are first.
 std::vector<ParameterSpec> site_parameter_rows(std::uint32_t max_sites);
 

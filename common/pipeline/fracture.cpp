@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/pacer.hpp"
+#include "common/fragment/carried_sheets.hpp"
 #include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/physics/hull_trim.hpp"
@@ -205,6 +206,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                 cut.barycentric.dropped > 0
                     ? "'drop_above' removes all pieces, because they are larger. Raise 'drop_above'."
                     : "No piece has a volume.");
+  carry_sheets(solid, voronoi, seen.seen().box, cut.set, execution);
   return cut;
 }
 
@@ -244,6 +246,10 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   FracturedSolid out;
   FragmentSet& set = out.set;
   set = std::move(cut.set);
+  if (solid.sheets && solid.sheets->whole) {
+    set.whole_sheets = solid.sheets;
+    set.certificate.sheet_area_in = set.certificate.sheet_area_out = solid.sheets->area;
+  }
   const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));

@@ -2,13 +2,32 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/contacts/contacts.hpp"
 #include "common/fragment/fragment_mesh.hpp"
+#include "common/fragment/sheet_mesh.hpp"
+#include "common/solid/sheet_surface.hpp"
 
 namespace fracture {
+namespace {
+
+/// Makes the sheets that the fragment carries sheets of its solid.
+void take_sheets(const FragmentSet& whole, const Fragment& f, Solid& fragment, const Execution& execution) {
+  const auto mesh = std::make_shared<const Mesh>(mesh_of_sheet(whole, f, execution));
+  std::vector<std::uint32_t> triangles(mesh->triangles.size());
+  std::iota(triangles.begin(), triangles.end(), 0u);
+  fragment.sheets = make_sheets(mesh, triangles, fragment.box, false, execution);
+  if (!fragment.sheets) return;
+  fragment.report.sheets = 1;
+  fragment.report.sheet_triangles = fragment.sheets->triangles.size();
+  fragment.report.sheet_area = fragment.sheets->area;
+}
+
+}  // namespace
 
 Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
                                     const FractureParameters& parameters, const Refracture& wanted,
@@ -36,8 +55,9 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
         "fragment");
   auto mesh = std::make_shared<Mesh>(
       fragment_mesh(whole, static_cast<std::size_t>(at - whole.fragments.begin()), execution));
-  Expected<Solid> fragment = make_solid(std::move(mesh), {}, execution);
+  Expected<Solid> fragment = make_solid(std::move(mesh), {.sheets = SheetsMode::kDrop}, execution);
   if (!fragment) return tl::unexpected(fragment.error());
+  if (at->sheet) take_sheets(whole, *at, *fragment, execution);
   if (solid.contacts) keep_contacts(*fragment, solid.contacts->gap, execution);
 
   FractureParameters parts;

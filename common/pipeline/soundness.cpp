@@ -12,6 +12,17 @@ namespace {
 
 /// Relative tolerance of volumes and areas before rounding (invariant I2).
 constexpr double kTolerance = 1e-9;
+/// The same for sheets. Fused pieces of a triangle are triangulated on rounded positions, so a strip as high as the
+/// rounding may be counted three times.
+constexpr double kSheetTolerance = 1e-5;
+
+/// The largest absolute coordinate of a box, m.
+double reach_of(const Box& box) {
+  double reach = 0;
+  for (int a = 0; a < 3; ++a)
+    reach = std::fmax(reach, std::fmax(std::fabs(box.min[a]), std::fabs(box.max[a])));
+  return reach;
+}
 
 void compare(const char* what, double is, double should_be, double bound, const char* unit,
              Verdict& verdict) {
@@ -51,6 +62,11 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
     for (std::uint32_t k = 0; k < set.fragments.size(); ++k)
       if (set.fragments[k].open_edges > 0) verdict.fragments.push_back(k);
   }
+  if (solid.sheets) {
+    const double far = reach_of(solid.sheets->surface->box);
+    compare("the sheets in the answer cover", c.sheet_area_out, c.sheet_area_in,
+            kSheetTolerance * c.sheet_area_in + 0x1.0p-40 * far * far, "m²", verdict);
+  }
   if (promise == Promise::kClosed) return verdict;
 
   if (c.unmirrored_caps > 0) {
@@ -61,9 +77,7 @@ Verdict judge(const FragmentSet& set, const Solid& solid, Promise promise) {
                                  " triangles of cuts have no mirror image in another fragment");
   }
   // Positions before rounding are off by at most 2^-52 of the largest coordinate.
-  double reach = 0;
-  for (int a = 0; a < 3; ++a)
-    reach = std::fmax(reach, std::fmax(std::fabs(solid.box.min[a]), std::fabs(solid.box.max[a])));
+  const double reach = reach_of(solid.box);
   const double size = solid.box.longest_side(), rounding = 0x1.0p-48 * reach;
   compare("the fragments' volumes before rounding add up to", c.volume_out, c.volume_in,
           kTolerance * solid.report.absolute_volume + rounding * solid.report.area, "m³", verdict);

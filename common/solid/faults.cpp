@@ -57,7 +57,8 @@ tl::unexpected<Error> refuse(std::string detail, const EdgeFaults& faults, const
 }
 
 void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
-                   const FlatPieces& flat, double thickness, Remarks& remarks) {
+                   const FlatPieces& flat, const SolidOptions& options, Remarks& remarks) {
+  const double thickness = options.thickness;
   if (report.degenerate_dropped > 0)
     remarks.note(counted(report.degenerate_dropped, "triangle with two corners at the same position was",
                          "triangles with two corners at the same position were") +
@@ -76,7 +77,8 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
         " split, the first at " + place((*faults.first_nonmanifold)[0]) + ".");
   if (report.sheets_thickened > 0)
     remarks.note(counted(report.sheets_thickened, "open sheet became a slab", "open sheets became slabs") +
-                 " of the given 'thickness', " + short_number(thickness) + " m.");
+                 " of the " + (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +
+                 short_number(thickness) + " m.");
   if (report.holes_filled > 0)
     remarks.note(counted(report.holes_filled, "hole was", "holes were") + " filled with " +
                  counted(report.fill_triangles, "triangle", "triangles") + " in the material of cut faces" +
@@ -86,7 +88,18 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
     remarks.note("The boxes of the " + grouped(report.parts) +
                  " parts overlap. The report lists the parts that touch or overlap.");
   const std::string them = report.shells_dropped == 1 ? "it" : "them";
-  if (flat.triangles > 0)
+  if (flat.triangles > 0 && report.sheets > 0)
+    remarks.note(counted(report.sheets, "sheet", "sheets") + " without a volume (" + grouped(flat.triangles) +
+                 " of " + counted(report.source_triangles, "triangle", "triangles") + ", the first at " +
+                 place(flat.first) +
+                 (flat.node.empty() ? "" : " in the node \"" + shortened(flat.node) + "\"") + ") " +
+                 (options.sheets == SheetsMode::kWhole
+                      ? (report.sheets == 1 ? "stays whole, next to the fragments."
+                                            : "stay whole, next to the fragments.")
+                      : (report.sheets == 1 ? "is cut with the solid, and fragments carry its pieces."
+                                            : "are cut with the solid, and fragments carry their pieces.")) +
+                 " With sheets=solid, sheets become slabs.");
+  if (flat.triangles > 0 && report.sheets == 0)
     remarks.warn(
         counted(report.shells_dropped, "thin piece", "thin pieces") + " (" + grouped(flat.triangles) +
         " of " + counted(report.source_triangles, "triangle", "triangles") + ", the first at " +

@@ -35,8 +35,8 @@ struct FlatPieces {
   std::string node;             ///< its node; empty if it has no name
 };
 
-/// `thickness`: SolidOptions::thickness.
+/// `options`: those used, with the thickness of slabs in metres.
 void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::size_t layers,
-                   const FlatPieces& flat, double thickness, Remarks& remarks);
+                   const FlatPieces& flat, const SolidOptions& options, Remarks& remarks);
 
 }  // namespace fracture::solid_detail

@@ -15,6 +15,7 @@
 #include "common/solid/part_colors.hpp"
 #include "common/solid/parts.hpp"
 #include "common/solid/polled.hpp"
+#include "common/solid/sheet_surface.hpp"
 #include "common/solid/sheets.hpp"
 #include "common/solid/shells.hpp"
 #include "common/solid/solid.hpp"
@@ -103,6 +104,12 @@ Expected<void> accept_strictly(bool open, const EdgeFaults& faults, const SolidR
   return {};
 }
 
+/// Thickness of slabs, m. 0: sheets do not become slabs.
+double thickness_of(const Surface& surface, const SolidOptions& options, const Execution& execution) {
+  if (options.thickness > 0 || options.sheets != SheetsMode::kSolid) return options.thickness;
+  return kSlabShare * length(box_of(surface, execution).size());
+}
+
 /// Fills the holes, splits the umbrellas and thickens the sheets. Returns the resulting shells.
 Shells close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
                      SolidReport& report, const Execution& execution) {
@@ -152,10 +159,12 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
     inside_out += shells.list[s].triangles;
   });
   if (solid.parts.empty())
-    return refuse("The mesh has no volume: after closing its holes, " +
-                      counted(report.shells_dropped, "piece is flat", "pieces are flat") + " (" +
-                      edges_in_words(report) + "). Use 'thickness' to give sheets a volume.",
-                  faults, report);
+    return refuse(
+        "The mesh has no volume: after closing its holes, " +
+            counted(report.shells_dropped, "piece is flat", "pieces are flat") + " (" +
+            edges_in_words(report) +
+            "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.",
+        faults, report);
   if (inside_out == 0) return part_of_shell;
   if (repair == Repair::kStrict) {
     report.flipped = inside_out;
@@ -186,11 +195,38 @@ void report_fills(const Surface& surface, const Shells& shells, const std::vecto
   });
 }
 
+/// Whether sheets stay in the answer.
+bool keeps_sheets(const SolidOptions& options) {
+  return options.thickness == 0 &&
+         (options.sheets == SheetsMode::kAttach || options.sheets == SheetsMode::kWhole);
+}
+
+/// Finds the source triangles of the flat shells, and keeps them as sheets if that was asked for. Shells that are
+/// kept no longer count as dropped.
+void keep_sheets(const std::shared_ptr<const Mesh>& mesh, const Surface& surface, const Shells& shells,
+                 const SolidOptions& options, Solid& solid, const Execution& execution) {
+  SolidReport& report = solid.report;
+  std::vector<std::uint32_t> triangles;
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    if (surface.source[t] != kNoIndex && shells.list[shells.of_triangle[t]].flat)
+      triangles.push_back(surface.source[t]);
+  });
+  sort_with_polls(execution, triangles.begin(), triangles.end());
+  const std::shared_ptr<const Sheets> sheets =
+      make_sheets(mesh, triangles, solid.box, options.sheets == SheetsMode::kWhole, execution);
+  if (!sheets) return;
+  report.sheet_triangles = sheets->triangles.size();
+  report.sheet_area = sheets->area;
+  if (!keeps_sheets(options)) return;
+  report.sheets = std::exchange(report.shells_dropped, 0);
+  solid.sheets = sheets;
+}
+
 /// Counts triangles in flat shells, before the surface is grouped by parts.
 FlatPieces flat_pieces(const Mesh& mesh, const Surface& surface, const Shells& shells,
                        const SolidReport& report, const Execution& execution) {
   FlatPieces flat;
-  if (report.shells_dropped == 0) return flat;
+  if (report.shells_dropped + report.sheets == 0) return flat;
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     const std::uint32_t source = surface.source[t];
     if (source == kNoIndex || !shells.list[shells.of_triangle[t]].flat) return;
@@ -211,7 +247,8 @@ std::vector<std::uint32_t> number_shells(const Surface& surface, const Shells& s
     const Shell& shell = shells.list[s];
     if (shell.flat) {
       if (!std::exchange(any_flat, true))
-        report.add_sample("shells_dropped", surface.positions[surface.triangles[shell.first][0]]);
+        report.add_sample(report.sheets > 0 ? "sheets" : "shells_dropped",
+                          surface.positions[surface.triangles[shell.first][0]]);
       return;
     }
     numbers[s] = static_cast<std::uint32_t>(report.shells++);
@@ -224,7 +261,7 @@ std::vector<std::uint32_t> number_shells(const Surface& surface, const Shells& s
 /// Builds the solid from the shells. The solid takes over the arrays of the surface.
 void finish(const Mesh& mesh, Surface& surface, Shells& shells,
             const std::vector<std::uint32_t>& part_of_shell, const std::vector<TriangleId>& fills,
-            bool filled_any, const EdgeFaults& faults, double thickness, Solid& solid,
+            bool filled_any, const EdgeFaults& faults, const SolidOptions& options, Solid& solid,
             const Execution& execution) {
   SolidReport& report = solid.report;
   const FlatPieces flat = flat_pieces(mesh, surface, shells, report, execution);
@@ -240,12 +277,12 @@ void finish(const Mesh& mesh, Surface& surface, Shells& shells,
   if (filled_any) report_fills(surface, shells, fills, report, execution);
   group_by_part(surface, shells, part_of_shell, solid.parts.size(), execution);
   if (report.degenerate_dropped + report.duplicates_dropped + report.welded_tolerant + report.shells_dropped +
-          report.sheets_thickened >
+          report.sheets + report.sheets_thickened >
       0)
     drop_unused_vertices(surface, execution);
   write_out(mesh, surface, shells, part_of_shell, new_shell, solid, execution);
   color_parts(mesh, surface.source, solid, execution);
-  write_remarks(faults, report, solid.layers, flat, thickness, report.remarks);
+  write_remarks(faults, report, solid.layers, flat, options, report.remarks);
 }
 
 }  // namespace
@@ -272,7 +309,9 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
       return tl::unexpected(std::move(accepted.error()));
 
   std::vector<TriangleId> fills;
-  Shells shells = close_surface(surface, open, options, fills, report, execution);
+  SolidOptions used = options;
+  used.thickness = thickness_of(surface, options, execution);
+  Shells shells = close_surface(surface, open, used, fills, report, execution);
   execution.reaches(1);
   const Expected<std::vector<std::uint32_t>> part_of_shell =
       divide_into_parts(*mesh, faults, options.repair, surface, shells, solid, execution);
@@ -280,8 +319,9 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   for_each_polled(execution, solid.parts.size(), [&](std::size_t p) { solid.box.add(solid.parts[p].box); });
   if (Expected<void> accepted = accept_reach(solid.box); !accepted)
     return tl::unexpected(std::move(accepted.error()));
-  finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults,
-         options.thickness, solid, execution);
+  if (report.shells_dropped > 0) keep_sheets(mesh, surface, shells, options, solid, execution);
+  finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults, used,
+         solid, execution);
   solid.source = std::move(mesh);
   return solid;
 }

@@ -2,63 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 #include "common/solid/faults.hpp"
+#include "common/solid/mirrors.hpp"
 #include "common/solid/open_pieces.hpp"
 #include "common/solid/polled.hpp"
 
 namespace fracture::solid_detail {
 namespace {
 
-/// Share of the requested thickness below which a slab is reported as too thin, next to a fold. A right angle
-/// leaves 0.71.
+/// Share of the requested thickness below which a slab is reported as too thin, next to a fold.
 constexpr double kThin = 0.9;
-
-bool before(const Vec3f& a, const Vec3f& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
-
-/// For each of the triangles: the triangle with the same three positions in reverse order, or kNoTriangle.
-std::vector<TriangleId> find_mirrors(const Surface& surface, const std::vector<TriangleId>& triangles,
-                                     const Execution& execution) {
-  struct Entry {
-    std::array<Vec3f, 3> key;
-    bool odd;
-    TriangleId triangle;
-  };
-  std::vector<Entry> entries;
-  entries.reserve(triangles.size());
-  for_each_polled(execution, triangles.size(), [&](std::size_t i) {
-    const TriangleId t = triangles[i];
-    Entry e{{}, false, t};
-    for (int k = 0; k < 3; ++k) e.key[k] = surface.positions[surface.triangles[t][k]];
-    for (const auto& [a, b] : {std::pair{0, 1}, std::pair{1, 2}, std::pair{0, 1}})
-      if (before(e.key[b], e.key[a])) {
-        std::swap(e.key[a], e.key[b]);
-        e.odd = !e.odd;
-      }
-    entries.push_back(e);
-  });
-  const auto less = [](const Entry& a, const Entry& b) {
-    for (int k = 0; k < 3; ++k) {
-      if (before(a.key[k], b.key[k])) return true;
-      if (before(b.key[k], a.key[k])) return false;
-    }
-    return a.triangle < b.triangle;
-  };
-  sort_with_polls(execution, entries.begin(), entries.end(), less);
-  std::vector<TriangleId> mirror = filled(execution, surface.triangles.size(), kNoTriangle);
-  for_each_polled(execution, entries.size(), [&](std::size_t i) {
-    if (i + 1 < entries.size() && entries[i].key == entries[i + 1].key &&
-        entries[i].odd != entries[i + 1].odd && mirror[entries[i].triangle] == kNoTriangle) {
-      mirror[entries[i].triangle] = entries[i + 1].triangle;
-      mirror[entries[i + 1].triangle] = entries[i].triangle;
-    }
-  });
-  return mirror;
-}
+/// A corner of a fold moves farther than the thickness, so that the slab has the thickness on both sides (a mitre),
+/// but at most by this factor, which suffices for turns of 151 degrees. Sharper folds would become long spikes.
+constexpr double kLongestMitre = 4;
+/// Cosine of the angle (2.6 degrees) between normals below which there is a fold. Elsewhere a mitre would change the
+/// thickness by less than 0.1 %.
+constexpr double kFlat = 0.999;
 
 class Thickener {
  public:
@@ -128,7 +91,9 @@ class Thickener {
            counted(thin_, "triangle of an open sheet is", "triangles of open sheets are") +
            " thinner than 0.9 times " + short_number(thickness_) + " m, and the thinnest, at " +
            place(thinnest_at_) + ", is only " + short_number(std::fmax(thinnest_, 0) * thickness_) +
-           " m thick, because the corners of a fold move along its mean normal. Round the fold off, or give the sheet "
+           " m thick, because corners of a sharp fold would have to move more than " +
+           short_number(kLongestMitre) +
+           " times the thickness. Round the fold off, or give the sheet "
            "its thickness in a modelling tool.";
   }
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }
@@ -173,7 +138,8 @@ class Thickener {
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     std::vector<Vec3d> normals(vertices.size());
     const auto index = [&](VertexId v) {
-      return std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin();
+      return static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                                      vertices.begin());
     };
     for (const TriangleId t : front) {
       pacer_.step(4);
@@ -182,13 +148,28 @@ class Thickener {
       const Vec3d n = cross(to_double(surface_.positions[c[1]]) - a, to_double(surface_.positions[c[2]]) - a);
       for (const VertexId v : c) normals[index(v)] = normals[index(v)] + n;
     }
+    // Cosine of the largest angle between the mean normal and that of a triangle at the vertex.
+    std::vector<double> least(vertices.size(), 1);
+    for (const TriangleId t : front) {
+      pacer_.step(8);
+      const Triangle& c = surface_.triangles[t];
+      const Vec3d n = cross(at(c[1]) - at(c[0]), at(c[2]) - at(c[0]));
+      const double size = length(n);
+      if (!(size > 0)) continue;
+      for (const VertexId v : c) {
+        const std::size_t k = index(v);
+        const double l = length(normals[k]);
+        if (l > 0) least[k] = std::fmin(least[k], std::fmax(dot(normals[k], n), 0) / (l * size));
+      }
+    }
     std::vector<Vec3f> back(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       pacer_.step();
       const double l = length(normals[i]);
       const Vec3f& p = surface_.positions[vertices[i]];
       if (!(l > 0)) return false;
-      const Vec3d q = to_double(p) - (thickness_ / l) * normals[i];
+      const double mitre = least[i] < kFlat ? std::fmin(1 / least[i], kLongestMitre) : 1;
+      const Vec3d q = to_double(p) - (mitre * thickness_ / l) * normals[i];
       back[i] = {static_cast<float>(q.x) + 0.0f, static_cast<float>(q.y) + 0.0f,
                  static_cast<float>(q.z) + 0.0f};
       if (back[i] == p) return false;

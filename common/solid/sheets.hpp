@@ -18,9 +18,9 @@ namespace fracture::solid_detail {
 ///        back   u'----- v'
 ///
 /// If the file has the sheet from both sides, the triangles of the other side become the back; otherwise,
-/// back and walls have source kNoIndex. Vertex normals are weighted by area, so a fold becomes thinner
-/// depending on its angle, and slabs of sheets bent tighter than the thickness cross themselves. A sheet
-/// stays unchanged if its back would be rounded onto its front. (If the file has it from both sides, other
+/// back and walls have source kNoIndex. Vertex normals are weighted by area. At a fold, vertices move farther,
+/// so that the slab is nowhere thinner (a mitre), unless the fold is very sharp. Slabs of sheets bent tighter
+/// than the thickness cross themselves. A sheet stays unchanged if its back would be rounded onto its front. (If the file has it from both sides, other
 /// choices of the front are tried, up to a limit on the work.)
 ///
 /// The report gets remarks about slabs that are thinner than requested and about open pieces that filling

@@ -25,14 +25,27 @@ enum class Repair {
   kStrict,  ///< refuses meshes that are not already closed and consistently oriented
 };
 
+/// Treatment of sheets: pieces of the surface that bound no volume (panes, leaves, decals).
+enum class SheetsMode {
+  kAttach,  ///< each fragment carries its share of them, as geometry without volume (the default)
+  kWhole,   ///< they stay whole, next to the fragments
+  kSolid,   ///< they become slabs (SolidOptions::thickness)
+  kDrop,    ///< they are left out
+};
+
+/// Thickness of slabs if none is given, as a share of the diagonal of the mesh's box: 4 mm for a flag of 2 m,
+/// 2 cm for the panes of a house of 10 m.
+inline constexpr double kSlabShare = 0.002;
+
 struct SolidOptions {
   Repair repair = Repair::kFill;
   /// Vertices closer than this fraction of the box's diagonal may be welded if that closes open edges. 0 =
   /// weld only equal positions.
   double weld_tolerance = 1e-6;
-  /// Metres. If positive, open sheets (panes, leaves, wall quads) become slabs of this thickness behind their
-  /// surface. These are pieces that bound no volume, or whose filled holes would enclose less than this times
-  /// their area. 0 = such pieces are dropped.
+  SheetsMode sheets = SheetsMode::kAttach;
+  /// Metres. If positive, `sheets` is kSolid. Open sheets (panes, leaves, wall quads) then become slabs of this
+  /// thickness behind their surface. These are pieces that bound no volume, or whose filled holes would enclose
+  /// less than this times their area. 0 = with kSolid, kSlabShare times the diagonal of the mesh's box.
   double thickness = 0;
   /// Gap of the contact graph, m. keep_contacts() uses it; make_solid() does not. Empty: kContactGap times the longest side.
   std::optional<double> contact_gap{};
@@ -70,9 +83,12 @@ struct SolidReport {
   double filled_area = 0;  ///< m²: filled holes, and backs and rims of thickened sheets
   std::uint64_t sheets_thickened = 0;
   std::uint64_t shells = 0, parts = 0, cavities = 0;
-  std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
-  double volume = 0;                 ///< m³, of the solid: the fragments add up to this
-  double absolute_volume = 0;        ///< m³: the sum over all shells, with cavities added
+  std::uint64_t shells_dropped = 0;   ///< shells that bound no volume and are left out
+  std::uint64_t sheets = 0;           ///< shells that bound no volume and are kept (Solid::sheets)
+  std::uint64_t sheet_triangles = 0;  ///< source triangles in shells without volume, kept or left out
+  double sheet_area = 0;              ///< m², of these triangles
+  double volume = 0;                  ///< m³, of the solid: the fragments add up to this
+  double absolute_volume = 0;         ///< m³: the sum over all shells, with cavities added
   double area = 0;  ///< m², of the kept source triangles, the fill and the inner sides of walls
   std::uint64_t parts_hollowed = 0;    ///< parts that became walls (hollow/hollow.hpp)
   std::uint64_t hollow_triangles = 0;  ///< triangles of the walls' inner sides
@@ -109,6 +125,11 @@ struct SolidReport {
     visit("parts", parts);
     visit("parts_hollowed", parts_hollowed);
     visit("samples", samples);
+    if (sheet_triangles > 0) {
+      visit("sheet_area", sheet_area);
+      visit("sheet_triangles", sheet_triangles);
+      visit("sheets", sheets);
+    }
     visit("sheets_thickened", sheets_thickened);
     visit("shells", shells);
     visit("shells_dropped", shells_dropped);
@@ -120,6 +141,20 @@ struct SolidReport {
   }
   nlohmann::json to_json() const;
   bool operator==(const SolidReport&) const = default;
+};
+
+struct Solid;
+
+/// The sheets that a solid's answer keeps: triangles of the source as they are in the file.
+struct Sheets {
+  bool whole = false;                    ///< they stay whole; otherwise fragments carry them
+  std::vector<std::uint32_t> triangles;  ///< of the source; ascending
+  /// The same triangles as an open surface, in this order. Vertices have the source's positions, bit for bit, and
+  /// vertices with equal positions are one. An edge may have any number of triangles. `box` also contains the
+  /// solid, so that both have the same seam lattice if the sheets lie in the solid's box. There is one part,
+  /// without a volume.
+  std::shared_ptr<const Solid> surface;
+  double area = 0;  ///< m²
 };
 
 struct Solid {
@@ -144,6 +179,8 @@ struct Solid {
   SolidReport report;
   /// Null until keep_contacts() (contacts/contacts.hpp). Copies, images and extracts of the solid share it or have none.
   std::shared_ptr<const ContactGraph> contacts{};
+  /// Null if there are none, and in images and patches.
+  std::shared_ptr<const Sheets> sheets{};
 
   /// The remarks of the importer, followed by those of make_solid().
   Remarks remarks() const;

@@ -28,8 +28,8 @@ MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-te
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 SUBJECTS = [
     ("The mesh", "",
-     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "thickness", "shell", "shell_fraction", "shell_ball",
-      "contact_gap"]),
+     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "sheets", "thickness", "shell", "shell_fraction",
+      "shell_ball", "contact_gap"]),
     ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
     ("Ragged chunks", "These fragments consist of several cells.", ["cells_per_fragment", "size_spread"]),

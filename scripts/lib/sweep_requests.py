@@ -136,6 +136,8 @@ class Generator:
             given["delta"] = rng.choice(["stated", "only"])
         if not mesh.usable and "thickness" not in given and rng.random() < 0.5:
             given["thickness"] = self._value(rng, self.everywhere["thickness"], mesh)
+        if given.get("thickness") and "sheets" in given:  # other sheets have no thickness
+            given["sheets"] = "solid"
         return Request(mesh, given)
 
     def _value(self, rng, spec, mesh):

@@ -104,6 +104,8 @@ Certificate certificate_in(const json& c) {
   read("unmirrored_caps", result.unmirrored_caps);
   read("area_in", result.area_in);
   read("area_out", result.area_out);
+  read("sheet_area_in", result.sheet_area_in);
+  read("sheet_area_out", result.sheet_area_out);
   read("sites_asked", result.sites_asked);
   read("cells", result.cells);
   read("islands", result.islands);

@@ -41,6 +41,13 @@ std::size_t memory_size(const PreparedMesh& mesh) {
   if (solid.contacts)
     bytes += sizeof *solid.contacts + heap(solid.contacts->contacts) + heap(solid.contacts->pieces) +
              heap(solid.contacts->first_piece);
+  if (solid.sheets) {
+    const Solid& sheets = *solid.sheets->surface;
+    bytes += sizeof(Sheets) + sizeof sheets + heap(solid.sheets->triangles) + heap(sheets.positions) +
+             heap(sheets.triangles) + heap(sheets.wedges) + heap(sheets.material) + heap(sheets.edges) +
+             heap(sheets.edge_vertices) + heap(sheets.shell) + heap(sheets.part);
+    if (sheets.source && sheets.source != solid.source) bytes += memory_size(*sheets.source);
+  }
   if (solid.source) bytes += memory_size(*solid.source);
   return bytes;
 }

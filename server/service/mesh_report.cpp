@@ -19,7 +19,7 @@ nlohmann::json material_names(const Mesh& mesh) {
 
 bool repaired(const SolidReport& r) {
   return r.open_edges + r.nonmanifold_edges + r.flipped + r.degenerate_dropped + r.duplicates_dropped +
-             r.welded_tolerant + r.holes_filled + r.sheets_thickened + r.shells_dropped >
+             r.welded_tolerant + r.holes_filled + r.sheets_thickened + r.sheets + r.shells_dropped >
          0;
 }
 

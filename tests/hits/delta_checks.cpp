@@ -59,6 +59,7 @@ void expect_same(const Fragment& a, const Fragment& b) {
     EXPECT_TRUE(same_bits(a.primitives[k], b.primitives[k]));
   EXPECT_TRUE(same_bits(a.mass, b.mass));
   EXPECT_TRUE(same_bits(a.exterior_area, b.exterior_area));
+  EXPECT_TRUE(same_sheet(a.sheet.get(), b.sheet.get()));
 }
 
 void expect_same(std::span<const CollisionHull> a, std::span<const CollisionHull> b) {
@@ -96,6 +97,8 @@ void expect_same(const FragmentSet& a, const FragmentSet& b) {
   EXPECT_EQ(a.certificate.dropped, b.certificate.dropped);
   EXPECT_EQ(a.certificate.fragments, b.certificate.fragments);
   EXPECT_EQ(a.certificate.crossing_caps, b.certificate.crossing_caps);
+  EXPECT_TRUE(same_bits(a.certificate.sheet_area_in, b.certificate.sheet_area_in));
+  EXPECT_TRUE(same_bits(a.certificate.sheet_area_out, b.certificate.sheet_area_out));
 }
 
 void expect_same_companions(const FracturedSolid& a, std::uint32_t i, const FracturedSolid& b,

@@ -15,6 +15,7 @@
 #include "tests/support/full_tests.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
 
 namespace fracture::test {
 namespace {
@@ -285,6 +286,58 @@ TEST_P(DeltaOfMesh, EqualsTheWholeFracture) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Dev, DeltaOfMesh, every_closed_mesh(), name_of_mesh);
+
+TEST(Delta, OfFragmentsThatCarrySheetsIsThatOfTheWholeFracture) {
+  const Mesh mesh =
+      joined({cube(4), translated(open_quad(), {-0.5, -0.5, 0.6}), translated(open_quad(), {0, 0, 0.1})});
+  EXPECT_GT(expect_hits(mesh, hits_on(mesh, 40, 0.2)), 0) << "such hits are local";
+  FractureParameters stretched = hits_on(mesh, 40, 0.2);
+  stretched.anisotropy.stretch = 2;
+  expect_hits(mesh, stretched, 2);
+}
+
+TEST(Delta, ListsAFragmentIfOnlyItsSheetChanges) {
+  const Mesh mesh = joined({cube(), translated(open_quad(), {-0.5, -0.5, 0.6})});
+  FractureParameters p;
+  p.pattern = PointsPattern{{{-0.25, 0, 0}, {0.25, 0, 0}}};
+  StageTimings timings;
+  const Expected<KeptAnswer> kept = fracture_and_keep(solid_of(mesh), p, {}, timings);
+  ASSERT_TRUE(kept);
+  const FracturedSolid& was = kept->fractured;
+  ASSERT_TRUE(was.set.fragments.at(0).sheet && was.set.fragments.at(1).sheet);
+  const Delta none = difference(kept->base, was);
+  EXPECT_TRUE(none.added.empty() && none.changed.empty() && none.gone.empty());
+  FracturedSolid moved = was, without = was;
+  Fragment sheet = *was.set.fragments[0].sheet;
+  sheet.positions[0].x += 0.125f;
+  moved.set.fragments[0].sheet = std::make_shared<const Fragment>(std::move(sheet));
+  without.set.fragments[1].sheet = nullptr;
+  EXPECT_EQ(difference(kept->base, moved).changed, (std::vector<std::uint64_t>{was.set.fragments[0].id}));
+  EXPECT_EQ(difference(kept->base, without).changed, (std::vector<std::uint64_t>{was.set.fragments[1].id}));
+}
+
+TEST(Delta, OnlyChangedFragmentsBringTheirSheets) {
+  const Mesh mesh = joined({cube(4), translated(open_quad(), {-0.5, -0.5, 0.6})});
+  FractureParameters p = hits_on(mesh, 40, 0.1);
+  p.hits.resize(1);
+  const Solid solid = solid_of(mesh);
+  StageTimings timings;
+  const Expected<KeptAnswer> before = fracture_and_keep(solid, before_hits(p, 1), {}, timings);
+  ASSERT_TRUE(before);
+  const Expected<KeptAnswer> only = fracture_delta(solid, before->base, p, {1, true}, {}, timings),
+                             all = fracture_delta(solid, before->base, p, {1, false}, {}, timings);
+  ASSERT_TRUE(only && all);
+  EXPECT_TRUE(only->local);
+  EXPECT_EQ(only->fractured.delta->changed, all->fractured.delta->changed);
+  EXPECT_EQ(only->fractured.delta->added, all->fractured.delta->added);
+  EXPECT_LT(only->fractured.set.fragments.size(), all->fractured.set.fragments.size());
+  for (const Fragment& f : only->fractured.set.fragments)
+    for (const Fragment& g : all->fractured.set.fragments)
+      if (f.id == g.id) {
+        EXPECT_TRUE(same_sheet(f.sheet.get(), g.sheet.get()));
+      }
+  EXPECT_EQ(only->fractured.set.certificate.sheet_area_out, all->fractured.set.certificate.sheet_area_out);
+}
 
 }  // namespace
 }  // namespace fracture::test

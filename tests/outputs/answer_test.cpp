@@ -197,5 +197,33 @@ TEST(ToSrgb, IsTheCurveOfTheStandard) {
   EXPECT_NEAR(to_srgb(0.214041), 0.5, 1e-6);
 }
 
+TEST(Answer, HasTheSheetsThatFragmentsCarryAsObjects) {
+  const fracture::test::Fractured made = [] {
+    fracture::FractureParameters p;
+    p.pattern = fracture::PointsPattern{{{-0.25, 0, 0}, {0.25, 0, 0}}};
+    p.hulls = fracture::Hulls::kConvex;
+    const Mesh mesh =
+        fracture::test::joined({fracture::test::cube(),
+                                fracture::test::translated(fracture::test::open_quad(), {-0.5, -0.5, 0.75})});
+    return fracture::test::fracture_mesh(mesh, p);
+  }();
+  for (const UeCollision ue : {UeCollision::kNone, UeCollision::kUcx}) {
+    const std::vector<std::uint8_t> glb = write_glb(made, with(&GltfOptions::ue_collision, ue));
+    const KeptAnswer answer = read(glb);
+    ASSERT_EQ(answer.objects.size(), 4u) << "two fragments, each followed by its sheet; no hulls";
+    for (const std::size_t k : {0u, 2u}) {
+      EXPECT_TRUE(answer.objects[k].id);
+      EXPECT_FALSE(answer.objects[k + 1].id);
+      EXPECT_FALSE(answer.objects[k].carried);
+      EXPECT_TRUE(answer.objects[k + 1].carried);
+      EXPECT_EQ(answer.objects[k + 1].name, answer.objects[k].name + "_sheet");
+      EXPECT_EQ(answer.objects[k + 1].place, answer.objects[k].place) << "it is in the fragment's frame";
+      for (std::size_t v = 0; v < answer.objects[k + 1].positions.size(); ++v) {
+        EXPECT_EQ(answer.objects[k + 1].position(v).z, 0.75f);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace fracture::outputs::test

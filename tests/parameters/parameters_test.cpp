@@ -39,6 +39,7 @@ TEST(Parameters, EverythingThatIsNoNumberInRangeIsRefusedWithValueAndRange) {
 
 TEST(Parameters, NumbersAreDecimalsInTheirRange) {
   EXPECT_EQ(parse_text("thickness", "0.02")->solid.thickness, 0.02);
+  EXPECT_EQ(parse_text("sheets", "whole")->solid.sheets, SheetsMode::kWhole);
   EXPECT_EQ(parse_text("thickness", "1e-3")->solid.thickness, 0.001);
   EXPECT_EQ(table().parse({{"thickness", 1, false}})->solid.thickness, 1.0);
   EXPECT_EQ(parse_text("weld_tolerance", "0")->solid.weld_tolerance, 0.0);
@@ -367,6 +368,27 @@ TEST(Parameters, OneSpellingForEveryWayToAsk) {
       R"("interior":"auto","interior_shade":0.8,"lloyd":0,"max_hulls":4,"pattern":"uniform",)"
       R"("physics":"khr","pivot":"center_of_mass","repair":"fill","restitution":0.1,"seed":3,"sites":50,"stretch":1.0,)"
       R"("thickness":0.0,"ue_collision":"none","unit":"file","up":"file","weld_tolerance":1e-06})");
+}
+
+TEST(Sheets, AThicknessNeedsSolidSheetsOrNothing) {
+  const auto parse = [](const char* sheets) {
+    return table().parse({{"sheets", sheets, true}, {"thickness", "0.1", true}});
+  };
+  EXPECT_TRUE(parse("solid"));
+  for (const char* other : {"attach", "whole", "drop"}) {
+    const auto refused = parse(other);
+    ASSERT_FALSE(refused) << other;
+    EXPECT_EQ(refused.error().pointer, "thickness");
+    EXPECT_NE(refused.error().detail.find("sheets=solid"), std::string::npos) << refused.error().detail;
+  }
+  EXPECT_TRUE(table().parse({{"sheets", "drop", true}, {"thickness", "0", true}}));
+}
+
+TEST(Sheets, AreInTheCanonicalFormOnlyIfTheyAreNotTheDefault) {
+  EXPECT_FALSE(canonical_solid_parameters(*parse_text("sheets", "attach")).contains("sheets"));
+  EXPECT_EQ(canonical_solid_parameters(*parse_text("sheets", "drop"))["sheets"], "drop");
+  EXPECT_FALSE(canonical_solid_parameters(*parse_text("thickness", "0.1")).contains("sheets"));
+  EXPECT_EQ(canonical_solid_parameters(*parse_text("sheets", "solid"))["sheets"], "solid");
 }
 
 }  // namespace

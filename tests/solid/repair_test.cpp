@@ -12,6 +12,9 @@
 namespace fracture::test {
 namespace {
 
+/// The answers of algorithm 25 and before.
+constexpr SolidOptions kDropSheets{.sheets = SheetsMode::kDrop};
+
 const SolidOptions kStrict{.repair = Repair::kStrict};
 
 TEST(Holes, AMissingFaceOfACubeIsFilledFlatAndMarkedInterior) {
@@ -106,7 +109,7 @@ TEST(Holes, AnOpenTubeGetsTwoEnds) {
 }
 
 TEST(Sheets, AQuadBesideACubeIsDroppedWithAWarningAndTheCubeStays) {
-  const Expected<Solid> solid = try_solid(joined({translated(open_quad(), {5, 0, 0}), cube()}));
+  const Expected<Solid> solid = try_solid(joined({translated(open_quad(), {5, 0, 0}), cube()}), kDropSheets);
   ASSERT_TRUE(solid);
   ASSERT_NO_THROW(solid->validate());
   EXPECT_EQ(solid->report.shells_dropped, 1u);
@@ -126,7 +129,7 @@ TEST(Sheets, SeveralAreCountedAndTheNodeOfTheFirstIsNamed) {
   mesh.node_names = {"Cube", "Face"};
   mesh.node.assign(mesh.triangles.size(), 1);
   for (int t = 0; t < 12; ++t) mesh.node[t] = 0;
-  const Expected<Solid> solid = try_solid(mesh);
+  const Expected<Solid> solid = try_solid(mesh, kDropSheets);
   ASSERT_TRUE(solid);
   ASSERT_EQ(solid->report.remarks.warnings.size(), 1u);
   const std::string& warning = solid->report.remarks.warnings[0];
@@ -135,7 +138,7 @@ TEST(Sheets, SeveralAreCountedAndTheNodeOfTheFirstIsNamed) {
       << warning;
   mesh.node_names[1] = "x";
   for (int k = 0; k < 150; ++k) mesh.node_names[1] += "\u00e4";  // of two bytes: one is at the limit of 200
-  const Expected<Solid> named = try_solid(mesh);
+  const Expected<Solid> named = try_solid(mesh, kDropSheets);
   ASSERT_TRUE(named);
   EXPECT_NO_THROW((void)nlohmann::json(named->report.remarks.warnings).dump());
 }
@@ -167,7 +170,7 @@ TEST(Sheets, AFinOnAnEdgeOfACubeIsCutOffAndDropped) {
       mesh.triangles.push_back({a, b, far});
       mesh.material.push_back(kNoIndex);
       mesh.node.push_back(0);
-      const Expected<Solid> solid = try_solid(mesh);
+      const Expected<Solid> solid = try_solid(mesh, kDropSheets);
       ASSERT_TRUE(solid);
       ASSERT_NO_THROW(solid->validate());
       EXPECT_EQ(solid->report.nonmanifold_edges, 1u);

@@ -142,29 +142,47 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
   EXPECT_EQ(warnings_on_thickness(*not_asked), 0u);
 }
 
+/// Three squares in the shape of a Z, facing up; `turn` is the turning angle at its folds.
+Mesh folded(const CirclePoint& turn) {
+  Mesh mesh;
+  for (const auto& [x, z] :
+       {std::pair(-1.0, 0.0), {0.0, 0.0}, {turn.cos, turn.sin}, {turn.cos + 1, turn.sin}})
+    for (const float y : {0.0f, 1.0f})
+      mesh.positions.push_back({static_cast<float>(x), y, static_cast<float>(z)});
+  // Each corner of a fold has equally many triangles on both sides of the fold.
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 3}, {4, 5, 3}, {4, 6, 7}, {4, 7, 5}};
+  return mesh;
+}
+
+TEST(Thickness, IsReachedAtFoldsByMitres) {
+  for (const std::int64_t k : {1, 3, 8}) {  // turns of 10, 30 and 80 degrees
+    const CirclePoint turn = circle_point(k, 36);
+    const Expected<Solid> solid = thickened(folded(turn), 0.05);
+    ASSERT_TRUE(solid) << solid.error().detail;
+    ASSERT_NO_THROW(solid->validate());
+    EXPECT_EQ(warnings_on_thickness(*solid), 0u);
+    // Behind the first fold, the planes parallel to both squares at a distance of 0.05 m intersect at z = -0.05 and
+    // x = 0.05 · tan(half the angle).
+    const double tangent = turn.sin / (1 + turn.cos);
+    int found = 0;
+    for (const Vec3f& p : solid->positions)
+      found += std::fabs(p.z + 0.05) < 1e-6 && std::fabs(p.x - 0.05 * tangent) < 1e-6;
+    EXPECT_EQ(found, 2) << "at y = 0 and y = 1";
+  }
+}
+
 TEST(Thickness, SaysWhereAFoldIsThinnerThanAsked) {
-  // Three squares in the shape of a Z. At its folds the slab is thinner by the cosine of half the turning
-  // angle.
-  const auto folded = [](double turn_cos, double turn_sin) {
-    Mesh mesh;
-    for (const auto& [x, z] :
-         {std::pair(-1.0, 0.0), {0.0, 0.0}, {turn_cos, turn_sin}, {turn_cos + 1, turn_sin}})
-      for (const float y : {0.0f, 1.0f})
-        mesh.positions.push_back({static_cast<float>(x), y, static_cast<float>(z)});
-    // Each corner of a fold has equally many triangles on both sides of the fold.
-    mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {2, 4, 3}, {4, 5, 3}, {4, 6, 7}, {4, 7, 5}};
-    return mesh;
-  };
-  const CirclePoint sharp = circle_point(1, 3), slight = circle_point(1, 36);
-  const Expected<Solid> thin = thickened(folded(sharp.cos, sharp.sin), 0.2);
+  // A mitre of a turn of 165 degrees would be 7.7 times as long as the slab is thick, and the limit is 4. Then the
+  // slab is 4 · cos(82.5°) = 0.522 times as thick.
+  const Expected<Solid> thin = thickened(folded(circle_point(11, 24)), 0.2);
   ASSERT_TRUE(thin) << thin.error().detail;
   EXPECT_EQ(thin->report.sheets_thickened, 1u);
   ASSERT_EQ(warnings_on_thickness(*thin), 1u);
   EXPECT_NE(thin->report.remarks.warnings[0].find("6 triangles"), std::string::npos)
       << thin->report.remarks.warnings[0];
-  EXPECT_NE(thin->report.remarks.warnings[0].find(" 0.1 m"), std::string::npos)
-      << "cos 60°: " << thin->report.remarks.warnings[0];
-  const Expected<Solid> even = thickened(folded(slight.cos, slight.sin), 0.2);
+  EXPECT_NE(thin->report.remarks.warnings[0].find(" 0.1044 m"), std::string::npos)
+      << thin->report.remarks.warnings[0];
+  const Expected<Solid> even = thickened(folded(circle_point(1, 36)), 0.2);
   ASSERT_TRUE(even);
   EXPECT_EQ(warnings_on_thickness(*even), 0u);
 }

@@ -41,13 +41,15 @@ def build(context, answer, written, parent, name):
     clusters = _clusters(answer, root, name)
     objects = {}
     for fragment in answer.fragments:
-        item = bpy.data.objects.new(fragment.name, _mesh(fragment, frame, materials, written))
+        item = bpy.data.objects.new(fragment.name, _mesh(fragment.name, fragment.primitives, frame, materials, written))
         item.location = frame.point_back(fragment.translation)
         for key, value in (("id", str(fragment.id)), ("volume", fragment.volume), ("mass", fragment.mass), ("area", fragment.area),
                            ("anchored", fragment.anchored), ("part", fragment.part), ("level", fragment.level)):
             item[f"fracture_{key}"] = value  # the id is text, because it does not fit into Blender's integers
         clusters.get(fragment.parent, root).objects.link(item)
         objects[fragment.id] = item
+        if fragment.sheet:
+            _add_sheet(fragment, item, clusters.get(fragment.parent, root), frame, materials, written)
     return Made(root, objects)
 
 
@@ -66,16 +68,24 @@ def _clusters(answer, root, name):
     return found
 
 
-def _mesh(fragment, frame, materials, written):
-    """Returns a fragment's mesh. Vertices at the same position are merged, because the file has a separate vertex for each normal and
-    UV."""
-    positions = _floats(fragment.positions)
+def _add_sheet(fragment, item, collection, frame, materials, written):
+    """Creates an object for the sheets that a fragment carries. It is a child of the fragment's object and moves with it."""
+    sheet = bpy.data.objects.new(f"{fragment.name}_sheet", _mesh(f"{fragment.name}_sheet", fragment.sheet, frame, materials, written))
+    sheet.parent = item
+    collection.objects.link(sheet)
+
+
+def _mesh(name, primitives, frame, materials, written):
+    """Returns the mesh of a fragment or of its sheets. Vertices at the same position are merged, because the file has a separate
+    vertex for each normal and UV."""
+    attributes = primitives[0].attributes
+    positions = _floats(attributes["POSITION"])
     points = [frame.point_back(point) for point in zip(positions[0::3], positions[1::3], positions[2::3])]
     numbers = {}
     vertex_of = [numbers.setdefault(point, len(numbers)) for point in points]
     faces, corners, slots = [], [], []
-    mesh = bpy.data.meshes.new(fragment.name)
-    for slot, primitive in enumerate(sorted(fragment.primitives, key=lambda primitive: primitive.interior)):
+    mesh = bpy.data.meshes.new(name)
+    for slot, primitive in enumerate(sorted(primitives, key=lambda primitive: primitive.interior)):
         mesh.materials.append(materials.of(primitive.material_index))
         indices = _integers(primitive.indices)
         for a, b, c in zip(indices[0::3], indices[1::3], indices[2::3]):
@@ -86,7 +96,6 @@ def _mesh(fragment, frame, materials, written):
                 slots.append(slot)
     mesh.from_pydata(list(numbers), [], faces)
     mesh.polygons.foreach_set("material_index", slots)
-    attributes = fragment.primitives[0].attributes
     for number, name in enumerate(written.uv_names):
         if f"TEXCOORD_{number}" in attributes:
             values = _floats(attributes[f"TEXCOORD_{number}"])

@@ -54,6 +54,7 @@ class Fragment:
     not_collide_with: Tuple[int, ...]  # systems of fragments that it overlaps, so it must not collide with them
     primitives: Tuple[Primitive, ...]
     hulls: Tuple[Hull, ...]  # empty with physics=none
+    sheet: Tuple[Primitive, ...]  # the sheets that it carries (panes, leaves), with vertices of their own; usually empty
     extras: Dict[str, Any] = field(repr=False)  # the whole `extras.fracture` of its node
 
     @property
@@ -141,7 +142,9 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
             parent=own.get("parent"), sites=tuple(own.get("sites", ())),
             **_collision_filter(glb, colliders),
             primitives=tuple(_primitive(glb, p, interior) for p in glb.item("meshes", node.get("mesh"))["primitives"]),
-            hulls=tuple(_hull(glb, mesh) for mesh in meshes), extras=own)
+            hulls=tuple(_hull(glb, mesh) for mesh in meshes),
+            sheet=tuple(_primitive(glb, p, interior) for mesh in sheet_meshes(glb, node) for p in glb.item("meshes", mesh)["primitives"]),
+            extras=own)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise damaged(f"the fragment nodes[{index}] cannot be read: {error!r}") from None
 
@@ -171,6 +174,12 @@ def _hull_meshes(glb: Glb, node: Dict[str, Any]) -> Iterator[int]:
         yield glb.document["extensions"]["OMI_physics_shape"]["shapes"][collider["shape"]]["convex"]["mesh"]
     elif str(node.get("name", "")).startswith("UCX_"):
         yield node["mesh"]
+
+
+def sheet_meshes(glb: Glb, node: Dict[str, Any]) -> List[int]:
+    """Returns the meshes of the sheets that a fragment carries: those of its child nodes that are not for physics."""
+    below = [glb.item("nodes", child) for child in node.get("children", [])]
+    return [child["mesh"] for child in below if "mesh" in child and not str(child.get("name", "")).startswith("UCX_")]
 
 
 def _hull(glb: Glb, mesh: int) -> Hull:

@@ -14,7 +14,7 @@ from typing import Any, Dict, List, Optional, Set, Tuple
 
 from .buffers import Buffers, Json
 from .filters import Filter, collision_filters
-from .fragments import extras_of, figures_of, fragment_nodes
+from .fragments import extras_of, figures_of, fragment_nodes, sheet_meshes
 from .glb import Glb, damaged, pack
 
 NAME_ROOM = 51  # bytes for a fragment's name; common tools allow 63, and the hulls' names need the rest
@@ -141,15 +141,20 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
     meshes: List[Json] = []
     for piece in pieces:
         meshes.append({**buffers.add_mesh(piece.glb, piece.node["mesh"]), "name": piece.name})
-    hulls = [_hull_meshes(piece) for piece in pieces]
+    sheets = [sheet_meshes(piece.glb, piece.node) for piece in pieces]
+    hulls = [[mesh for mesh in _hull_meshes(piece) if mesh not in own] for piece, own in zip(pieces, sheets)]
     hull_number: List[Dict[int, int]] = []  # for each piece: mesh index in its file -> index in the merged file
-    for piece, old_meshes in zip(pieces, hulls):
+    def add(piece: _Piece, old_meshes: List[int]) -> Dict[int, int]:
         numbers: Dict[int, int] = {}
         for mesh in old_meshes:
             numbers[mesh] = len(meshes)
             copied = buffers.add_mesh(piece.glb, mesh)
             meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
-        hull_number.append(numbers)
+        return numbers
+
+    for piece, old_meshes in zip(pieces, hulls):
+        hull_number.append(add(piece, old_meshes))
+    sheet_number = [add(piece, old_meshes) for piece, old_meshes in zip(pieces, sheets)]
     numbers: Dict[Filter, int] = {}  # in the order of their first fragments
     filter_of = [None if each is None else numbers.setdefault(each, len(numbers)) for each in filters]
     nodes: List[Json] = [{}]
@@ -160,7 +165,7 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         if below:
             node["children"] = [1 + len(pieces) + len(children) + n for n in range(len(below))]
         for held in (node, *below):
-            _refer(held, piece, hull_number[k], filter_of[k], first_hull=len(pieces))
+            _refer(held, piece, {**hull_number[k], **sheet_number[k]}, filter_of[k], first_hull=len(pieces))
         nodes.append(node)
         children += [{**child, "name": _renamed(child.get("name", ""), piece)} for child in below]
     nodes += children
@@ -210,19 +215,19 @@ def _shapes(glb: Glb) -> List[Json]:
     return glb.document["extensions"][OMI_SHAPE]["shapes"]  # type: ignore[no-any-return]
 
 
-def _refer(node: Json, piece: _Piece, hull_number: Dict[int, int], filter_number: Optional[int], first_hull: int) -> None:
-    """Replaces a node's hull and collision filter numbers with those of the merged file."""
+def _refer(node: Json, piece: _Piece, number: Dict[int, int], filter_number: Optional[int], first_hull: int) -> None:
+    """Replaces a node's numbers of hulls, sheets and collision filters with those of the merged file."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
-        collider["geometry"]["mesh"] = hull_number[collider["geometry"]["mesh"]]
+        collider["geometry"]["mesh"] = number[collider["geometry"]["mesh"]]
         collider.pop("collisionFilter", None)
         if filter_number is not None:
             collider["collisionFilter"] = filter_number
     elif "shape" in collider:
         mesh = _shapes(piece.glb)[collider["shape"]]["convex"]["mesh"]
-        collider["shape"] = hull_number[mesh] - first_hull
+        collider["shape"] = number[mesh] - first_hull
     if not extras_of(node) and "mesh" in node:
-        node["mesh"] = hull_number[node["mesh"]]
+        node["mesh"] = number[node["mesh"]]
 
 
 def _renamed(name: str, piece: _Piece) -> str:

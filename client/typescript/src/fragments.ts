@@ -241,6 +241,12 @@ export class Fragment extends Piece {
     }));
   }
 
+  /** The sheets that the fragment carries (panes, leaves, decals), in the frame of the fragment's node; usually none. */
+  get sheet(): Piece | undefined {
+    const node = sheetNodeOf(this.glb, this.source);
+    return node === undefined ? undefined : new Piece(this.glb, node, this.interior);
+  }
+
   private get body(): Record<string, any> | undefined {
     return this.source.extensions?.[KHR] ?? this.source.extensions?.[OMI];
   }
@@ -252,6 +258,14 @@ export class Fragment extends Piece {
       return collider ? [collider] : [];
     });
   }
+}
+
+/** Returns the child of a fragment's node that has its sheets. The other children are for physics. */
+export function sheetNodeOf(glb: Glb, { children }: GltfNode): number | undefined {
+  return children?.find(child => {
+    const { mesh, name } = glb.json.nodes![child]!;
+    return mesh !== undefined && !name?.startsWith('UCX_');
+  });
 }
 
 function indicesOf(glb: Glb, primitive: GltfPrimitive): Uint16Array | Uint32Array {

@@ -9,7 +9,7 @@
 // the server's answer. Their numbers and names can then differ. Everything else is identical.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { collisionFilters } from './filters.js';
-import { type BondColumns, type Figures, figuresOf } from './fragments.js';
+import { type BondColumns, type Figures, figuresOf, sheetNodeOf } from './fragments.js';
 import { MeshCopier } from './mesh_copier.js';
 
 interface Source {
@@ -99,7 +99,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     return numbers.get(key);
   });
   const fragmentNodes: GltfNode[] = [], childNodes: GltfNode[] = [], hulls: { glb: Glb; mesh: GltfMesh }[] = [], shapes: unknown[] = [];
-  const meshes: GltfMesh[] = [];
+  const meshes: GltfMesh[] = [], sheets: { glb: Glb; node: GltfNode; mesh: GltfMesh }[] = [];
 
   sources.forEach(({ glb, node }, k) => {
     const name = nameOf(node.name ?? '', k), rename = (text: string | undefined) => text?.replace(node.name ?? '', name);
@@ -130,15 +130,24 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
       const { children: _, extensions, ...rest } = source;
       return { ...rest, name: rename(source.name)!, ...(extensions ? { extensions: physics(extensions) } : {}), ...more };
     };
-    const own = adopt(node, { mesh: k });
+    const own = adopt(node, { mesh: k }), sheet = sheetNodeOf(glb, node);
     if (node.children) own.children = node.children.map(index => {
       const child = glb.json.nodes![index]!;
+      if (index === sheet) {
+        const carrier = adopt(child, {});
+        sheets.push({ glb, node: carrier, mesh: glb.json.meshes![child.mesh!]! });
+        return childNodes.push(carrier) + sources.length;
+      }
       return childNodes.push(adopt(child, child.mesh === undefined ? {} : { mesh: hullOf(child.mesh) })) + sources.length;
     });
     fragmentNodes.push(own);
     meshes.push({ ...copier.copy(glb, glb.json.meshes![node.mesh!]!), name });
   });
   for (const { glb, mesh } of hulls) meshes.push(copier.copy(glb, mesh));
+  for (const { glb, node, mesh } of sheets) {
+    node.mesh = meshes.length;
+    meshes.push({ ...copier.copy(glb, mesh), name: node.name! });
+  }
 
   const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // uncut nodes of the mesh; a delta may omit these nodes
   for (const index of before.json.nodes![0]!.children ?? []) {

@@ -21,9 +21,10 @@ def values(fragment):
     primitives = [(p.material, p.interior, p.indices.tolist(), {s: bytes(a) for s, a in p.attributes.items()})
                   for p in fragment.primitives]
     hulls = [(bytes(hull.points), hull.triangles.tolist()) for hull in fragment.hulls]
+    sheet = [(p.material, p.indices.tolist(), {s: bytes(a) for s, a in p.attributes.items()}) for p in fragment.sheet]
     return (fragment.translation, fragment.volume, fragment.mass, fragment.area, fragment.exterior_area, fragment.center_of_mass,
             fragment.inertia_diagonal, fragment.inertia_orientation, fragment.anchored, fragment.part, fragment.sites, primitives,
-            hulls)
+            hulls, sheet)
 
 
 def bonds(answer):
@@ -98,6 +99,18 @@ class Hits(WithServer):
                      {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.02}, {"intact": "true"}):
             with self.subTest(**more):
                 self.hit_twice(mesh, sites=20, **more)
+
+    def test_sheets(self):
+        pane = "v 0 1.2 0\nv 1 1.2 0\nv 1 1.2 1\nv 0 1.2 1\nf 9 10 11 12\n".encode()
+        mesh = self.client.put(box_obj() + pane, format="obj")
+        self.assertEqual(mesh.report["solid"]["sheets"], 1)
+        for more in ({}, {"sheets": "whole"}, {"physics": "none"}, {"physics": "omi", "ue_collision": "ucx"}, {"cells_per_fragment": 5}):
+            with self.subTest(**more):
+                first, merged, again = self.hit_twice(mesh, sites=20, **more)
+                carried = [primitive for fragment in again.fragments for primitive in fragment.sheet]
+                self.assertEqual(bool(carried), "sheets" not in more)
+                self.assertFalse(any(primitive.interior for primitive in carried))
+                self.assertAlmostEqual(again.certificate["sheet_area_out"], 1, delta=1e-5)
 
     def test_answers_that_are_about_all_fragments_come_as_a_whole(self):
         mesh = self.client.put(box_obj(), format="obj")

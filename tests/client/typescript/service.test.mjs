@@ -163,6 +163,17 @@ describe('the service', { skip: noServer }, () => {
     equal(again, await mesh.fracture({ of: whole.location, ...both }));
   });
 
+  for (const more of [{}, { physics: 'omi', ue_collision: 'ucx' }, { sheets: 'whole' }]) test(`a hit makes the whole, with its sheets: ${JSON.stringify(more)}`, async () => {
+    const pane = 'v -2 0.8 -2\nv 2 0.8 -2\nv 2 0.8 2\nv -2 0.8 2\nf -4 -1 -2 -3\n';
+    const roofed = await client.put({ name: 'roofed.obj', data: Buffer.from(`${torus()}\n${pane}`) }), first = await roofed.fracture({ sites: 24, ...more });
+    const hit = await first.hit([1.3, 0.1, 0], 0.3, { sites: 6 });
+    equal(hit, await roofed.fracture({ of: first.location, local_point: [1.3, 0.1, 0], local_sites: 6, local_radius: 0.3, delta: 'stated' }));
+    const carried = hit.fragments.filter(({ sheet }) => sheet);
+    assert.equal(carried.length > 0, !more.sheets);
+    for (const { name, sheet } of carried) assert.equal(sheet.name, `${name}_sheet`);
+    assert.ok(Math.abs(hit.certificate.sheet_area_out - 16) < 1e-4);
+  });
+
   test('without delta the fragments, volumes, geometry and bonds are the same', async () => {
     const hit = await answer.hit([1.3, 0.1, 0], 0.3, { sites: 6 });
     const whole = await mesh.fracture({ of: answer.location, local_point: [1.3, 0.1, 0], local_radius: 0.3, local_sites: 6, delta: 'none' });

@@ -126,7 +126,9 @@ TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
       "in/box1.obj",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\n"
       "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 9 10 11 12\n");
-  ASSERT_EQ(bake(one(10), nullptr, false).made, 1u);
+  BakeSource dropping = one(10);
+  dropping.parameters.push_back({"sheets", "drop", true});
+  ASSERT_EQ(bake(dropping, nullptr, false).made, 1u);
   const json line = report("report").at(0);
   ASSERT_EQ(line.at("warnings").size(), 1u) << line;
   ASSERT_EQ(line.at("notes").size(), 1u) << line;
@@ -139,14 +141,14 @@ TEST_F(BakeFailures, WarningsAndNotesAreSaidAndReportedApartForOneAndForMany) {
   fs::create_directory(folder / "out");
   ASSERT_EQ(bake({.inputs = {folder / "in/box1.obj"},
                   .output = folder / "out",
-                  .parameters = {{"sites", "10", true}}},
+                  .parameters = {{"sites", "10", true}, {"sheets", "drop", true}}},
                  nullptr, false)
                 .made,
             1u);
   EXPECT_NE(said.find(first), std::string::npos) << said;
   EXPECT_NE(said.find(second), std::string::npos) << said;
   EXPECT_EQ(read_file(folder / "out/box1.obj.glb"), read_file(folder / "one.glb"));
-  BakeSource elsewhere = one(10);
+  BakeSource elsewhere = dropping;
   elsewhere.output = folder / "two.glb";
   ASSERT_EQ(bake(elsewhere).made, 1u);
   EXPECT_NE(said.find(first), std::string::npos) << said;

@@ -105,7 +105,7 @@ export class Bringing {
       if (signal.aborted) return;
       this.app.set({ bringing: undefined });
       const again = (thickness: number) => {
-        const options = { ...(sample ? { sample } : {}), fetched, main, wish: { settings: { ...wish.settings, thickness }, hits: [] } };
+        const options = { ...(sample ? { sample } : {}), fetched, main, wish: { settings: { ...wish.settings, sheets: 'solid', thickness }, hits: [] } };
         void this.mesh(input, label, options);
       };
       if (this.app.service.solidParameters.has('thickness')) this.refusedMesh = again;

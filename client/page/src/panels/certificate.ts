@@ -33,6 +33,8 @@ export function certificate(answer: Answer): TemplateResult {
     ${row(words.seal.error, digits(figures['relative_error'] ?? 0), !same || !(figures['relative_error'] > MOST_ERROR), words.seal.mustSmall)}
     ${'area_in' in figures ? row(words.seal.areaIn, `${digits(figures['area_in'], 6)} m²`, true) : nothing}
     ${'area_out' in figures ? row(words.seal.areaOut, `${digits(figures['area_out'], 6)} m²`, true) : nothing}
+    ${'sheet_area_in' in figures ? row(words.seal.sheetIn, `${digits(figures['sheet_area_in'], 6)} m²`, true) : nothing}
+    ${'sheet_area_out' in figures ? row(words.seal.sheetOut, `${digits(figures['sheet_area_out'], 6)} m²`, true) : nothing}
     ${'crossing_caps' in figures ? row(words.seal.crossing, figures['crossing_caps'], true) : nothing}
   </dl>`;
 }

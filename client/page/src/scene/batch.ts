@@ -1,6 +1,6 @@
 // An answer as it is drawn: one geometry for all fragments, and one mesh per material. Vertices are in their fragment's frame;
 // Poses contains the fragment's position.
-import type { Answer, Piece } from 'fracture-client';
+import type { Answer, Fragment, Piece } from 'fracture-client';
 import { BufferAttribute, BufferGeometry, Group, type Material, Mesh, MeshDepthMaterial, MeshStandardMaterial, Sphere, Vector3 } from 'three';
 import { normalsOf } from './normals';
 import { plain } from './plain';
@@ -46,9 +46,14 @@ export class Batch {
   constructor(readonly answer: Answer, materials: readonly Material[], software: boolean) {
     const drawn: readonly Piece[] = [...answer.fragments, ...answer.passedThrough];
     this.poses = new Poses(drawn.length);
-    const vertices = drawn.reduce((sum, piece) => sum + piece.positions.length / 3, 0);
-    const indices = drawn.reduce((sum, { primitives }) => sum + primitives.reduce((all, { triangles }) => all + triangles.length, 0), 0);
-    const present = new Set(drawn.flatMap(({ primitives }) => Object.keys(primitives[0]?.attributes ?? {})));
+    // Each piece, and the sheets that it carries; both have the number of the piece.
+    const surfaces = drawn.flatMap((piece, owner) => {
+      const sheet = (piece as Partial<Fragment>).sheet;
+      return sheet ? [{ piece, owner }, { piece: sheet, owner }] : [{ piece, owner }];
+    });
+    const vertices = surfaces.reduce((sum, { piece }) => sum + piece.positions.length / 3, 0);
+    const indices = surfaces.reduce((sum, { piece }) => sum + piece.primitives.reduce((all, { triangles }) => all + triangles.length, 0), 0);
+    const present = new Set(surfaces.flatMap(({ piece }) => Object.keys(piece.primitives[0]?.attributes ?? {})));
     const arrays = new Map(Object.entries(NAMES).filter(([name]) => present.has(name))
       .map(([name, [, width]]) => [name, new Float32Array(vertices * width).fill(name === 'COLOR_0' ? 1 : 0)]));
     this.positions = arrays.get('POSITION') ?? new Float32Array();
@@ -58,7 +63,7 @@ export class Batch {
     // Index ranges are grouped by material, so that each material is one draw call.
     const byMaterial = new Map<number, { piece: number; first: number; triangles: ArrayLike<number>; interior: boolean }[]>();
     let first = 0;
-    drawn.forEach((piece, k) => {
+    surfaces.forEach(({ piece, owner: k }) => {
       const count = piece.positions.length / 3, { primitives } = piece;
       for (const [name, values] of Object.entries(primitives[0]?.attributes ?? {})) put(arrays.get(name), NAMES[name]?.[1], values, first, count);
       if (!withoutNormals && !primitives[0]?.attributes['NORMAL']) arrays.get('NORMAL')!.set(normalsOf(piece.positions, piece.triangles), 3 * first);
@@ -68,11 +73,12 @@ export class Batch {
         list.push({ piece: k, first, triangles, interior });
         byMaterial.set(material, list);
       }
+      first += count;
+      if (this.pieces.length > k) return;  // its sheets
       const id = 'id' in piece ? piece.id as number : undefined;
       if (id !== undefined) this.indexOf.set(id, k);
       this.pieces.push({ id, origin: [...piece.translation], bounds: sphereOf(piece.positions), ranges: [], triangles: 0 });
       this.poses.place(k, ...piece.translation);
-      first += count;
     });
 
     const attributes = new Map([...arrays].map(([name, array]) => [NAMES[name]![0], new BufferAttribute(array, NAMES[name]![1])]));

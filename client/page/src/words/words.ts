@@ -69,7 +69,8 @@ export const words = {
     badText: 'One of these values is wrong. Please copy the debug information (Export tab) and report it.',
     softerText: 'With dual=barycenter every fragment is closed, but gaps and overlaps between fragments are possible.',
     openEdges: 'Open edges in all fragments', unmirrored: 'Cuts whose sides do not match', volumeIn: 'Volume of the mesh', volumeOut: 'Total volume of the fragments',
-    error: 'Relative difference', areaIn: 'Surface area of the mesh', areaOut: 'Exterior area of the fragments', crossing: 'Cuts that cross', must: 'must be 0',
+    error: 'Relative difference', areaIn: 'Surface area of the mesh', areaOut: 'Exterior area of the fragments',
+    sheetIn: 'Area of sheets in the mesh', sheetOut: 'Area of sheets in the answer', crossing: 'Cuts that cross', must: 'must be 0',
     mustSmall: 'must be below 1e-9',
   },
   play: {

@@ -7,7 +7,7 @@ import {
   Box3, BufferAttribute, BufferGeometry, InterleavedBuffer, InterleavedBufferAttribute, type Material, Mesh, Sphere, Vector3,
 } from 'three';
 import type { Answer } from '../answer.js';
-import type { Piece } from '../fragments.js';
+import { Fragment, type Piece } from '../fragments.js';
 import { bytesPerComponent, type Glb, widthOf } from '../glb.js';
 import { localError } from '../problems.js';
 import { defaultMaterial } from './materials.js';
@@ -59,7 +59,8 @@ class SharedBuffers {
   }
 }
 
-/** Returns one three.js mesh per fragment, at its position in the mesh's frame. `userData.fragment` is the fragment's id. The
+/** Returns one three.js mesh per fragment, at its position in the mesh's frame. `userData.fragment` is the fragment's id. The sheets
+ * that a fragment carries are a mesh below its own, with the same id. The
  * geometries share buffers: dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of
  * the answer, such as answer.passedThrough. Throws FractureError (bad-argument) for a modified GLB. */
 export function meshesOf(answer: Answer, materials: readonly Material[], pieces: readonly Piece[] = answer.fragments): Mesh[] {
@@ -72,7 +73,7 @@ export function meshesOf(answer: Answer, materials: readonly Material[], pieces:
     if (!flat.has(material)) flat.set(material, Object.assign(material.clone(), { flatShading: true }));
     return flat.get(material)!;
   };
-  return pieces.map(piece => {
+  const meshOf = (piece: Piece): Mesh => {
     const geometry = new BufferGeometry(), used: Material[] = [];
     let first = Infinity, end = 0;
     piece.rawPrimitives.forEach((primitive, k) => {
@@ -93,7 +94,17 @@ export function meshesOf(answer: Answer, materials: readonly Material[], pieces:
     const mesh = new Mesh(geometry, used);
     mesh.name = piece.name;
     mesh.position.set(...piece.translation);
-    if ('id' in piece) mesh.userData['fragment'] = piece.id;
+    return mesh;
+  };
+  return pieces.map(piece => {
+    const mesh = meshOf(piece);
+    if (!(piece instanceof Fragment)) return mesh;
+    mesh.userData['fragment'] = piece.id;
+    if (piece.sheet) {
+      const sheet = meshOf(piece.sheet);
+      sheet.userData['fragment'] = piece.id;
+      mesh.add(sheet);
+    }
     return mesh;
   });
 }

@@ -183,7 +183,7 @@ export class Pieces {
     this.bodyOfMember.clear();
     this.memberOfCollider.clear();
     this.object3D.removeFromParent();
-    for (const mesh of this.meshes) mesh.geometry.dispose();
+    for (const mesh of this.meshes) mesh.traverse(part => (part as Mesh).geometry.dispose());  // with the sheets that it carries
   }
 
   /** @internal */
