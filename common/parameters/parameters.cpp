@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "common/parameters/nearest_name.hpp"
+#include "common/base/nearest_name.hpp"
 #include "common/parameters/rows.hpp"
 #include "common/parameters/values.hpp"
 

@@ -9,8 +9,8 @@
 
 #include "common/base/json_reader.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/name_pattern.hpp"
 #include "common/base/printable.hpp"
-#include "server/bake/name_pattern.hpp"
 #include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
