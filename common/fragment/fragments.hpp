@@ -65,8 +65,8 @@ struct Fragment {
   /// all cells belong to `part`.
   std::vector<PartCell> part_cells{};
   std::vector<PartVolume> part_volumes{};  ///< ascending by part; empty if `part_cells` is
-  /// Density as a share of the material's density. Less than 1 if the fragment's parts overlap others, so
-  /// that the masses of all fragments count overlaps once (pipeline/overlaps.hpp).
+  /// Density as a share of the request's density. Less if the fragment's parts overlap others, so that the masses of all
+  /// fragments count overlaps once (pipeline/overlaps.hpp). A part with a material of its own has the density of that.
   double density_share = 1;
   std::uint32_t source_part = 0;  ///< equal to `part`; after refracture, the part of the broken fragment
   std::uint32_t node = 0;         ///< index into Mesh::node_names
@@ -102,7 +102,7 @@ struct Bond {
   double area = 0;  ///< m², > 0; rough caps are projected onto their cuts' planes, to which strength refers
   Vec3d centroid;   ///< m; mean of the caps, weighted by that area
   Vec3d normal;     ///< unit, from a to b; mean of the caps, weighted by their unprojected area
-  double strength = 1;        ///< per area, as a multiple of the material's strength
+  double strength = 1;        ///< per area, as a multiple of the request's strength
   bool across_parts = false;  ///< from the contact of two parts, not from shared caps
 };
 
@@ -139,6 +139,8 @@ struct FragmentSet {
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Certificate certificate;
+  /// m³: Certificate::volume_once, with each part's volume times its density as a share of the request's.
+  double weighed_volume = 0;
   SizeFigures size;          ///< effect of the size limits
   Vec3d lattice_step;        ///< h_a: step of the seam lattice, m
   double lattice_ratio = 0;  ///< max over axes of h/size; a value above 1e-5 causes a warning

@@ -9,9 +9,21 @@
 namespace fracture {
 namespace {
 
-/// The density share of each part; empty if no parts overlap.
-std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
+double share_of(const Fragment& f, const std::vector<double>& of_part) {
+  if (f.part_volumes.empty()) return of_part[f.part];
+  double all = 0, once = 0;
+  for (const PartVolume& v : f.part_volumes) {
+    all += v.volume;
+    once += of_part[v.part] * v.volume;
+  }
+  return all > 0 && once > 0 ? once / all : 1;
+}
+
+}  // namespace
+
+std::vector<double> density_shares(const Solid& solid, const Execution& execution) {
   if (!solid.contacts) return {};
+  Pacer pacer(execution);
   struct Group {
     double volume = 0, common = 0,
            largest = 0;  ///< m³: of all parts, of the overlaps, and of the largest part
@@ -43,23 +55,11 @@ std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
   return shares;
 }
 
-double share_of(const Fragment& f, const std::vector<double>& of_part) {
-  if (f.part_volumes.empty()) return of_part[f.part];
-  double all = 0, once = 0;
-  for (const PartVolume& v : f.part_volumes) {
-    all += v.volume;
-    once += of_part[v.part] * v.volume;
-  }
-  return all > 0 && once > 0 ? once / all : 1;
-}
-
-}  // namespace
-
 void count_overlaps_once(const Solid& solid, bool together, FragmentSet& set, const Execution& execution) {
   set.certificate.volume_once = set.certificate.volume_in;
   if (!together) return;
   Pacer pacer(execution);
-  const std::vector<double> of_part = density_shares(solid, pacer);
+  const std::vector<double> of_part = density_shares(solid, execution);
   if (of_part.empty()) return;
   set.certificate.volume_once = 0;
   for (std::size_t p = 0; p < of_part.size(); ++p)
