@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/parameters/assignments.hpp"
 #include "common/parameters/fields.hpp"
 #include "common/parameters/values.hpp"
 
@@ -123,13 +124,16 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
-       .doc = "Break only these nodes (comma-separated names or indices); all other nodes stay whole."},
+       .doc =
+           "Break only these nodes (comma-separated names, patterns such as `Wall_*`, or indices), with all nodes below them; all other "
+           "nodes stay whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
       {.name = "materials",
        .type = Type::kNames,
        .doc =
-           "Break only triangles with these materials (comma-separated names or indices); all other triangles stay whole."},
+           "Break only triangles with these materials (comma-separated names, patterns such as `Glass*`, or indices); all other "
+           "triangles stay whole."},
       [](auto& r) -> auto& { return r.parts.materials; }));
 }
 
@@ -368,6 +372,7 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
   add_exterior_row(rows);
   add_interior_rows(rows);
   for (ParameterSpec& row : physical_parameter_rows()) rows.push_back(std::move(row));
+  rows.push_back(assign_row());
   rows.push_back(format_row(formats));
   for (ParameterSpec& row : rows) {
     std::vector<nlohmann::json> defaults;  // one for each pattern
