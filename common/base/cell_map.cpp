@@ -36,7 +36,27 @@ CellMap::CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> fr
     places_.push_back({boxes[k].min + frame.shift, boxes[k].max + frame.shift});
   }
   if (frames_.size() > 1)
-    frame_of_part_ = std::make_shared<const std::vector<std::uint8_t>>(std::move(frame_of_part));
+    frame_of_part_ =
+        std::make_shared<const std::vector<std::uint16_t>>(frame_of_part.begin(), frame_of_part.end());
+}
+
+CellMap CellMap::joined(std::span<const CellMap> maps, std::span<const std::uint32_t> map_of_part,
+                        std::span<const std::uint32_t> in_map) {
+  CellMap all;
+  std::vector<std::size_t> first;  // frame of each map
+  for (const CellMap& map : maps) {
+    first.push_back(all.frames_.size());
+    if (!map) all.frames_.emplace_back();
+    all.frames_.insert(all.frames_.end(), map.frames_.begin(), map.frames_.end());
+  }
+  std::vector<std::uint16_t> frame_of_part(map_of_part.size());
+  for (std::size_t p = 0; p < frame_of_part.size(); ++p) {
+    const CellMap& map = maps[map_of_part[p]];
+    const auto frame = map ? &map.of_part(in_map[p]) - map.frames_.data() : 0;
+    frame_of_part[p] = static_cast<std::uint16_t>(first[map_of_part[p]] + static_cast<std::size_t>(frame));
+  }
+  all.frame_of_part_ = std::make_shared<const std::vector<std::uint16_t>>(std::move(frame_of_part));
+  return all;
 }
 
 }  // namespace fracture

@@ -51,6 +51,10 @@ class CellMap {
   /// their images under it. At most kMostFrames matrices, with equal determinants.
   CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> frame_of_part,
           std::span<const Box> boxes);
+  /// The maps of separate diagrams as one, for code that asks only for the frame of a part: at(), index_at() and place_of() have
+  /// no meaning. Part p is the part `in_map[p]` of maps[`map_of_part[p]`]. An identity becomes a frame. At most 65,536 frames.
+  static CellMap joined(std::span<const CellMap> maps, std::span<const std::uint32_t> map_of_part,
+                        std::span<const std::uint32_t> in_map);
 
   /// Whether it is not the identity.
   explicit operator bool() const { return !frames_.empty(); }
@@ -83,8 +87,8 @@ class CellMap {
  private:
   std::vector<Frame> frames_;
   std::vector<Box> places_;
-  double pitch_ = 0;                                                ///< distance between neighbouring middles
-  std::shared_ptr<const std::vector<std::uint8_t>> frame_of_part_;  ///< null: all parts in the first frame
+  double pitch_ = 0;  ///< distance between neighbouring middles
+  std::shared_ptr<const std::vector<std::uint16_t>> frame_of_part_;  ///< null: all parts in the first frame
 };
 
 }  // namespace fracture

@@ -16,7 +16,7 @@
 namespace fracture::protocol {
 
 /// Maximum number of bytes of the parameters in one fracture_request(): the server's limit.
-inline constexpr std::size_t kMaxParameterBytes = 4096;
+inline constexpr std::size_t kMaxParameterBytes = 64u << 10;
 
 /// "sha256:" and the digest in hex: the id of a mesh.
 std::string mesh_id(std::string_view bytes);

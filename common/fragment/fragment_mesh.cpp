@@ -30,6 +30,8 @@ Mesh fragment_mesh(const FragmentSet& set, std::size_t index, const Execution& e
     }
   mesh.node.assign(mesh.triangles.size(), f.node);
   mesh.node_names = set.source->node_names;
+  mesh.groups = set.source->groups;
+  mesh.group_of_node = set.source->group_of_node;
   mesh.library = set.source->library;
   mesh.copyright = set.source->copyright;
   return mesh;

@@ -67,8 +67,8 @@ struct Fragment {
   /// all cells belong to `part`.
   std::vector<PartCell> part_cells{};
   std::vector<PartVolume> part_volumes{};  ///< ascending by part; empty if `part_cells` is
-  /// Density as a share of the material's density. Less than 1 if the fragment's parts overlap others, so
-  /// that the masses of all fragments count overlaps once (pipeline/overlaps.hpp).
+  /// Density as a share of the request's density. Less if the fragment's parts overlap others, so that the masses of all
+  /// fragments count overlaps once (pipeline/overlaps.hpp). A part with a material of its own has the density of that.
   double density_share = 1;
   std::uint32_t source_part = 0;  ///< equal to `part`; after refracture, the part of the broken fragment
   std::uint32_t node = 0;         ///< index into Mesh::node_names
@@ -106,7 +106,7 @@ struct Bond {
   double area = 0;  ///< m², > 0; rough caps are projected onto their cuts' planes, to which strength refers
   Vec3d centroid;   ///< m; mean of the caps and contacts, weighted by that area
   Vec3d normal;     ///< unit, from a to b; mean weighted by area, which for caps is the unprojected one
-  double strength = 1;  ///< mean per area, as a multiple of the material's strength; area × strength adds up
+  double strength = 1;  ///< mean per area, as a multiple of the request's strength; area × strength adds up
 };
 
 /// Proof of the invariants, checked for every result (pipeline/soundness.hpp). A result that violates one
@@ -145,6 +145,8 @@ struct FragmentSet {
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Certificate certificate;
+  /// m³: Certificate::volume_once, with each part's volume times its density as a share of the request's.
+  double weighed_volume = 0;
   SizeFigures size;  ///< effect of the size limits
   /// Sheets that stay whole, if there are any: triangles of the source (solid/solid.hpp).
   std::shared_ptr<const Sheets> whole_sheets{};

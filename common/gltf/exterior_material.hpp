@@ -35,10 +35,17 @@ struct ExteriorMaterials {
   /// For each material of the source, then for surfaces without one: index into `materials`. kNoIndex: the source's own.
   std::vector<std::uint32_t> of_source{};
 
-  /// Index into `materials` for a material of the source (kNoIndex: none). Returns kNoIndex if the source's own is used.
-  std::uint32_t of(std::uint32_t source) const {
-    if (of_source.empty()) return kNoIndex;
-    return of_source[source < of_source.size() ? source : of_source.size() - 1];
+  /// If parts have looks of their own (part_materials.hpp): `of_source` for each look.
+  std::vector<std::vector<std::uint32_t>> looks{};
+  std::vector<std::uint32_t> look_of_part{};
+
+  /// Index into `materials` for a material of the source (kNoIndex: none) on a part. Returns kNoIndex if the source's own is
+  /// used.
+  std::uint32_t of(std::uint32_t source, std::size_t part = 0) const {
+    const std::vector<std::uint32_t>& list =
+        part < look_of_part.size() ? looks[look_of_part[part]] : of_source;
+    if (list.empty()) return kNoIndex;
+    return list[source < list.size() ? source : list.size() - 1];
   }
 };
 

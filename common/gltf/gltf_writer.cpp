@@ -119,13 +119,13 @@ void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t
   json.end_object().end_object();
 }
 
-void write_collider_nodes(JsonText& json, std::size_t fragment, const GltfOptions& options,
+void write_collider_nodes(JsonText& json, const Fragment& f, std::size_t fragment, const GltfOptions& options,
                           const SceneLayout& layout) {
   for (std::size_t hull = 0; hull < layout.collider_nodes(fragment); ++hull) {
     json.begin_object().member("name", layout.collider_name(fragment, hull));
     json.key("extensions").begin_object();
     if (options.physics == Physics::kKhr)
-      write_khr_physics_collider(json, fragment, hull, layout);
+      write_khr_physics_collider(json, f, fragment, hull, layout, options);
     else
       write_omi_physics_collider(json, layout.hull_number(fragment, hull));
     json.end_object().end_object();
@@ -148,7 +148,7 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size());
   for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
   for (std::size_t k = 0; k < fragments; ++k) {
-    write_collider_nodes(json, k, options, layout);
+    write_collider_nodes(json, fractured.set.fragments[k], k, options, layout);
     write_ucx_nodes(json, k, layout);
     if (layout.sheet_nodes(k) > 0)
       json.begin_object()

@@ -43,6 +43,13 @@ enum class UeCollision {
   kUcx,  ///< a node UCX_<fragment>_NN for each hull (ue_collision.hpp)
 };
 
+/// Contact properties of a material.
+struct ContactSurface {
+  double friction = 0.6;     ///< static and dynamic
+  double restitution = 0.1;  ///< 0 … 1
+  friend bool operator==(const ContactSurface&, const ContactSurface&) = default;
+};
+
 /// Options for everything in the file that is not geometry. The file contains no time stamp and no host name. So identical
 /// requests give identical bytes.
 struct GltfOptions {
@@ -54,8 +61,12 @@ struct GltfOptions {
   /// Colliders need FracturedSolid::hulls; a fragment without hulls is a body without a collider.
   Physics physics = Physics::kKhr;
   UeCollision ue_collision = UeCollision::kNone;
-  double friction = 0.6;       ///< static and dynamic
-  double restitution = 0.1;    ///< 0 … 1
+  double friction = 0.6;     ///< static and dynamic
+  double restitution = 0.1;  ///< 0 … 1
+  /// Surfaces of parts that are made of other materials. `surface_of_part`: 0 for the two members above, otherwise the place in
+  /// `surfaces`, from 1. May be empty.
+  std::vector<ContactSurface> surfaces{};
+  std::vector<std::uint32_t> surface_of_part{};
   double bond_strength = 1e6;  ///< Pa: a bond withstands its area times this in tension
   bool mesh_manifold = true;   ///< EXT_mesh_manifold on every fragment with a topology (mesh_manifold.hpp)
   /// The materials of the cut faces. Their names should contain "Interior", because tools recognize cut faces by it.

@@ -53,10 +53,12 @@ std::string IntactScene::hull_name(std::size_t part, std::size_t hull) const {
   return ucx_ ? "UCX_" + name : name + "_hull";
 }
 
-void IntactScene::write_collider(JsonText& json, std::size_t hull, const GltfOptions& options) const {
+void IntactScene::write_collider(JsonText& json, std::size_t part, std::size_t hull,
+                                 const GltfOptions& options) const {
   json.key("extensions").begin_object();
   if (options.physics == Physics::kKhr)
-    write_khr_physics_static_collider(json, first_hull_mesh() + hull);
+    write_khr_physics_static_collider(json, fractured_.intact->parts[part], first_hull_mesh() + hull,
+                                      options);
   else
     write_omi_physics_collider(json, first_shape_ + hull);
   json.end_object();
@@ -70,7 +72,7 @@ void IntactScene::write_part(JsonText& json, std::size_t part, std::size_t first
     for (std::size_t k = 0; k < children(part); ++k) json.value(first_child + k);
     json.end_array();
   }
-  if (has_physics_ && hulls(part) == 1) write_collider(json, first_hull_[part], options);
+  if (has_physics_ && hulls(part) == 1) write_collider(json, part, first_hull_[part], options);
   const Fragment& f = fractured_.intact->parts[part];
   json.key("extras").begin_object().key("intact").begin_object();
   json.member("part", f.source_part).member("volume", body_volume(f));
@@ -100,7 +102,7 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   for (std::size_t k = 0; k < names_.size(); ++k) {
     for (std::size_t hull = 0; hull < colliders(k); ++hull) {
       json.begin_object().member("name", names_[k] + "_" + padded(hull, 2) + "_collider");
-      write_collider(json, first_hull_[k] + hull, options);
+      write_collider(json, k, first_hull_[k] + hull, options);
       json.end_object();
     }
     for (std::size_t hull = 0; ucx_ && hull < hulls(k); ++hull)

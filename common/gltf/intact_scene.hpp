@@ -49,7 +49,7 @@ class IntactScene {
   std::string hull_name(std::size_t part, std::size_t hull) const;
   void write_part(JsonText& json, std::size_t part, std::size_t first_child,
                   const GltfOptions& options) const;
-  void write_collider(JsonText& json, std::size_t hull, const GltfOptions& options) const;
+  void write_collider(JsonText& json, std::size_t part, std::size_t hull, const GltfOptions& options) const;
 
   const FracturedSolid& fractured_;
   const Execution& execution_;

@@ -73,12 +73,28 @@ struct InteriorMaterials {
   /// 0: no cuts look crushed.
   double crushed_below = 0;
   std::uint32_t mortar = kNoIndex;  ///< index into `materials`, for kMortarMaterial; kNoIndex: none
+  /// If parts have looks of their own (part_materials.hpp): the last two members for each look. Crushed cuts then have an index.
+  struct OfLook {
+    double crushed_below = 0;
+    std::uint32_t crushed = kNoIndex, mortar = kNoIndex;
+  };
+  std::vector<OfLook> looks{};
+  std::vector<std::uint32_t> look_of_part{};
 
   /// Index into `materials` and `cavities` for the cuts of a part.
   std::uint32_t of(std::size_t part) const { return part < of_part.size() ? of_part[part] : 0; }
   /// Index into `materials` for the cuts of a fragment with this volume (m³).
   std::uint32_t of(std::size_t part, double fragment_volume) const {
-    return fragment_volume < crushed_below ? static_cast<std::uint32_t>(materials.size() - 1) : of(part);
+    const OfLook look = look_of(part);
+    return fragment_volume < look.crushed_below ? look.crushed : of(part);
+  }
+  /// Index into `materials` for the mortar of a part, or kNoIndex.
+  std::uint32_t mortar_of(std::size_t part) const { return look_of(part).mortar; }
+
+ private:
+  OfLook look_of(std::size_t part) const {
+    if (part < look_of_part.size()) return looks[look_of_part[part]];
+    return {crushed_below, static_cast<std::uint32_t>(materials.size() - 1), mortar};
   }
 };
 

@@ -13,10 +13,20 @@ std::uint32_t filter_of(const SceneLayout& layout, std::size_t fragment) {
   return filters != nullptr && !filters->of_body.empty() ? filters->of_body[fragment] : kNoIndex;
 }
 
-void write_collider(JsonText& json, std::size_t mesh, std::uint32_t filter) {
+/// Index of the physics material of a part.
+std::uint32_t surface_of(const GltfOptions& options, std::size_t part) {
+  return part < options.surface_of_part.size() ? options.surface_of_part[part] : 0;
+}
+
+void write_surface(JsonText& json, double friction, double restitution) {
+  json.begin_object().member("staticFriction", friction).member("dynamicFriction", friction);
+  json.member("restitution", restitution).end_object();
+}
+
+void write_collider(JsonText& json, std::size_t mesh, std::uint32_t surface, std::uint32_t filter) {
   json.key("collider").begin_object().key("geometry").begin_object();
   json.member("mesh", mesh).member("convexHull", true).end_object();
-  json.member("physicsMaterial", 0);
+  json.member("physicsMaterial", surface);
   if (filter != kNoIndex) json.member("collisionFilter", filter);
   json.end_object();
 }
@@ -31,16 +41,20 @@ void write_filter(JsonText& json, const CollisionFilters::Filter& filter) {
   json.end_object();
 }
 
-void write_collider(JsonText& json, std::size_t fragment, std::size_t hull, const SceneLayout& layout) {
-  write_collider(json, layout.hull_mesh(fragment, hull), filter_of(layout, fragment));
+void write_collider(JsonText& json, const Fragment& f, std::size_t fragment, std::size_t hull,
+                    const SceneLayout& layout, const GltfOptions& options) {
+  write_collider(json, layout.hull_mesh(fragment, hull), surface_of(options, f.source_part),
+                 filter_of(layout, fragment));
 }
 
 }  // namespace
 
 void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const GltfOptions& options) {
-  json.key(kName).begin_object().key("physicsMaterials").begin_array().begin_object();
-  json.member("staticFriction", options.friction).member("dynamicFriction", options.friction);
-  json.member("restitution", options.restitution).end_object().end_array();
+  json.key(kName).begin_object().key("physicsMaterials").begin_array();
+  write_surface(json, options.friction, options.restitution);
+  for (const ContactSurface& surface : options.surfaces)
+    write_surface(json, surface.friction, surface.restitution);
+  json.end_array();
   if (const CollisionFilters* const filters = layout.filters(); filters && !filters->filters.empty()) {
     json.key("collisionFilters").begin_array();
     for (const CollisionFilters::Filter& filter : filters->filters) write_filter(json, filter);
@@ -61,20 +75,21 @@ void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index
   json.end_array().key("inertiaOrientation").begin_array();
   for (const double component : axes.rotation) json.value(component);
   json.end_array().end_object();
-  if (layout.hulls(index) == 1) write_collider(json, index, 0, layout);
+  if (layout.hulls(index) == 1) write_collider(json, f, index, 0, layout, options);
   json.end_object();
 }
 
-void write_khr_physics_collider(JsonText& json, std::size_t fragment, std::size_t hull,
-                                const SceneLayout& layout) {
+void write_khr_physics_collider(JsonText& json, const Fragment& f, std::size_t fragment, std::size_t hull,
+                                const SceneLayout& layout, const GltfOptions& options) {
   json.key(kName).begin_object();
-  write_collider(json, fragment, hull, layout);
+  write_collider(json, f, fragment, hull, layout, options);
   json.end_object();
 }
 
-void write_khr_physics_static_collider(JsonText& json, std::size_t mesh) {
+void write_khr_physics_static_collider(JsonText& json, const Fragment& f, std::size_t mesh,
+                                       const GltfOptions& options) {
   json.key(kName).begin_object();
-  write_collider(json, mesh, kNoIndex);
+  write_collider(json, mesh, surface_of(options, f.source_part), kNoIndex);
   json.end_object();
 }
 

@@ -8,8 +8,8 @@
 
 namespace fracture {
 
-/// Writes the document's member "KHR_physics_rigid_bodies": one physics material (always present, because Babylon's
-/// loader rejects the asset without it), and the collision filters of fragments whose hulls overlap
+/// Writes the document's member "KHR_physics_rigid_bodies": a physics material (always present, because Babylon's
+/// loader rejects the asset without it) and those of parts made of other materials, and the collision filters of fragments whose hulls overlap
 /// (physics/collision_filters.hpp).
 void write_khr_physics_document(JsonText& json, const SceneLayout& layout, const GltfOptions& options);
 
@@ -20,10 +20,11 @@ void write_khr_physics_body(JsonText& json, const Fragment& fragment, std::size_
                             const SceneLayout& layout, const GltfOptions& options);
 
 /// Writes the same member for a compound's child node: one convex collider with the hull mesh.
-void write_khr_physics_collider(JsonText& json, std::size_t fragment, std::size_t hull,
-                                const SceneLayout& layout);
+void write_khr_physics_collider(JsonText& json, const Fragment& f, std::size_t fragment, std::size_t hull,
+                                const SceneLayout& layout, const GltfOptions& options);
 
 /// Writes the same member for a node that does not move: one convex collider with this mesh.
-void write_khr_physics_static_collider(JsonText& json, std::size_t mesh);
+void write_khr_physics_static_collider(JsonText& json, const Fragment& f, std::size_t mesh,
+                                       const GltfOptions& options);
 
 }  // namespace fracture

@@ -47,11 +47,12 @@ std::optional<std::size_t> MeshWriter::material_of(const Fragment& f, const Frag
                                                    const ExteriorMaterials& exterior) const {
   const std::uint32_t part = p.part == kNoIndex ? f.source_part : p.part;
   if (p.material == kInteriorMaterial) return first_interior_ + interior_.of(part, f.mass.volume);
-  if (p.material == kMortarMaterial && interior_.mortar != kNoIndex)
-    return first_interior_ + interior_.mortar;
+  if (p.material == kMortarMaterial && interior_.mortar_of(part) != kNoIndex)
+    return first_interior_ + interior_.mortar_of(part);
   if (p.material == kCavityMaterial && !interior_.cavities.empty())
     return first_interior_ + interior_.materials.size() + interior_.of(part);
-  if (const std::uint32_t made = exterior.of(p.material); made != kNoIndex) return first_exterior_ + made;
+  if (const std::uint32_t made = exterior.of(p.material, part); made != kNoIndex)
+    return first_exterior_ + made;
   if (p.material < first_interior_) return p.material;
   return std::nullopt;
 }

@@ -18,7 +18,7 @@ namespace {
 /// Whether hits on the answer can be local, as far as the parameters decide it.
 bool may_be_local(const FractureParameters& p) {
   const bool counted = p.size.max_fragments > 0 || p.size.max_triangles > 0;
-  return p.dual == Dual::kCircumcenter && !p.keep && !counted && p.max_volume == 0 &&
+  return p.dual == Dual::kCircumcenter && !p.keep && !counted && p.max_volume == 0 && p.assigned.empty() &&
          (p.hits.empty() || p.rest == LocalRest::kFractured);
 }
 

@@ -56,6 +56,8 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   Mesh& mesh = *mesh_;
   mesh.frame = source.frame;
   mesh.node_names = source.node_names;
+  mesh.groups = source.groups;
+  mesh.group_of_node = source.group_of_node;
   mesh.library = source.library;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -12,6 +13,7 @@
 #include "common/hollow/inner_surface.hpp"
 #include "common/hollow/rebuild.hpp"
 #include "common/solid/corners.hpp"
+#include "common/solid/part_selection.hpp"
 
 namespace fracture {
 namespace {
@@ -19,9 +21,10 @@ namespace {
 using hollow_detail::Cavity;
 using hollow_detail::Run;
 
-/// Divides the sum of thicknesses by the area, and adds remarks.
-void finish(SolidReport& report, const HollowOptions& options, std::uint32_t asked, double area) {
-  const std::uint64_t hollow = report.parts_hollowed, solid = asked - hollow;
+/// Adds remarks. `asked`: number of parts that may have become walls; `hollow` of them did. `mean_thickness`: of their walls.
+void add_remarks(SolidReport& report, const HollowOptions& options, std::uint64_t asked, std::uint64_t hollow,
+                 double mean_thickness) {
+  const std::uint64_t solid = asked - hollow;
   const bool by_material = options.least_ball > 0;
   if (by_material && hollow > 0)
     report.remarks.note(counted(hollow, "closed part large enough for", "closed parts large enough for") +
@@ -38,10 +41,9 @@ void finish(SolidReport& report, const HollowOptions& options, std::uint32_t ask
     else
       report.remarks.warn(what + " Ask for thinner walls, or send the parts as several meshes.");
   }
-  if (area > 0) report.mean_thickness /= area;
-  if (options.thickness > 0 && report.mean_thickness > 2 * options.thickness)
+  if (options.thickness > 0 && mean_thickness > 2 * options.thickness)
     report.remarks.warn(
-        "Walls are " + short_number(report.mean_thickness) + " m thick on average instead of the " +
+        "Walls are " + short_number(mean_thickness) + " m thick on average instead of the " +
         short_number(options.thickness) +
         " m that 'shell' asks for, because thinner walls need more triangles than a part may have. "
         "Ask for thicker walls, or model the inner side in a modelling tool.");
@@ -92,13 +94,16 @@ hollow_detail::InnerSurfaceLimits fine_enough(std::size_t outside, double share,
 /// So the result is the same for any number of threads.
 class Hollower {
  public:
-  Hollower(Solid& solid, const HollowOptions& options, const Execution& execution)
+  /// `is_of`: whether the options apply to a part.
+  Hollower(Solid& solid, const HollowOptions& options, const std::function<bool(std::size_t)>& is_of,
+           const Execution& execution)
       : solid_(solid),
         options_(options),
+        is_of_(is_of),
         execution_(execution),
         least_ball_(options.least_ball > 0 ? std::fmax(options.least_ball, kSmallestBall) : 0),
         runs_(hollow_detail::runs_of_parts(solid)),
-        left_(options.max_all) {}
+        left_(options.max_all - static_cast<std::uint32_t>(solid.report.hollow_triangles)) {}
 
   std::vector<Cavity> run() {
     choose();
@@ -108,11 +113,13 @@ class Hollower {
       execution_.reaches(0.2 + 0.6 * static_cast<double>(end) / static_cast<double>(chosen_.size()));
       make(done, end);
     }
-    finish(solid_.report, options_, asked(), area_);
+    add_remarks(solid_.report, options_, chosen_.size(), cavities_.size(),
+                area_ > 0 ? thickness_times_area_ / area_ : 0);
     return std::move(cavities_);
   }
-  /// Area of the inner sides, m².
+  /// Area of the inner sides, m², and the sum of their thicknesses times their areas, m³.
   double area() const { return area_; }
+  double thickness_times_area() const { return thickness_times_area_; }
 
  private:
   /// With more at once, more cavities have to be made again.
@@ -130,7 +137,8 @@ class Hollower {
     const Part& part = solid_.parts[p];
     const Vec3d size = part.box.size();
     const double longest = part.box.longest_side(), shortest = std::fmin(size.x, std::fmin(size.y, size.z));
-    if (part.shells.size() > 1 || !(shortest > std::fmax(2 * thickness_of(part), least_ball_ * longest)))
+    if (!is_of_(p) || part.shells.size() > 1 ||
+        !(shortest > std::fmax(2 * thickness_of(part), least_ball_ * longest)))
       return false;
     return least_ball_ == 0 ||
            hollow_detail::holds_ball(surface_of(p), part.box, least_ball_ / 2 * longest, execution_);
@@ -212,9 +220,8 @@ class Hollower {
     report.least_thickness = report.parts_hollowed == 0
                                  ? cavity.least_thickness
                                  : std::fmin(report.least_thickness, cavity.least_thickness);
-    // A sum, which finish() divides by the area.
     for (const Cavity::Wall& wall : cavity.walls) {
-      report.mean_thickness += wall.thickness * wall.area;
+      thickness_times_area_ += wall.thickness * wall.area;
       area_ += wall.area;
     }
     cavity.walls = {};
@@ -228,13 +235,14 @@ class Hollower {
 
   Solid& solid_;
   const HollowOptions& options_;
+  const std::function<bool(std::size_t)>& is_of_;
   const Execution& execution_;
   const double least_ball_;
   const std::vector<Run> runs_;
   std::vector<std::size_t> chosen_;  // parts that may become walls
   std::uint32_t waiting_ = 0;        // number of chosen parts not processed yet
   std::uint32_t left_;               // number of triangles left
-  double longest_ = 0, area_ = 0;
+  double longest_ = 0, area_ = 0, thickness_times_area_ = 0;
   std::vector<Cavity> cavities_;
 };
 
@@ -242,11 +250,37 @@ class Hollower {
 
 Solid hollowed(Solid solid, const HollowOptions& options, const Execution& execution) {
   if (!options.any()) return solid;
-  Hollower hollower(solid, options, execution);
-  const std::vector<Cavity> cavities = hollower.run();
-  if (cavities.empty()) return solid;
+  std::vector<PartSelector> selectors;
+  std::vector<HollowOptions> walls{options};  // of parts that no entry matches, then of each entry
+  for (const PartWalls& entry : options.by_part) {
+    selectors.push_back(entry.selector);
+    walls.push_back(options);
+    walls.back().thickness = entry.thickness;
+    walls.back().fraction = entry.fraction;
+    walls.back().least_ball = entry.least_ball;
+  }
+  for (HollowOptions& own : walls) own.by_part.clear();
+  const PartChoice choice = choose_parts(solid, selectors, execution);
+
   SolidReport& report = solid.report;
-  report.area += hollower.area();
+  std::vector<Cavity> cavities;
+  double area = 0, thickness_times_area = 0;
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    if (!walls[k].any()) continue;
+    const std::uint32_t entry = k == 0 ? kNoIndex : static_cast<std::uint32_t>(k - 1);
+    const std::function<bool(std::size_t)> is_of = [&](std::size_t p) { return choice.of_part[p] == entry; };
+    const StageProgress::Part part(walls.size() > 1 ? execution.within : nullptr,
+                                   static_cast<double>(k + 1) / static_cast<double>(walls.size() + 1));
+    Hollower hollower(solid, walls[k], is_of, execution);
+    for (Cavity& cavity : hollower.run()) cavities.push_back(std::move(cavity));
+    area += hollower.area();
+    thickness_times_area += hollower.thickness_times_area();
+  }
+  if (cavities.empty()) return solid;
+  std::stable_sort(cavities.begin(), cavities.end(),
+                   [](const Cavity& a, const Cavity& b) { return a.part < b.part; });
+  if (area > 0) report.mean_thickness = thickness_times_area / area;
+  report.area += area;
   report.volume = 0;
   for (const Part& part : solid.parts) report.volume += part.volume;
   execution.reaches(1);

@@ -125,15 +125,26 @@ std::string node_name(const aiNode& node) {
   return name.empty() || name == "defaultobject" || name[0] == '<' ? "mesh" : name;
 }
 
+/// The name of a node above others; empty if it does not come from the source. The root stands for the file.
+std::string group_name(const aiNode& node) {
+  const std::string name = name_as_utf8(node.mName.C_Str());
+  return node.mParent == nullptr || name.starts_with('<') ? std::string() : name;
+}
+
 void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::uint32_t>& slots,
                MeshBuilder& builder) {
-  std::vector<std::pair<const aiNode*, Transform>> stack{{scene.mRootNode, Transform{}}};
+  struct Waiting {
+    const aiNode* node;
+    Transform parent;
+    std::uint32_t group;  ///< of the nodes above
+  };
+  std::vector<Waiting> stack{{scene.mRootNode, Transform{}, kNoIndex}};
   while (!stack.empty()) {
-    const auto [node, parent] = stack.back();
+    const auto [node, parent, above] = stack.back();
     stack.pop_back();
     const Transform local = to_transform(node->mTransformation);
     const Transform world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
-    if (node->mNumMeshes > 0) builder.begin_node(node_name(*node));
+    if (node->mNumMeshes > 0) builder.begin_node(node_name(*node), above);
     for (unsigned k = 0; k < node->mNumMeshes; ++k) {
       if (node->mMeshes[k] >= scene.mNumMeshes)
         refuse(ErrorCode::kMalformedMesh, "A node refers to a mesh that does not exist.");
@@ -147,8 +158,9 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
       if (surface.triangles.empty()) continue;
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }
+    const std::uint32_t group = node->mNumChildren > 0 ? builder.add_group(group_name(*node), above) : above;
     for (unsigned k = node->mNumChildren; k-- > 0;)  // the RAW reader leaves null children
-      if (node->mChildren[k] != nullptr) stack.emplace_back(node->mChildren[k], world);
+      if (node->mChildren[k] != nullptr) stack.push_back({node->mChildren[k], world, group});
   }
 }
 

@@ -253,20 +253,22 @@ void add(MeshBuilder& builder, Surface surface) {
   if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
 }
 
-void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, const MeshReader& reader,
-              MeshBuilder& builder, const ImportLimits& limits) {
+/// `group`: of the nodes above.
+void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, std::uint32_t group,
+              const MeshReader& reader, MeshBuilder& builder, const ImportLimits& limits) {
   const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
   if (node.mesh < 0) return;
   const tinygltf::Mesh& mesh = at(model.meshes, node.mesh, "mesh");
   const std::vector<RawSurface> surfaces = reader.read(mesh);
   const std::string name = !node.name.empty() ? node.name : !mesh.name.empty() ? mesh.name : "mesh";
+  if (name != mesh.name) group = builder.add_group(mesh.name, group);
   const bool skinned = node.skin >= 0 && std::any_of(surfaces.begin(), surfaces.end(),
                                                      [](const RawSurface& s) { return !s.joints.empty(); });
   if (skinned) {
     // A skinned mesh ignores its node's own transform (glTF 2.0, 3.7.3.3).
     const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin")),
                             largest_coordinate(surfaces));
-    builder.begin_node(name);
+    builder.begin_node(name, group);
     builder.remarks().note(
         skinning.rigid() ? "Skins were baked in the bind pose."
                          : "Skins were baked in the pose that the file stores, which is not the bind pose.");
@@ -288,7 +290,7 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, c
   const Transform& world = *scene.world[static_cast<std::size_t>(index)];
   for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
-    builder.begin_node(name);
+    builder.begin_node(name, group);
     for (const RawSurface& raw : surfaces)
       add(builder, place(raw, m.determinant() < 0, [&](std::size_t) -> const Transform& { return m; }));
   }
@@ -308,7 +310,15 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
     const tinygltf::Model model = load_gltf_model(document);
     const MeshReader reader(model, material_count, builder);
     const GltfScene scene = walk_gltf_scene(model);
-    for (const int index : scene.order) add_node(model, scene, index, reader, builder, limits);
+    std::vector<std::uint32_t> group_above(model.nodes.size(), kNoIndex);
+    for (const int index : scene.order) {  // parents come before their children
+      const auto at = static_cast<std::size_t>(index);
+      add_node(model, scene, index, group_above[at], reader, builder, limits);
+      const tinygltf::Node& node = model.nodes[at];
+      if (node.children.empty()) continue;
+      const std::uint32_t group = builder.add_group(node.name, group_above[at]);
+      for (const int child : node.children) group_above[static_cast<std::size_t>(child)] = group;
+    }
     return builder.finish();
   } catch (const Refused& refused) {
     return tl::unexpected<Error>(refused.error);

@@ -47,7 +47,16 @@ void append(std::vector<T>& to, std::size_t before, std::vector<T>&& from, std::
 
 }  // namespace
 
-void MeshBuilder::begin_node(std::string name) { mesh_.node_names.push_back(std::move(name)); }
+std::uint32_t MeshBuilder::add_group(std::string name, std::uint32_t parent) {
+  if (name.empty()) return parent;
+  mesh_.groups.push_back({std::move(name), parent});
+  return static_cast<std::uint32_t>(mesh_.groups.size() - 1);
+}
+
+void MeshBuilder::begin_node(std::string name, std::uint32_t group) {
+  mesh_.node_names.push_back(std::move(name));
+  mesh_.group_of_node.push_back(group);
+}
 
 Expected<void> MeshBuilder::add(Surface surface) {
   const std::size_t before = mesh_.positions.size(), count = surface.positions.size();
@@ -110,6 +119,7 @@ void MeshBuilder::pad_to(std::size_t size) {
 
 Expected<Mesh> MeshBuilder::finish() {
   if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles.");
+  if (mesh_.groups.empty()) mesh_.group_of_node.clear();
   pad_to(mesh_.positions.size());
   for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (finite(mesh_.positions[v])) continue;

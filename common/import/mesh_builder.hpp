@@ -27,8 +27,11 @@ class MeshBuilder {
  public:
   explicit MeshBuilder(const ImportLimits& limits) : limits_(limits) {}
 
-  /// Begins a mesh instance. The surfaces added next belong to it.
-  void begin_node(std::string name);
+  /// Adds a group of nodes below `parent` (kNoIndex: none), and returns its number. A group without a name is left out; the
+  /// result is then `parent`.
+  std::uint32_t add_group(std::string name, std::uint32_t parent);
+  /// Begins a mesh instance in a group (kNoIndex: none). The surfaces added next belong to it.
+  void begin_node(std::string name, std::uint32_t group = kNoIndex);
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }

@@ -46,6 +46,13 @@ struct SourceFrame {
   bool up_stated = false;      ///< false: not stated, so y is assumed
 };
 
+/// A node of the source above one or several mesh instances, or a mesh of the source that has a name of its own.
+struct NodeGroup {
+  std::string name;                 ///< UTF-8, not empty
+  std::uint32_t parent = kNoIndex;  ///< index into Mesh::groups, lower than the group's own; kNoIndex: none
+  friend bool operator==(const NodeGroup&, const NodeGroup&) = default;
+};
+
 struct Mesh {
   /// Per wedge, right-handed, in the frame of the scene's root. For an imported mesh, metres and y up only
   /// after to_metres_y_up() (mesh/frame.hpp).
@@ -56,6 +63,9 @@ struct Mesh {
   std::vector<std::uint32_t> material;  ///< per triangle: index into library->materials, or kNoIndex
   std::vector<std::uint32_t> node;      ///< per triangle: index into node_names
   std::vector<std::string> node_names;  ///< mesh instances of the source, UTF-8, possibly repeated
+  std::vector<NodeGroup> groups{};      ///< parents come before their children
+  std::vector<std::uint32_t>
+      group_of_node{};  ///< per node: its innermost group, or kNoIndex; empty: no groups
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();

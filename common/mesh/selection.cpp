@@ -1,48 +1,40 @@
 #include "common/mesh/selection.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "common/base/gathered.hpp"
+#include "common/base/nearest_name.hpp"
+#include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/part_selector.hpp"
 
 namespace fracture {
 namespace {
 
 constexpr std::size_t kListedNames = 50;  // maximum number in an error message
 
-/// Marks the names that are selected; all of them if the list is empty.
-Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries,
-                                   const std::vector<std::string>& names, const char* parameter) {
-  std::vector<bool> result(names.size(), entries.empty());
+/// Marks what the entries select; everything if there are none.
+/// `mark(entry, marked)`: SceneNames::mark_nodes() or mark_slots().
+template <class Mark>
+Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries, const SceneNames& scene,
+                                   std::size_t count, const std::vector<std::string>& names,
+                                   const char* parameter, const Mark& mark) {
+  std::vector<bool> result(count, entries.empty());
   for (const std::string& entry : entries) {
-    bool found = false;
-    for (std::size_t k = 0; k < names.size(); ++k)
-      if (names[k] == entry) result[k] = found = true;
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(entry.data(), entry.data() + entry.size(), index);
-    if (!found && error == std::errc{} && end == entry.data() + entry.size() && index < names.size())
-      result[index] = found = true;
-    if (found) continue;
-    nlohmann::json known = nlohmann::json::array();
-    for (std::size_t k = 0; k < std::min(names.size(), kListedNames); ++k) known.push_back(names[k]);
+    if (mark(entry, result)) continue;
+    if (scene.spent())
+      return fail(ErrorCode::kBadParameter,
+                  "The patterns in '" + std::string(parameter) + "' need more than " +
+                      grouped(kMostNameSteps) +
+                      " comparisons with the names of this mesh. Give simpler patterns.",
+                  parameter);
     return fail(ErrorCode::kBadParameter,
-                "'" + entry.substr(0, 80) + "' is neither a name in '" + std::string(parameter) +
-                    "' of this mesh nor an index below " + std::to_string(names.size()) +
-                    ". The member 'known' lists the names.",
-                parameter, {{"known", std::move(known)}});
+                "'" + entry.substr(0, 80) + "' is neither a name or a pattern of names in '" +
+                    std::string(parameter) + "' of this mesh nor an index below " + std::to_string(count) +
+                    ". The member 'known' lists the names, nearest first.",
+                parameter, {{"known", nearest_names(entry, names, kListedNames)}});
   }
   return result;
-}
-
-std::vector<std::string> material_names(const Mesh& mesh) {
-  std::vector<std::string> names;
-  for (const auto& material : mesh.library->materials) {
-    const auto name = material.find("name");
-    names.push_back(name != material.end() && name->is_string() ? name->get<std::string>() : std::string());
-  }
-  return names;
 }
 
 /// Returns the triangles with the given selection state, and the wedges that they use in the order of the
@@ -73,6 +65,8 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.material = gathered(mesh.material, triangles);
   part.node = gathered(mesh.node, triangles);
   part.node_names = mesh.node_names;
+  part.groups = mesh.groups;
+  part.group_of_node = mesh.group_of_node;
   part.triangle_color = gathered(mesh.triangle_color, triangles);
   part.library = mesh.library;
   part.copyright = mesh.copyright;
@@ -83,10 +77,14 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
 
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   if (selection == PartSelection{}) return {};
-  const Expected<std::vector<bool>> nodes = chosen(selection.nodes, mesh.node_names, "nodes");
+  SceneNames scene(mesh);
+  const Expected<std::vector<bool>> nodes = chosen(
+      selection.nodes, scene, scene.node_count(), scene.nodes(), "nodes",
+      [&](const std::string& entry, std::vector<bool>& marked) { return scene.mark_nodes(entry, marked); });
   if (!nodes) return tl::unexpected<Error>(nodes.error());
-  const Expected<std::vector<bool>> materials =
-      chosen(selection.materials, material_names(mesh), "materials");
+  const Expected<std::vector<bool>> materials = chosen(
+      selection.materials, scene, scene.slot_count(), scene.slots(), "materials",
+      [&](const std::string& entry, std::vector<bool>& marked) { return scene.mark_slots(entry, marked); });
   if (!materials) return tl::unexpected<Error>(materials.error());
 
   std::vector<bool> selected(mesh.triangles.size());

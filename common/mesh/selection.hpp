@@ -9,9 +9,9 @@
 
 namespace fracture {
 
-/// Names or indices of nodes (Mesh::node_names) and of materials (their "name" in the library). A name
-/// selects everything with that name. An entry that is not a name but a number is an index. An empty list
-/// selects everything. If both lists are given, a triangle must be in both.
+/// Entries that select nodes and materials, as in SceneNames (mesh/part_selector.hpp): names, patterns or indices. The name of
+/// a node also selects all nodes below it. An empty list selects everything. If both lists are given, a triangle must be in
+/// both.
 struct PartSelection {
   std::vector<std::string> nodes{}, materials{};
   friend bool operator==(const PartSelection&, const PartSelection&) = default;
@@ -19,7 +19,7 @@ struct PartSelection {
 
 /// Keeps the selected triangles in the mesh, in order, and moves the others with their wedges to
 /// mesh.passed_through (null if everything is selected). Errors: kBadParameter if nothing has the name of an
-/// entry (extra.known lists the existing names), or if the selection is empty. The mesh is then unchanged.
+/// entry (extra.known lists the existing names, nearest first), or if the selection is empty. The mesh is then unchanged.
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection);
 
 }  // namespace fracture

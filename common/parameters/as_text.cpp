@@ -1,5 +1,7 @@
 #include "common/parameters/as_text.hpp"
 
+#include "common/parameters/assignments.hpp"
+
 namespace fracture {
 namespace {
 
@@ -13,6 +15,7 @@ bool is_plain_name(const std::string& name) {
 std::optional<std::string> as_text(const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump();
+  if (!value.empty() && value.front().is_object()) return assignments_as_text(value);
   std::string text;
   for (const nlohmann::json& item : value) {
     if (item.is_string() && !is_plain_name(item.get_ref<const std::string&>())) return std::nullopt;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "common/materials/notes.hpp"
+#include "common/parameters/assignments.hpp"
 #include "common/parameters/rows.hpp"
 
 namespace fracture {
@@ -60,6 +61,13 @@ nlohmann::json describe(const ParameterSpec& spec) {
       entry = {{"type", "array"}, {"minItems", 3}, {"maxItems", 3}, {"items", vector_schema(spec)}};
       entry["text"] = "a,b,c;d,e,f;g,h,i";
       break;
+    case Type::kAssignments:
+      entry = {{"type", "array"},
+               {"minItems", 1},
+               {"maxItems", kMostAssignments},
+               {"items", {{"type", "object"}, {"minProperties", 2}}}};
+      entry["text"] = "selector:material;selector:material";
+      break;
     case Type::kChoice:
       entry = {{"type", "string"}, {"enum", spec.choices}};
       break;
@@ -68,6 +76,7 @@ nlohmann::json describe(const ParameterSpec& spec) {
   entry["description"] = spec.doc;
   if (!spec.unit.empty()) entry["unit"] = spec.unit;
   if (!spec.default_value.is_null()) entry["default"] = spec.default_value;
+  if (is_assignable(spec.name)) entry["assignable"] = true;
   return entry;
 }
 

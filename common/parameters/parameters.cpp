@@ -5,8 +5,9 @@
 #include <set>
 #include <utility>
 
+#include "common/base/nearest_name.hpp"
+#include "common/parameters/assignments.hpp"
 #include "common/parameters/effects.hpp"
-#include "common/parameters/nearest_name.hpp"
 #include "common/parameters/rows.hpp"
 #include "common/parameters/values.hpp"
 
@@ -153,94 +154,176 @@ const ParameterSpec* ParameterTable::find(std::string_view name) const {
   return nullptr;
 }
 
-Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter>& given) const {
-  Offences offences;
-  Given seen;
-  std::vector<std::string> names;  // of all parameters; filled when a name is unknown
-  std::map<std::string, ParameterValue> values;
-  for (const RawParameter& raw : given) {
-    const ParameterSpec* spec = find(raw.name);
+/// Parses one request.
+class ParameterTable::Parsing {
+ public:
+  explicit Parsing(const ParameterTable& table) : table_(table) {}
+
+  Expected<RequestParameters> run(const std::vector<RawParameter>& given) {
+    Given seen;
+    Values values;
+    for (const RawParameter& raw : given) read(raw, "", seen, values);
+    RequestParameters result = applied(values, seen, {});
+    check(values, seen, result);
+    if (const auto assign = values.find("assign"); assign != values.end())
+      add_assignments(std::get<std::vector<RawAssignment>>(assign->second), values, result);
+    if (!offences_.any())
+      if (std::optional<Error> wrong = complete_structure(result))
+        offences_.add_missing(wrong->pointer, std::move(wrong->detail));
+    if (offences_.any()) return tl::unexpected<Error>(std::move(offences_).error());
+    return result;
+  }
+
+ private:
+  using Values = std::map<std::string, ParameterValue>;
+
+  /// Reads a parameter. `place`: of the entry of `assign` that contains it; empty: it is one of the request.
+  void read(const RawParameter& raw, const std::string& place, Given& seen, Values& values) {
+    const ParameterSpec* spec = table_.find(raw.name);
     if (!spec) {
-      if (names.empty())
-        for (const ParameterSpec& known : specs_) names.push_back(known.name);
-      if (offences.full())
-        offences.count();
+      if (names_.empty())
+        for (const ParameterSpec& known : table_.specs_) names_.push_back(known.name);
+      if (offences_.full())
+        offences_.count();
       else
-        offences.add(ErrorCode::kUnknownParameter, raw, unknown_parameter(names, raw.name, !offences.any()));
-      continue;
+        add(ErrorCode::kUnknownParameter, raw, place, unknown_parameter(names_, raw.name, !offences_.any()));
+      return;
     }
-    if (!seen.emplace(raw.name, &raw).second) {
-      offences.add(ErrorCode::kBadParameter, raw,
-                   "'" + raw.name + "' was given more than once. Give it once.");
-      continue;
-    }
+    if (!place.empty() && !is_assignable(raw.name))
+      return add(
+          ErrorCode::kBadParameter, raw, place,
+          "'" + raw.name +
+              "' is not a property of a material, so an entry of 'assign' cannot have it. Give it for the whole request.");
+    if (!seen.emplace(raw.name, &raw).second)
+      return add(ErrorCode::kBadParameter, raw, place,
+                 "'" + raw.name + "' was given more than once. Give it once.");
     Expected<ParameterValue> value = to_value(*spec, raw);
     if (value)
       values.emplace(raw.name, std::move(*value));
     else
-      offences.add(value.error().code, raw, std::move(value.error().detail), value.error().pointer);
+      add(value.error().code, raw, place, std::move(value.error().detail), value.error().pointer);
   }
 
-  // In the order of the table: the material, then the pattern, then the pattern's parameters.
-  RequestParameters result;
-  result.fracture.most_sites = static_cast<std::uint32_t>(find("sites")->max);
-  for (const ParameterSpec& spec : specs_) {
-    const auto value = values.find(spec.name);
-    if (value == values.end()) continue;
-    if (spec.name == "impacts" && !values.contains("pattern"))
-      choose_impact(result.fracture.pattern, values.contains("material"));
-    if (!belongs(spec, result.fracture.pattern)) {
-      offences.add(ErrorCode::kBadParameter, *seen.at(spec.name),
-                   "'" + spec.name + "' belongs to the " + join(spec.patterns) +
-                       " pattern, but this request uses the " +
-                       kPatternTraits[result.fracture.pattern.index()].name + " pattern. Leave '" +
-                       spec.name + "' out, or change 'pattern'.");
-      continue;
+  void add(ErrorCode code, const RawParameter& raw, const std::string& place, std::string detail,
+           const std::string& inside = {}) {
+    if (place.empty()) return offences_.add(code, raw, std::move(detail), inside);
+    offences_.add(code, {"assign", {}, false}, std::move(detail), place + "/" + raw.name + inside);
+  }
+
+  /// Applies values in the order of the table: the material, then the pattern, then the pattern's parameters. Parameters that are
+  /// not in `seen` come from the request around an entry, and have no effect if the pattern has no such parameter.
+  RequestParameters applied(const Values& values, const Given& seen, const std::string& place) {
+    RequestParameters result;
+    result.fracture.most_sites = static_cast<std::uint32_t>(table_.find("sites")->max);
+    for (const ParameterSpec& spec : table_.specs_) {
+      const auto value = values.find(spec.name);
+      if (value == values.end()) continue;
+      if (spec.name == "impacts" && !values.contains("pattern"))
+        choose_impact(result.fracture.pattern, values.contains("material"));
+      if (!belongs(spec, result.fracture.pattern)) {
+        const auto own = seen.find(spec.name);
+        const bool of_entries = spec.name == "impacts" && values.contains("assign");
+        if (own != seen.end() && !of_entries)
+          add(ErrorCode::kBadParameter, *own->second, place,
+              "'" + spec.name + "' belongs to the " + join(spec.patterns) + " pattern, but this " +
+                  (place.empty() ? "request" : "entry of 'assign'") + " uses the " +
+                  kPatternTraits[result.fracture.pattern.index()].name + " pattern. Leave '" + spec.name +
+                  "' out, or change 'pattern'.");
+        continue;
+      }
+      spec.set(result, spec, value->second);
     }
-    spec.set(result, spec, value->second);
+    if (const std::uint32_t wanted = result.fracture.size.fragments; wanted > 0)
+      if (!values.contains("sites") && belongs(*table_.find("sites"), result.fracture.pattern))
+        result.fracture.sites = wanted;
+    check_grain(seen);
+    if (const auto* points = std::get_if<PointsPattern>(&result.fracture.pattern)) {
+      if (points->points.empty() && seen.count("points") == 0)
+        offences_.add_missing(
+            "points", "The points pattern needs 'points': " + expectation(*table_.find("points")) + ".");
+      result.fracture.sites = static_cast<std::uint32_t>(points->points.size());
+    }
+    return result;
   }
-  if (const std::uint32_t wanted = result.fracture.size.fragments; wanted > 0) {
-    if (!values.contains("sites") && belongs(*find("sites"), result.fracture.pattern))
-      result.fracture.sites = wanted;
-    refuse_both(offences, seen, "fragments", "levels",
-                "the last level sets the number. Leave one of them out.");
-    if (result.fracture.dual == Dual::kBarycenter)
-      refuse_both(offences, seen, "fragments", "dual",
-                  "barycentric cells cannot be merged. Leave one of them out.");
+
+  void check_grain(const Given& seen) {
+    refuse_both(offences_, seen, "stretch_matrix", "stretch",
+                "the matrix includes the stretch. Leave one of them out.");
+    refuse_both(offences_, seen, "stretch_matrix", "grain",
+                "the matrix includes the grain. Leave one of them out.");
+    refuse_both(offences_, seen, "stretch_matrix", "grain_of",
+                "the matrix includes the grain. Leave one of them out.");
+    refuse_both(offences_, seen, "grain", "grain_of",
+                "'grain' sets one direction for the whole mesh. Leave one of them out.");
   }
-  if (result.solid.thickness > 0 && result.solid.sheets != SheetsMode::kSolid)
-    refuse_both(offences, seen, "thickness", "sheets",
-                "a thickness needs sheets=solid. Leave one of them out, or use sheets=solid.");
-  refuse_both(offences, seen, "mass", "density", "each determines the other. Leave one of them out.");
-  refuse_both(offences, seen, "stretch_matrix", "stretch",
-              "the matrix includes the stretch. Leave one of them out.");
-  refuse_both(offences, seen, "stretch_matrix", "grain",
-              "the matrix includes the grain. Leave one of them out.");
-  refuse_both(offences, seen, "stretch_matrix", "grain_of",
-              "the matrix includes the grain. Leave one of them out.");
-  refuse_both(offences, seen, "grain", "grain_of",
-              "'grain' sets one direction for the whole mesh. Leave one of them out.");
-  if (const auto* points = std::get_if<PointsPattern>(&result.fracture.pattern)) {
-    if (points->points.empty() && seen.count("points") == 0)
-      offences.add_missing("points",
-                           "The points pattern needs 'points': " + expectation(*find("points")) + ".");
-    result.fracture.sites = static_cast<std::uint32_t>(points->points.size());
+
+  /// Checks what concerns the whole request.
+  void check(const Values& values, const Given& seen, const RequestParameters& result) {
+    if (result.fracture.size.fragments > 0) {
+      refuse_both(offences_, seen, "fragments", "levels",
+                  "the last level sets the number. Leave one of them out.");
+      if (result.fracture.dual == Dual::kBarycenter)
+        refuse_both(offences_, seen, "fragments", "dual",
+                    "barycentric cells cannot be merged. Leave one of them out.");
+    }
+    if (result.solid.thickness > 0 && result.solid.sheets != SheetsMode::kSolid)
+      refuse_both(offences_, seen, "thickness", "sheets",
+                  "a thickness needs sheets=solid. Leave one of them out, or use sheets=solid.");
+    refuse_both(offences_, seen, "mass", "density", "each determines the other. Leave one of them out.");
+    if (result.exterior.choice == ExteriorChoice::kMaterial && result.material.empty() && result.of.empty() &&
+        !values.contains("assign"))
+      offences_.add_missing(
+          "exterior",
+          "'exterior' is 'material', but no 'material' is given. Give one, or leave 'exterior' out.");
+    // An answer's parameters contain both, and a client may send them again.
+    const auto levels = values.find("levels"), sites = values.find("sites");
+    if (levels != values.end() && sites != values.end() &&
+        std::get<std::vector<std::uint64_t>>(levels->second).back() != std::get<std::uint64_t>(sites->second))
+      refuse_both(offences_, seen, "levels", "sites",
+                  "the last level is the number of sites. Leave 'sites' out.");
+    if (values.contains("assign") && !(result.physical.bond_strength > 0))
+      offences_.add_missing(
+          "bond_strength",
+          "'bond_strength' must be above 0 with 'assign', because entries refer to it. Give 1 instead of 0.");
   }
-  if (result.exterior.choice == ExteriorChoice::kMaterial && result.material.empty() && result.of.empty())
-    offences.add_missing(
-        "exterior",
-        "'exterior' is 'material', but no 'material' is given. Give one, or leave 'exterior' out.");
-  // An answer's parameters contain both, and a client may send them again.
-  const auto levels = values.find("levels"), sites = values.find("sites");
-  if (levels != values.end() && sites != values.end() &&
-      std::get<std::vector<std::uint64_t>>(levels->second).back() != std::get<std::uint64_t>(sites->second))
-    refuse_both(offences, seen, "levels", "sites",
-                "the last level is the number of sites. Leave 'sites' out.");
-  if (!offences.any())
-    if (std::optional<Error> wrong = complete_structure(result))
-      offences.add_missing(wrong->pointer, std::move(wrong->detail));
-  if (offences.any()) return tl::unexpected<Error>(std::move(offences).error());
-  return result;
+
+  /// Adds the entries of `assign`. Each starts from the parameters of the request that no material sets.
+  void add_assignments(const std::vector<RawAssignment>& entries, const Values& request,
+                       RequestParameters& result) {
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      Given seen;
+      Values values;
+      const std::string place = "/" + std::to_string(k);
+      for (const RawParameter& raw : entries[k].parameters) read(raw, place, seen, values);
+      Assignment assignment{.selector = entries[k].selector};
+      for (const auto& [name, raw] : seen) assignment.given.push_back(name);
+      for (const auto& [name, value] : request)
+        if (name != "assign" && is_inherited(name)) values.emplace(name, value);
+      auto own = std::make_shared<RequestParameters>(applied(values, seen, place));
+      if (own->fracture.dual == Dual::kBarycenter)
+        own->fracture.aggregation = {};  // as complete_structure() does
+      result.fracture.assigned.push_back(
+          {.selector = assignment.selector,
+           .breaks = std::make_shared<const FractureParameters>(own->fracture),
+           .density = own->physical.density / result.physical.density,
+           .strength = own->physical.bond_strength / result.physical.bond_strength});
+      result.hollow.by_part.push_back({.selector = assignment.selector,
+                                       .thickness = own->hollow.thickness,
+                                       .fraction = own->hollow.fraction,
+                                       .least_ball = own->hollow.least_ball});
+      assignment.parameters = std::move(own);
+      result.assign.push_back(std::move(assignment));
+    }
+    if (!result.hollow.any()) result.hollow.by_part.clear();
+  }
+
+  const ParameterTable& table_;
+  Offences offences_;
+  std::vector<std::string> names_;  // of all parameters; filled when a name is unknown
+};
+
+Expected<RequestParameters> ParameterTable::parse(const std::vector<RawParameter>& given) const {
+  return Parsing(*this).run(given);
 }
 
 nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
@@ -248,6 +331,7 @@ nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
       canonical(parameters, false, [](const ParameterSpec& row) { return row.decides == Decides::kSolid; });
   // A material with its walls turned off is equivalent to a material without walls.
   if (!(parameters.hollow.fraction > 0)) json.erase("shell_fraction");
+  if (!parameters.hollow.by_part.empty()) json["assign"] = walls_as_assignments(parameters.hollow);
   return json;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -31,6 +32,16 @@ enum class DeltaAnswer {
   kNone,
   kStated,  ///< the IDs of new, changed and removed fragments
   kOnly,    ///< the same IDs, but only the new and changed fragments
+};
+
+struct RequestParameters;
+
+/// An entry of `assign`.
+struct Assignment {
+  PartSelector selector{};
+  std::vector<std::string> given{};  ///< names of the parameters that the entry has
+  /// All parameters of the parts that it decides. Only those that a material sets have an effect.
+  std::shared_ptr<const RequestParameters> parameters{};
 };
 
 struct RequestParameters {
@@ -61,9 +72,11 @@ struct RequestParameters {
   PhysicalProperties physical;
   InteriorLook interior;
   ExteriorLook exterior;
-  std::string interior_color;        ///< as given, when interior.color is set
-  std::string mortar;                ///< as given, when interior.mortar is set
-  std::optional<double> mass;        ///< kg, of all fragments; if given, it determines the density
+  std::string interior_color;  ///< as given, when interior.color is set
+  std::string mortar;          ///< as given, when interior.mortar is set
+  std::vector<Assignment>
+      assign{};                ///< in the order of the request; also in fracture.assigned and hollow.by_part
+  std::optional<double> mass;  ///< kg, of all fragments; if given, it determines the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; empty if absent
 };
 
@@ -101,6 +114,8 @@ class ParameterTable {
   nlohmann::json patterns_to_json() const;
 
  private:
+  class Parsing;
+
   FormatSet formats_;
   std::vector<ParameterSpec> specs_;
 };

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "common/parameters/assignments.hpp"
 #include "common/parameters/fields.hpp"
 #include "common/parameters/values.hpp"
 
@@ -249,6 +250,7 @@ std::vector<ParameterSpec> parameter_rows(std::uint32_t max_sites, const FormatS
   add_exterior_row(rows);
   add_interior_rows(rows);
   for (ParameterSpec& row : physical_parameter_rows()) rows.push_back(std::move(row));
+  rows.push_back(assign_row());
   rows.push_back(format_row(formats));
   for (ParameterSpec& row : rows) {
     std::vector<nlohmann::json> defaults;  // one for each pattern

@@ -137,13 +137,16 @@ std::vector<ParameterSpec> solid_parameter_rows() {
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
-       .doc = "Break only these nodes (comma-separated names or indices); all other nodes stay whole."},
+       .doc = 
+           "Break only these nodes (comma-separated names, patterns such as `Wall_*`, or indices), with all nodes below them; all other "
+           "nodes stay whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
       {.name = "materials",
        .type = Type::kNames,
        .doc =
-           "Break only triangles with these materials (comma-separated names or indices); all other triangles stay whole."},
+           "Break only triangles with these materials (comma-separated names, patterns such as `Glass*`, or indices); all other "
+           "triangles stay whole."},
       [](auto& r) -> auto& { return r.parts.materials; }));
   return rows;
 }

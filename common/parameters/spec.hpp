@@ -11,16 +11,33 @@
 
 #include "common/base/matrix3.hpp"
 #include "common/base/vec.hpp"
+#include "common/mesh/part_selector.hpp"
 
 namespace fracture {
 
 struct RequestParameters;
 struct ParameterSpec;
 
+/// A value from the request: text from a query or a form field, or a JSON value.
+struct RawParameter {
+  std::string name;
+  nlohmann::json value;  ///< a string if it was sent as text
+  bool is_text =
+      true;  ///< text is converted ("50" is a number); JSON values must already have the right type
+};
+
+/// An entry of `assign`: the parts that it chooses, and their parameters, which are not checked yet.
+struct RawAssignment {
+  PartSelector selector{};
+  std::vector<RawParameter> parameters{};
+};
+/// Maximum number of entries of `assign`.
+inline constexpr std::size_t kMostAssignments = 64;
+
 /// A value that has passed its checks. A choice is stored as an index into `choices`.
 using ParameterValue =
     std::variant<std::uint64_t, double, std::string, std::vector<std::string>, Vec3d, std::vector<Vec3d>,
-                 Matrix3, std::vector<std::uint64_t>, std::vector<double>>;
+                 Matrix3, std::vector<std::uint64_t>, std::vector<double>, std::vector<RawAssignment>>;
 
 /// Maximum number of values in a list.
 inline constexpr std::size_t kMaxIntegers = 10'000;
@@ -32,18 +49,19 @@ enum class Decides { kSolid, kSites, kAnswer };
 
 struct ParameterSpec {
   enum class Type {
-    kInteger,    ///< whole number from min to max
-    kIntegers,   ///< up to kMaxIntegers whole numbers from min to max: text a,b,c, a JSON array or number
-    kNumber,     ///< finite number from low to high
-    kNumbers,    ///< up to kMaxIntegers numbers, in the same forms as kIntegers
-    kChoice,     ///< one of choices
-    kNames,      ///< names separated by commas; in JSON, an array of strings or the same text
-    kText,       ///< 1 to max (0: kMaxText) bytes of UTF-8
-    kColor,      ///< sRGB as "#rrggbb"
-    kVector,     ///< three numbers from low to high: text x,y,z or a JSON array
-    kDirection,  ///< a vector that is not zero
-    kVectors,    ///< min to max vectors: text x,y,z;x,y,z or a JSON array of arrays (or one vector)
-    kMatrix,     ///< three rows of three numbers, in the same forms as kVectors
+    kInteger,      ///< whole number from min to max
+    kIntegers,     ///< up to kMaxIntegers whole numbers from min to max: text a,b,c, a JSON array or number
+    kNumber,       ///< finite number from low to high
+    kNumbers,      ///< up to kMaxIntegers numbers, in the same forms as kIntegers
+    kChoice,       ///< one of choices
+    kNames,        ///< names separated by commas; in JSON, an array of strings or the same text
+    kText,         ///< 1 to max (0: kMaxText) bytes of UTF-8
+    kColor,        ///< sRGB as "#rrggbb"
+    kVector,       ///< three numbers from low to high: text x,y,z or a JSON array
+    kDirection,    ///< a vector that is not zero
+    kVectors,      ///< min to max vectors: text x,y,z;x,y,z or a JSON array of arrays (or one vector)
+    kMatrix,       ///< three rows of three numbers, in the same forms as kVectors
+    kAssignments,  ///< up to kMostAssignments entries (assignments.hpp)
   };
   std::string name;
   Type type = Type::kInteger;
@@ -68,14 +86,6 @@ struct ParameterSpec {
   std::function<nlohmann::json(const RequestParameters&, const ParameterSpec&)> get{};
   /// Whether the value has an effect in this request. If not, the canonical form omits it. Empty: it always has one.
   std::function<bool(const RequestParameters&)> matters{};
-};
-
-/// A value from the request: text from a query or a form field, or a JSON value.
-struct RawParameter {
-  std::string name;
-  nlohmann::json value;  ///< a string if it was sent as text
-  bool is_text =
-      true;  ///< text is converted ("50" is a number); JSON values must already have the right type
 };
 
 }  // namespace fracture

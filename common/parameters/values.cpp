@@ -4,7 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <type_traits>
 #include <utility>
+
+#include "common/parameters/assignments.hpp"
 
 namespace fracture {
 namespace {
@@ -234,6 +237,9 @@ std::string expectation(const ParameterSpec& spec) {
     case ParameterSpec::Type::kMatrix:
       return "three rows of three numbers " + range +
              ", as text a,b,c;d,e,f;g,h,i or as JSON [[a, b, c], ...]";
+    case ParameterSpec::Type::kAssignments:
+      return "1 to " + std::to_string(kMostAssignments) +
+             " entries, as text selector:material;selector:material or as JSON [{\"node\": ..., \"material\": ...}, ...]";
     case ParameterSpec::Type::kChoice:
       break;
   }
@@ -246,6 +252,7 @@ Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter&
                 "'" + spec.name + "' must " + must + "; it was '" + shown(raw.value) + "'.");
   };
   Expected<ParameterValue> value;
+  if (spec.type == ParameterSpec::Type::kAssignments) return to_assignments(raw);
   if (is_vector(spec.type))
     value = to_vectors(spec, raw);
   else if (std::optional<ParameterValue> scalar = to_scalar(spec, raw))
@@ -259,6 +266,29 @@ Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter&
   if (spec.check)
     if (const std::optional<std::string> must = spec.check(*value)) return wrong(*must);
   return value;
+}
+
+nlohmann::json to_json(const ParameterSpec& spec, const ParameterValue& value) {
+  const auto of_vector = [](const Vec3d& v) { return nlohmann::json{v.x, v.y, v.z}; };
+  if (spec.type == ParameterSpec::Type::kChoice) return spec.choices.at(std::get<std::uint64_t>(value));
+  if (const auto* vector = std::get_if<Vec3d>(&value)) return of_vector(*vector);
+  nlohmann::json list = nlohmann::json::array();
+  if (const auto* vectors = std::get_if<std::vector<Vec3d>>(&value)) {
+    for (const Vec3d& v : *vectors) list.push_back(of_vector(v));
+    return list;
+  }
+  if (const auto* matrix = std::get_if<Matrix3>(&value)) {
+    for (const Vec3d& row : matrix->rows) list.push_back(of_vector(row));
+    return list;
+  }
+  return std::visit(
+      [&](const auto& plain) -> nlohmann::json {
+        if constexpr (std::is_constructible_v<nlohmann::json, decltype(plain)>)
+          return plain;
+        else
+          return list;
+      },
+      value);
 }
 
 }  // namespace fracture

@@ -29,7 +29,10 @@ std::string expectation(const ParameterSpec& spec);
 /// or empty for the whole value.
 Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter& raw);
 
-/// Does the same for vectors, lists of vectors and matrices (vectors.cpp), without spec.check.
+/// Returns a value as JSON, in the form that to_value() reads. Not for `assign`.
+nlohmann::json to_json(const ParameterSpec& spec, const ParameterValue& value);
+
+/// Does the same as to_value() for vectors, lists of vectors and matrices (vectors.cpp), without spec.check.
 Expected<ParameterValue> to_vectors(const ParameterSpec& spec, const RawParameter& raw);
 
 }  // namespace fracture

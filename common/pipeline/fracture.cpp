@@ -20,6 +20,7 @@
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/make_report.hpp"
 #include "common/pipeline/overlaps.hpp"
+#include "common/pipeline/part_sets.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
 #include "common/sites/request_places.hpp"
@@ -72,6 +73,7 @@ bool has_rest(const FractureParameters& parameters) {
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& given,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
+    if (!given.assigned.empty()) return diagram_of_sets(solid, given, execution);
     FractureParameters parameters = given;
     Remarks remarks;
     put_impacts_on(solid, parameters.pattern, remarks, execution);
@@ -150,6 +152,14 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                              const Execution& execution,
                              const std::function<void(const RestrictedDiagram&)>& inspect,
                              std::optional<RoughTrace>* trace) {
+  if (!parameters.assigned.empty()) {
+    const std::vector<PartSet> sets = part_sets(solid, parameters, execution);
+    if (sets.size() == 1) return cut_cells(solid, diagram, sets[0].parameters, execution, inspect, trace);
+    return cut_sets(solid, diagram, sets, execution,
+                    [&](const Solid& own, const Diagram& of_set, const FractureParameters& p) {
+                      return cut_cells(own, of_set, p, execution);
+                    });
+  }
   const Tetrahedralization& t = diagram.tetrahedralization;
   const SeenSolid seen(solid, diagram.map, execution);
   const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
@@ -254,10 +264,17 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
   execution.poll();
-  count_overlaps_once(solid, parameters.parts == Parts::kTogether && promise == Promise::kPartition, set,
-                      execution);
+  const bool together = parameters.parts == Parts::kTogether && promise == Promise::kPartition;
+  count_overlaps_once(solid, together, set, execution);
+  set.weighed_volume = set.certificate.volume_once;
   if (promise == Promise::kPartition && !cut.whole && cut.touch_across)
     add_contact_bonds(set, solid, cells, parameters.contact_strength, execution);
+  std::vector<std::string> warnings;
+  if (!parameters.assigned.empty()) {
+    const PartChoice choice = choose_assigned(solid, parameters, execution);
+    weigh_assigned(solid, parameters, choice, together, set, execution);
+    warnings = warnings_of_assigned(solid, parameters, choice);
+  }
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
@@ -280,8 +297,9 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   const std::optional<std::uint32_t> anchored =
       parameters.anchors.any() && !cut.whole ? std::optional(out.anchored.count) : std::nullopt;
   out.point_of_site = sites.point_of_site;
-  out.report =
-      make_report(solid, sites, parameters, cut, anchored, out.hulls.report(), out.rest, set, execution);
+  out.report = make_report(solid, sites, reported_parameters(parameters), cut, anchored, out.hulls.report(),
+                           out.rest, set, execution);
+  for (std::string& warning : warnings) out.report.remarks.warn(std::move(warning));
   execution.poll();
   return out;
 }

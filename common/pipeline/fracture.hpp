@@ -15,6 +15,7 @@
 #include "common/delaunay/tetrahedralization.hpp"
 #include "common/physics/collision_hulls.hpp"
 #include "common/physics/rest.hpp"
+#include "common/pipeline/assigned_parts.hpp"
 #include "common/pipeline/fractured_solid.hpp"
 #include "common/pipeline/keep_region.hpp"
 #include "common/pipeline/local_impact.hpp"
@@ -62,6 +63,8 @@ struct FractureParameters : SiteParameters {
   Parts parts = Parts::kTogether;  ///< needs Solid::contacts
   /// Strength of bonds across parts, as a multiple of the material's; >= 0. 0: no such bonds. They need Solid::contacts.
   double contact_strength = 1;
+  /// Parts that break in another way (pipeline/part_sets.hpp). The number of fragments and the size limits hold for the whole.
+  std::vector<AssignedParts> assigned{};
 };
 
 /// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
@@ -78,6 +81,9 @@ struct Diagram {
   std::vector<Vec3d> impacts{};
   double clearance = 0;        ///< SitePlan::clearance
   std::size_t of_pattern = 0;  ///< number of `sites`, from the first one, that are not of hits
+  /// If several sets of parts break in different ways (pipeline/part_sets.hpp): the diagram of each set. This diagram then has
+  /// the sites of all of them, but no tetrahedra, and its map only has the frames of parts.
+  std::vector<Diagram> sets{};
 };
 
 /// Makes the diagram. Errors: those of plan_sites() and tetrahedralize(), or an interruption.

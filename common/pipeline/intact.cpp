@@ -4,6 +4,7 @@
 
 #include "common/physics/collision_hulls.hpp"
 #include "common/pipeline/overlaps.hpp"
+#include "common/pipeline/part_sets.hpp"
 
 namespace fracture {
 
@@ -23,7 +24,11 @@ Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& 
   Expected<FracturedSolid> made = fracture(solid, *diagram, whole, within, timings);
   if (!made) return tl::unexpected(std::move(made.error()));
   FragmentSet& set = made->set;
-  count_overlaps_once(solid, parameters.parts == Parts::kTogether, set, execution);
+  const bool together = parameters.parts == Parts::kTogether;
+  count_overlaps_once(solid, together, set, execution);
+  if (!parameters.assigned.empty())
+    weigh_assigned(solid, parameters, choose_assigned(solid, parameters, execution), together, set,
+                   execution);
   // Static colliders never collide with each other, so their hulls need no rest.
   CollisionHulls hulls;
   if (parameters.hulls == Hulls::kConvex)

@@ -9,9 +9,27 @@
 namespace fracture {
 namespace {
 
-/// The density share of each part; empty if no parts overlap.
-std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
+double share_of(const Fragment& f, const std::vector<double>& of_part) {
+  if (f.part_volumes.empty()) return of_part[f.part];
+  double all = 0, once = 0;
+  for (const PartVolume& v : f.part_volumes) {
+    all += v.volume;
+    once += of_part[v.part] * v.volume;
+  }
+  return all > 0 && once > 0 ? once / all : 1;
+}
+
+double sum_of(const std::vector<double>& shares, const Solid& solid) {
+  double sum = 0;
+  for (std::size_t p = 0; p < shares.size(); ++p) sum += shares[p] * solid.parts[p].volume;
+  return sum;
+}
+
+}  // namespace
+
+std::vector<double> density_shares(const Solid& solid, const Execution& execution) {
   if (!solid.contacts) return {};
+  Pacer pacer(execution);
   struct Group {
     double volume = 0, common = 0,
            largest = 0;  ///< m³: of all parts, of the overlaps, and of the largest part
@@ -43,27 +61,8 @@ std::vector<double> density_shares(const Solid& solid, Pacer& pacer) {
   return shares;
 }
 
-double share_of(const Fragment& f, const std::vector<double>& of_part) {
-  if (f.part_volumes.empty()) return of_part[f.part];
-  double all = 0, once = 0;
-  for (const PartVolume& v : f.part_volumes) {
-    all += v.volume;
-    once += of_part[v.part] * v.volume;
-  }
-  return all > 0 && once > 0 ? once / all : 1;
-}
-
-double sum_of(const std::vector<double>& shares, const Solid& solid) {
-  double sum = 0;
-  for (std::size_t p = 0; p < shares.size(); ++p) sum += shares[p] * solid.parts[p].volume;
-  return sum;
-}
-
-}  // namespace
-
 double volume_once(const Solid& solid, const Execution& execution) {
-  Pacer pacer(execution);
-  const std::vector<double> of_part = density_shares(solid, pacer);
+  const std::vector<double> of_part = density_shares(solid, execution);
   return of_part.empty() ? solid.report.volume : sum_of(of_part, solid);
 }
 
@@ -71,7 +70,7 @@ void count_overlaps_once(const Solid& solid, bool together, FragmentSet& set, co
   set.certificate.volume_once = set.certificate.volume_in;
   if (!together) return;
   Pacer pacer(execution);
-  const std::vector<double> of_part = density_shares(solid, pacer);
+  const std::vector<double> of_part = density_shares(solid, execution);
   if (of_part.empty()) return;
   set.certificate.volume_once = sum_of(of_part, solid);
   for (Fragment& f : set.fragments) {

@@ -1,10 +1,16 @@
 // Masses of parts that overlap: space filled by several parts is counted once.
 #pragma once
 
+#include <vector>
+
 #include "common/fragment/fragments.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
+
+/// Returns the density of each part as a share of its material's density, as described below; empty if no parts overlap. Throws
+/// Interrupted.
+std::vector<double> density_shares(const Solid& solid, const Execution& execution);
 
 /// Sets Certificate::volume_once, and Fragment::density_share of each fragment. Parts that overlap, directly or through
 /// others, are a group. The volume of its union is estimated as the sum of its parts minus the overlaps of pairs

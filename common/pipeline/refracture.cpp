@@ -11,6 +11,7 @@
 #include "common/fragment/fragment_mesh.hpp"
 #include "common/fragment/sheet_mesh.hpp"
 #include "common/solid/sheet_surface.hpp"
+#include "common/pipeline/part_sets.hpp"
 
 namespace fracture {
 namespace {
@@ -60,6 +61,11 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   if (at->sheet) take_sheets(whole, *at, *fragment, execution);
   if (solid.contacts) keep_contacts(*fragment, solid.contacts->gap, execution);
 
+  // The fragment breaks like its part.
+  const std::uint32_t entry = parameters.assigned.empty()
+                                  ? kNoIndex
+                                  : choose_assigned(solid, parameters, execution).of_part[at->source_part];
+  const FractureParameters of_part = parameters_of_entry(parameters, entry);
   FractureParameters parts;
   parts.sites = wanted.sites;
   parts.most_sites = parameters.most_sites;
@@ -67,9 +73,9 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   parts.hulls = parameters.hulls;
   parts.filters = parameters.filters;
   parts.pivot = parameters.pivot;
-  parts.roughness = parameters.roughness;
-  parts.aggregation.cells = cells_per_fragment(parameters);
-  parts.aggregation.spread = parameters.aggregation.spread;
+  parts.roughness = of_part.roughness;
+  parts.aggregation.cells = cells_per_fragment(of_part);
+  parts.aggregation.spread = of_part.aggregation.spread;
   parts.hull_limits = parameters.hull_limits;
   parts.levels = parameters.levels;
   parts.parts = parameters.parts;
@@ -93,6 +99,15 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   for (ClusterLevel& level : made->hierarchy.levels)
     for (Cluster& cluster : level.clusters) cluster.density_share = at->density_share;
   made->set.certificate.volume_once = at->density_share * made->set.certificate.volume_in;
+  made->set.weighed_volume = made->set.certificate.volume_once;
+  if (entry != kNoIndex) {
+    made->set.certificate.volume_once /= parameters.assigned[entry].density;
+    if (made->intact)
+      for (Fragment& f : made->intact->parts) f.density_share *= parameters.assigned[entry].density;
+    for (Bond& bond : made->set.bonds) bond.strength *= parameters.assigned[entry].strength;
+    for (ClusterLevel& level : made->hierarchy.levels)
+      for (Bond& bond : level.bonds) bond.strength *= parameters.assigned[entry].strength;
+  }
   return made;
 }
 

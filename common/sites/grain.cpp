@@ -13,7 +13,7 @@
 #include "common/base/pacer.hpp"
 #include "common/sites/arithmetic.hpp"
 #include "common/sites/moments.hpp"
-#include "common/solid/cut_materials.hpp"
+#include "common/solid/main_materials.hpp"
 
 namespace fracture {
 namespace {
@@ -34,26 +34,14 @@ std::optional<Vec3d> axis_of(const Moments& moments) {
 }
 
 /// Returns a number for each part. Parts get the same number if the same material covers most of their
-/// surface in the source. If two materials cover equal areas, the earlier one in the source is used.
-std::vector<std::uint32_t> main_materials(const Solid& solid, Pacer& pacer) {
-  std::vector<std::map<std::uint32_t, double>> area_of(solid.parts.size());
-  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
-    pacer.step(8);
-    if (is_of_cuts(solid.material[t]) || solid.material[t] == kCavityMaterial) continue;
-    const auto& [a, b, c] = solid.triangles[t];
-    const Vec3d corner = to_double(solid.positions[a]);
-    area_of[solid.part[t]][solid.material[t]] +=
-        length(cross(to_double(solid.positions[b]) - corner, to_double(solid.positions[c]) - corner));
-  }
+/// surface in the source.
+std::vector<std::uint32_t> numbers_of_materials(const Solid& solid, const Execution& execution) {
+  const std::vector<std::uint32_t> main = main_materials(solid, execution);
   std::map<std::uint32_t, std::uint32_t> numbers;
-  std::vector<std::uint32_t> number(solid.parts.size(), 0);
-  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
-    pacer.step(8);
-    const auto main = std::max_element(area_of[p].begin(), area_of[p].end(),
-                                       [](const auto& x, const auto& y) { return x.second < y.second; });
-    if (main == area_of[p].end()) continue;
-    number[p] = numbers.try_emplace(main->first, static_cast<std::uint32_t>(numbers.size())).first->second;
-  }
+  std::vector<std::uint32_t> number(main.size(), 0);
+  for (std::size_t p = 0; p < main.size(); ++p)
+    if (main[p] != kInteriorMaterial)
+      number[p] = numbers.try_emplace(main[p], static_cast<std::uint32_t>(numbers.size())).first->second;
   return number;
 }
 
@@ -64,7 +52,7 @@ Grains grains_of(const Solid& solid, GrainOf of, const Vec3d& whole, std::size_t
   const std::size_t parts = solid.parts.size();
   Pacer pacer(execution);
   std::vector<std::uint32_t> group(parts);
-  if (of == GrainOf::kMaterial) group = main_materials(solid, pacer);
+  if (of == GrainOf::kMaterial) group = numbers_of_materials(solid, execution);
   std::uint32_t groups = 0;
   pacer.each(0, parts, [&](std::size_t p) {
     if (of == GrainOf::kNode) group[p] = solid.parts[p].node;

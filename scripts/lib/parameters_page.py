@@ -30,6 +30,7 @@ SUBJECTS = [
     ("The mesh", "",
      ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "sheets", "thickness", "shell", "shell_fraction",
       "shell_ball", "contact_gap"]),
+    ("Several materials", "See also [A house of several materials](guides/several-materials.md).", ["assign"]),
     ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
      ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
     ("Ragged chunks", "These fragments consist of several cells.", ["cells_per_fragment", "size_spread"]),
@@ -139,6 +140,8 @@ def kind(spec):
             said += ": " + " ".join(f"`{choice}`" for choice in spec["enum"])
     elif spec["type"] in ("integer", "number"):
         said = f"{spec['type'].capitalize()}, {span(spec)}"
+    elif spec["name"] == "assign":
+        said = f"List of {count(spec)} entries, `{text}` or JSON"
     elif text == "a,b,c":
         said = f"List of {spec['items']['type']}s, {span(spec['items'])}"
     elif text == "x,y,z;x,y,z":

@@ -5,7 +5,7 @@
 
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
-
+#include "common/parameters/assignments.hpp"
 #include "server/bake/output_path.hpp"
 
 namespace fracture::bake {
@@ -19,12 +19,23 @@ bool has(const std::vector<RawParameter>& parameters, const std::string& name) {
 std::string source_of(const std::string& name, const BakeJob& job, const RuleFile& rules,
                       const JobParameters& parameters) {
   if (has(job.own, name)) return "line " + std::to_string(job.line) + " of the manifest";
-  if (parameters.match && has(rules.rules[parameters.match->rule].parameters, name))
-    return "rule " + std::to_string(parameters.match->rule + 1);
+  std::string numbers;
+  for (const RuleMatch& match : parameters.matches) {
+    const Rule& rule = rules.rules[match.rule];
+    const bool of_parts =
+        rule.is_of_parts() && std::any_of(rule.parameters.begin(), rule.parameters.end(),
+                                          [](const RawParameter& p) { return is_assignable(p.name); });
+    if (name == "assign" && of_parts)
+      numbers += (numbers.empty() ? "" : ", ") + std::to_string(match.rule + 1);
+    const bool gives = has(rule.parameters, name) && !(rule.is_of_parts() && is_assignable(name));
+    if (gives && name != "assign") return "rule " + std::to_string(match.rule + 1);
+  }
+  if (!numbers.empty()) return (numbers.find(',') == std::string::npos ? "rule " : "rules ") + numbers;
   return "command line";
 }
 
 std::string text_of(const RawParameter& parameter) {
+  if (parameter.name == "assign" && parameter.value.is_array()) return assignments_as_text(parameter.value);
   return parameter.is_text && parameter.value.is_string() ? parameter.value.get<std::string>()
                                                           : json_text(parameter.value);
 }
@@ -38,22 +49,14 @@ std::optional<MeshFormat> format_given(const BakeJob& job) {
   return std::nullopt;
 }
 
-JobParameters parameters_of(const BakeJob& job, const RuleFile& rules, std::optional<RuleMatch> match) {
-  JobParameters result{job.parameters, std::move(match)};
-  if (!result.match) return result;
-  put_over(rules.rules[result.match->rule].parameters, result.all);
-  put_over(job.own, result.all);
-  return result;
-}
-
 std::string explanation_of(const BakeJob& job, const RuleFile& rules, const JobParameters& parameters) {
   const std::string materials = materials_beside(job.output);
   std::string text = printable(job.input) + " -> " + printable(job.output) +
                      (materials.empty() ? "" : " with " + printable(materials)) + "\n";
-  if (parameters.match)
-    text += "  rule " + std::to_string(parameters.match->rule + 1) + " of " + printable(rules.path) + ": " +
-            parameters.match->why + "\n";
-  else if (!rules.path.empty())
+  for (const RuleMatch& match : parameters.matches)
+    text +=
+        "  rule " + std::to_string(match.rule + 1) + " of " + printable(rules.path) + ": " + match.why + "\n";
+  if (parameters.matches.empty() && !rules.path.empty())
     text += "  no rule of " + printable(rules.path) + " matches\n";
   std::vector<RawParameter> sorted = parameters.all;
   std::stable_sort(sorted.begin(), sorted.end(),

@@ -3,6 +3,7 @@
 #include <utility>
 #include <variant>
 
+#include "common/pipeline/part_sets.hpp"
 #include "common/solid/image.hpp"
 #include "server/bake/engine_around.hpp"
 
@@ -21,18 +22,31 @@ class FlipEngine final : public EngineAround {
     if (!diagram) return made;
     Execution silent = execution;  // progress for this stage has already been reported
     silent.within = nullptr;
-    const SeenSolid seen(solid, diagram->map, silent);
-    FlipCounts counts;
-    Expected<Tetrahedralization> flipped =
-        tetrahedralize_by_flips(diagram->sites, seen.seen().box, silent, &counts);
-    if (!flipped) return tl::unexpected<Error>(std::move(flipped.error()));
-    canonicalize(*flipped, silent);
-    diagram->tetrahedralization = std::move(*flipped);
-    tally_->add(counts);
+    if (diagram->sets.empty()) {
+      if (auto flipped = flip(solid, *diagram, silent); !flipped)
+        return tl::unexpected<Error>(std::move(flipped.error()));
+      return made;
+    }
+    const std::vector<PartSet> sets = part_sets(solid, parameters, silent);
+    for (std::size_t k = 0; k < sets.size(); ++k)
+      if (auto flipped = flip(sets[k].solid_in(solid), diagram->sets[k], silent); !flipped)
+        return tl::unexpected<Error>(std::move(flipped.error()));
     return made;
   }
 
  private:
+  Expected<void> flip(const Solid& solid, Diagram& diagram, const Execution& execution) const {
+    const SeenSolid seen(solid, diagram.map, execution);
+    FlipCounts counts;
+    Expected<Tetrahedralization> flipped =
+        tetrahedralize_by_flips(diagram.sites, seen.seen().box, execution, &counts);
+    if (!flipped) return tl::unexpected<Error>(std::move(flipped.error()));
+    canonicalize(*flipped, execution);
+    diagram.tetrahedralization = std::move(*flipped);
+    tally_->add(counts);
+    return {};
+  }
+
   const std::shared_ptr<FlipTally> tally_;
 };
 

@@ -11,6 +11,7 @@
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
 #include "server/bake/output_path.hpp"
+#include "server/bake/rule_parameters.hpp"
 #include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
@@ -64,12 +65,8 @@ std::string details_of(const Error& error) {
 std::string fault_of(const BakeJob& job, const RuleFile& rules, const ParseParameters& parse) {
   const Expected<RequestParameters> parsed = parse(job.parameters);
   if (parsed) return {};
-  for (const Rule& rule : rules.rules) {
-    std::vector<RawParameter> parameters = job.parameters;
-    put_over(rule.parameters, parameters);
-    put_over(job.own, parameters);
-    if (parse(parameters)) return {};
-  }
+  for (std::size_t k = 0; k < rules.rules.size(); ++k)
+    if (parse(parameters_of(job, rules, {RuleMatch{k, {}}}).all)) return {};
   return details_of(parsed.error());
 }
 

@@ -9,8 +9,9 @@
 
 #include "common/base/json_reader.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/name_pattern.hpp"
 #include "common/base/printable.hpp"
-#include "server/bake/name_pattern.hpp"
+#include "server/bake/rule_parameters.hpp"
 #include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
@@ -198,24 +199,23 @@ void put_over(const std::vector<RawParameter>& over, std::vector<RawParameter>& 
 
 Expected<void> check_rules(const RuleFile& file, const std::vector<RawParameter>& command_line,
                            const ParseParameters& parse) {
-  for (std::size_t k = 0; k < file.rules.size(); ++k) {
-    std::vector<RawParameter> parameters = command_line;
-    put_over(file.rules[k].parameters, parameters);
-    if (auto parsed = parse(parameters); !parsed) {
+  const BakeJob job{.input = {}, .output = {}, .parameters = command_line};
+  for (std::size_t k = 0; k < file.rules.size(); ++k)
+    if (auto parsed = parse(parameters_of(job, file, {RuleMatch{k, {}}}).all); !parsed) {
       Error error = std::move(parsed.error());
       error.detail = name_of_rule(k, file) + ": " + error.detail;
       return tl::unexpected<Error>(std::move(error));
     }
-  }
   return {};
 }
 
-Expected<std::optional<RuleMatch>> RuleTally::find(const std::string& path, const MeshNames& names,
-                                                   const std::stop_token& stop) {
+Expected<std::vector<RuleMatch>> RuleTally::find(const std::string& path, const MeshNames& names,
+                                                 const std::stop_token& stop) {
   MatchBudget budget(kMaxMatchSteps, stop);
-  std::optional<RuleMatch> first;
+  std::vector<RuleMatch> found;
+  bool whole = false;  // a rule for the whole mesh was found: later rules decide nothing
   for (std::size_t k = 0; k < file_.rules.size(); ++k) {
-    if (first && seen_[k].matched) continue;  // its match is already recorded
+    if (whole && seen_[k].matched) continue;  // its match is already recorded
     std::optional<std::string> why = why_it_matches(file_.rules[k], path, names, budget);
     if (budget.stopped()) return fail(ErrorCode::kCancelled, "Stopped.");
     if (budget.spent() && !why) {
@@ -223,7 +223,7 @@ Expected<std::optional<RuleMatch>> RuleTally::find(const std::string& path, cons
       // them.
       for (std::size_t rest = k; rest < seen_.size(); ++rest)
         seen_[rest].matched = seen_[rest].decided = true;
-      if (first) break;
+      if (whole) break;
       return fail(ErrorCode::kTooLarge, "Its " + std::to_string(names.nodes.size() + names.materials.size()) +
                                             " names need more than " + std::to_string(kMaxMatchSteps) +
                                             " comparisons with the patterns of '" + file_.path +
@@ -231,11 +231,12 @@ Expected<std::optional<RuleMatch>> RuleTally::find(const std::string& path, cons
     }
     if (!why) continue;
     seen_[k].matched = true;
-    if (first) continue;
+    if (whole) continue;
     seen_[k].decided = true;
-    first = RuleMatch{k, std::move(*why)};
+    found.push_back({k, std::move(*why)});
+    whole = !file_.rules[k].is_of_parts();
   }
-  return first;
+  return found;
 }
 
 void RuleTally::add_unread(const std::string& path) {
@@ -253,10 +254,11 @@ std::vector<std::string> RuleTally::warnings() const {
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < seen_.size(); ++k)
     if (!seen_[k].decided)
-      lines.push_back(name_of_rule(k, file_) + " (" + patterns_in_words(file_.rules[k]) + ") " +
-                      (seen_[k].matched
-                           ? "is never applied: an earlier rule matches every mesh that this rule matches."
-                           : "matches no mesh."));
+      lines.push_back(
+          name_of_rule(k, file_) + " (" + patterns_in_words(file_.rules[k]) + ") " +
+          (seen_[k].matched
+               ? "is never applied: an earlier rule applies to the whole of every mesh that this rule matches."
+               : "matches no mesh."));
   return lines;
 }
 

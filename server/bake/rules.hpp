@@ -1,4 +1,4 @@
-// Rules of a bake: parameters for meshes whose path, nodes or materials match a pattern.
+// Rules of a bake: parameters for meshes whose path matches a pattern, and for the parts of a mesh whose node or material does.
 //
 //   {"rules": [{"match": {"path": "*_glass*"}, "parameters": {"material": "glass"}},
 //              {"match": {"path": "props/*", "material": ["oak*", "pine*"]}, "parameters": {"material": "wood"}}]}
@@ -22,9 +22,11 @@ namespace fracture::bake {
 /// a pattern that matches.
 struct Rule {
   std::vector<std::string> paths{};      ///< the input's path, or its end after any '/'
-  std::vector<std::string> nodes{};      ///< the whole name of any node in the mesh
-  std::vector<std::string> materials{};  ///< the whole name of any material
+  std::vector<std::string> nodes{};      ///< the whole name of a node, or of a node above it
+  std::vector<std::string> materials{};  ///< the whole name of the material on most of a part's surface
   std::vector<RawParameter> parameters{};
+  /// Whether it applies to the parts that match, not to the whole mesh.
+  bool is_of_parts() const { return !nodes.empty() || !materials.empty(); }
 };
 
 struct RuleFile {
@@ -51,8 +53,8 @@ void put_over(const std::vector<RawParameter>& over, std::vector<RawParameter>& 
 /// Checks the parameters of a request by a baker's table.
 using ParseParameters = std::function<Expected<RequestParameters>(const std::vector<RawParameter>&)>;
 
-/// Checks the parameters of each rule combined with the command line. Returns kBadParameter or
-/// kUnknownParameter with the rule concerned.
+/// Checks the parameters of each rule combined with the command line, as parameters_of() combines them (rule_parameters.hpp).
+/// Returns kBadParameter or kUnknownParameter with the rule concerned.
 Expected<void> check_rules(const RuleFile& file, const std::vector<RawParameter>& command_line,
                            const ParseParameters& parse);
 
@@ -61,15 +63,15 @@ struct RuleMatch {
   std::string why;   ///< "path '*_glass*' matches, material 'oak*' matches 'oak_dark'"
 };
 
-/// Finds the rule for each mesh and records which rules are never used. Thread-safe; threads do not block
+/// Finds the rules for each mesh and records which rules are never used. Thread-safe; threads do not block
 /// each other.
 class RuleTally {
  public:
   explicit RuleTally(const RuleFile& file) : file_(file), seen_(file.rules.size()) {}
-  /// Returns the first rule that matches, or nothing. Errors: kTooLarge if more than kMaxMatchSteps are
-  /// needed, kCancelled if a stop is requested.
-  Expected<std::optional<RuleMatch>> find(const std::string& path, const MeshNames& names,
-                                          const std::stop_token& stop = {});
+  /// Returns the rules that may decide a part of the mesh, in their order: all that match, up to the first one that applies to
+  /// the whole mesh. Errors: kTooLarge if more than kMaxMatchSteps are needed, kCancelled if a stop is requested.
+  Expected<std::vector<RuleMatch>> find(const std::string& path, const MeshNames& names,
+                                        const std::stop_token& stop = {});
   /// Records a mesh whose names could not be read. Rules that these names might have matched are not reported
   /// as unused.
   void add_unread(const std::string& path);

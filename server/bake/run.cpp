@@ -272,9 +272,9 @@ class Run {
       tally_.add_unread(job.input);
       return tl::unexpected(names.error());
     }
-    Expected<std::optional<RuleMatch>> match = tally_.find(job.input, *names, stop_);
-    if (!match) return tl::unexpected(match.error());
-    return parameters_of(job, plan_.rules, std::move(*match)).all;
+    Expected<std::vector<RuleMatch>> matches = tally_.find(job.input, *names, stop_);
+    if (!matches) return tl::unexpected(matches.error());
+    return parameters_of(job, plan_.rules, std::move(*matches)).all;
   }
 
   /// Writes the depfile of a kept output, which may be missing. Returns false after reporting a failure.

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -50,8 +51,17 @@ class DumpingEngine final : public EngineAround {
     Expected<CutBase> made = EngineAround::base(solid, parameters, selection, execution);
     if (const Diagram* const diagram = made ? std::get_if<Diagram>(&*made) : nullptr) {
       Tetrahedralization t = diagram->tetrahedralization;
-      if (diagram->map)  // stretched cells: move them back to the solid
-        for (Vec3d& p : t.points) p = diagram->map.at(p).place(p);
+      const auto place = [](const CellMap& map, auto begin,
+                            auto end) {  // stretched cells: move them back to the solid
+        if (map) std::transform(begin, end, begin, [&](const Vec3d& p) { return map.at(p).place(p); });
+      };
+      if (diagram->sets.empty()) place(diagram->map, t.points.begin(), t.points.end());
+      auto first = t.points.begin();  // the sites of several materials have no common tetrahedra
+      for (const Diagram& set : diagram->sets) {
+        const auto end = first + set.tetrahedralization.site_count();
+        place(set.map, first, end);
+        first = end;
+      }
       dump_->write(kSites, [&](std::ostream& out) {
         debug::dump_obj_of_sites(out, t, kSiteRadius * solid.box.longest_side());
       });

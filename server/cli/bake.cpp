@@ -230,7 +230,7 @@ int explain(const bake::BakePlan& plan, bake::Baker& baker, std::size_t allowed,
       ++unreadable;
       continue;
     }
-    Expected<std::optional<bake::RuleMatch>> match = std::optional<bake::RuleMatch>{};
+    Expected<std::vector<bake::RuleMatch>> match = std::vector<bake::RuleMatch>{};
     if (names)
       match = tally.find(job.input, *names, stop);
     else

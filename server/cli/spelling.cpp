@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/parameters/nearest_name.hpp"
+#include "common/base/nearest_name.hpp"
 
 namespace fracture::cli {
 namespace {

@@ -69,7 +69,7 @@ inline constexpr std::uint64_t kParseInline = 512, kEarlierInline = 1u << 10;
 inline constexpr std::size_t kMostInTurn = 2 * kReadInline;
 
 /// Maximum bytes of a body that is a JSON object of parameters.
-inline constexpr std::uint64_t kMaxSmallBody = 4u << 10;
+inline constexpr std::uint64_t kMaxSmallBody = 64u << 10;
 
 /// Size of the read buffer, which also limits a chunk header with its extensions and a trailer section. With
 /// an unbounded buffer, Boost.Beast throws or grows without limit.

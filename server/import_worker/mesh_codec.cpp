@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x32524d46;  // "FMR2"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x33524d46;  // "FMR3"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -63,6 +63,12 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(mesh.node);
   out.array(mesh.triangle_color);
   write_texts(out, mesh.node_names);
+  out.value<std::uint64_t>(mesh.groups.size());
+  for (const NodeGroup& group : mesh.groups) {
+    out.text(group.name);
+    out.value(group.parent);
+  }
+  out.array(mesh.group_of_node);
   const MaterialLibrary& library = *mesh.library;
   for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
   out.value<std::uint64_t>(library.images.size());
@@ -147,6 +153,13 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
           "the colour is not given for every triangle");
   for (const std::uint32_t node : mesh.node)
     require(node < mesh.node_names.size(), "a triangle names no node");
+  for (std::size_t k = 0; k < mesh.groups.size(); ++k)
+    require(mesh.groups[k].parent < k || mesh.groups[k].parent == kNoIndex,
+            "a group of nodes is not in a tree");
+  require(mesh.group_of_node.empty() || mesh.group_of_node.size() == mesh.node_names.size(),
+          "the group is not given for every node");
+  for (const std::uint32_t group : mesh.group_of_node)
+    require(group < mesh.groups.size() || group == kNoIndex, "a node names no group");
   const std::size_t materials = mesh.library->materials.size();
   for (const std::uint32_t slot : mesh.material)
     require(slot < materials || slot == kNoIndex, "a triangle names no material");
@@ -168,6 +181,13 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.node = in.array<std::uint32_t>();
   mesh.triangle_color = in.array<SurfaceColor>();
   mesh.node_names = read_texts(in);
+  mesh.groups.resize(in.length(sizeof(std::uint64_t) + sizeof(std::uint32_t)));
+  for (NodeGroup& group : mesh.groups) {
+    group.name = in.text();
+    group.parent = in.value<std::uint32_t>();
+    require(is_utf8(group.name), "a text is not UTF-8");
+  }
+  mesh.group_of_node = in.array<std::uint32_t>();
   MaterialLibrary library;
   library.materials = read_objects(in, limits);
   library.textures = read_objects(in, limits);

@@ -5,6 +5,7 @@
 
 #include "common/gltf/cut_detail.hpp"
 #include "common/pipeline/enough_sites.hpp"
+#include "common/pipeline/part_sets.hpp"
 #include "common/rough/roughen.hpp"
 
 namespace fracture {
@@ -56,6 +57,16 @@ ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double site
 }  // namespace
 
 double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
+  if (!parameters.assigned
+           .empty()) {  // the sites are shared among the materials, so the one with the most is a bound
+    double most = expected_sites(parameters_of_entry(parameters, kNoIndex), solid, selection);
+    for (std::uint32_t k = 0; k < parameters.assigned.size(); ++k) {
+      FractureParameters entry = parameters_of_entry(parameters, k);
+      if (!std::holds_alternative<PointsPattern>(entry.pattern)) entry.sites = parameters.sites;
+      most = std::fmax(most, expected_sites(entry, solid, selection));
+    }
+    return most;
+  }
   double sites = solid ? expected_sites(parameters, solid->box) : parameters.sites;
   sites = std::fmax(sites, sites_for_fragments(parameters));
   // A cell that is too large gets further sites until its pieces are below the limit. On average they end up at half of it.
@@ -69,6 +80,12 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
 }
 
 double expected_rough_triangles(const FractureParameters& parameters, double sites) {
+  if (!parameters.assigned.empty()) {
+    double most = expected_rough_triangles(parameters_of_entry(parameters, kNoIndex), sites);
+    for (std::uint32_t k = 0; k < parameters.assigned.size(); ++k)
+      most = std::fmax(most, expected_rough_triangles(parameters_of_entry(parameters, k), sites));
+    return most;
+  }
   const Roughness& rough = parameters.roughness;
   if (!(rough.amplitude > 0) || parameters.dual == Dual::kBarycenter) return 0;
   // The faces of a random Voronoi cell have the area 5.82 volume^(2/3) (Meijering 1953). Two cells share each face.

@@ -24,9 +24,10 @@ std::size_t memory_size(const Mesh& mesh) {
   std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
                       heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
                       nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.triangle_color) +
-                      heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) + mesh.copyright.capacity() +
-                      memory_size(*mesh.library);
+                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.groups) + heap(mesh.group_of_node) +
+                      heap(mesh.triangle_color) + heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) +
+                      mesh.copyright.capacity() + memory_size(*mesh.library);
+  for (const NodeGroup& group : mesh.groups) bytes += group.name.capacity();
   // Both meshes share the library, so it is counted twice. That does no harm.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;
@@ -56,8 +57,10 @@ namespace {
 
 std::size_t memory_size(const Diagram& diagram) {
   const Tetrahedralization& t = diagram.tetrahedralization;
-  return sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(diagram.bricks) + heap(t.points) +
-         heap(t.tets) + heap(t.tet_of_site) + heap(t.site_of_input);
+  std::size_t of_sets = 0;
+  for (const Diagram& set : diagram.sets) of_sets += memory_size(set);
+  return of_sets + sizeof diagram + heap(diagram.sites) + heap(diagram.groups) + heap(diagram.bricks) +
+         heap(t.points) + heap(t.tets) + heap(t.tet_of_site) + heap(t.site_of_input);
 }
 
 }  // namespace

@@ -35,6 +35,11 @@ nlohmann::json mesh_report(const PreparedMesh& mesh) {
                            {"images", source.library->images.size()},
                            {"warnings", remarks.warnings},
                            {"notes", remarks.notes}};
+  if (!source.groups.empty()) {
+    nlohmann::json groups = nlohmann::json::array();
+    for (const NodeGroup& group : source.groups) groups.push_back(group.name);
+    report["groups"] = std::move(groups);
+  }
   if (const auto contacts = contact_report(mesh.solid)) report["contacts"] = contacts_document(*contacts);
   if (source.passed_through)
     report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};

@@ -33,7 +33,8 @@ namespace {
 /// Returns the size limits as text for the diagram's key. They matter only if there are hits: then make_diagram() grows
 /// aggregates, which must not be smaller than these limits.
 std::string sizes_in_diagram(const FractureParameters& parameters) {
-  if (parameters.hits.empty() || cells_per_fragment(parameters) == 1) return {};
+  if (parameters.hits.empty() || (cells_per_fragment(parameters) == 1 && parameters.assigned.empty()))
+    return {};
   const SizeLimits& size = parameters.size;
   return nlohmann::json{size.min_volume, size.min_fraction, size.min_of_mean}.dump() + "\n";
 }

@@ -9,6 +9,7 @@
 #include "common/pipeline/algorithm_version.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
+#include "server/service/part_options.hpp"
 
 namespace fracture {
 namespace {
@@ -42,8 +43,14 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   // A partition has the volume of the solid, which hits do not change. So fragments that a hit does not touch keep their
   // mass bit for bit. The sum of the fragments' volumes would not do, because it depends on the order of its terms. Hulls of
   // barycentres are not a partition, so only their sum gives the volume.
-  const Certificate& sums = fragments.certificate;
-  const double volume = parameters.fracture.dual == Dual::kBarycenter ? sums.volume_out : sums.volume_once;
+  double volume = fragments.weighed_volume;
+  if (parameters.fracture.dual == Dual::kBarycenter) {
+    volume = fragments.certificate.volume_out;
+    if (!parameters.assign.empty()) {
+      volume = 0;
+      for (const Fragment& f : fragments.fragments) volume += f.density_share * f.mass.volume;
+    }
+  }
   if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
   return options;
 }
@@ -269,7 +276,8 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   look.has_maps = request.parameters.delta == DeltaAnswer::kOnly;
   const FractureParameters& fracture = request.parameters.fracture;
   const std::uint32_t pieces = fracture.size.fragments > 0 ? fracture.size.fragments : fracture.sites;
-  auto interior = interior_materials(look, mesh.solid, execution, pieces);
+  const PartOptions parts(request.parameters, mesh.solid, execution);
+  auto interior = parts.interior(look, mesh.solid, pieces, execution);
   if (!interior) return tl::unexpected<Error>(std::move(interior.error()));
   Expected<Cut> cut = [&] {
     const StageTimings::Scope scope(answer.timings, Stage::kClip);
@@ -306,7 +314,8 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     for (std::string& sentence : parameters_without_effect(request.parameters, fractured))
       fractured.report.remarks.warn(std::move(sentence));
     options.interior = std::move(*interior);
-    options.exterior = exterior_materials(request.parameters.exterior, *mesh.solid.source, execution);
+    options.exterior = parts.exterior(mesh.solid, execution);
+    parts.add_surfaces(options);
     options.mesh_digest = result->mesh_digest;
     GltfFile encoded = engine_->encode(fractured, options, request.output, execution);
     result->file = std::move(encoded.bytes);

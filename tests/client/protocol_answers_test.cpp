@@ -124,7 +124,7 @@ TEST(ProtocolClient, AnAnswerOverTheLimitIsRefusedUnread) {
 TEST(ProtocolClient, ParametersOverTheLimitAreNotSent) {
   FakeServer server([](const FakeRequest&) { return fragments(); });
   Client client(settings(server.port()));
-  const Ticket ticket = client.fracture("sha256:0", {{"nodes", std::string(5000, 'x')}});
+  const Ticket ticket = client.fracture("sha256:0", {{"nodes", std::string(70'000, 'x')}});
   const Answer answer = wait_for_one(client);
   EXPECT_EQ(answer.ticket, ticket);
   EXPECT_EQ(answer.failure, Failure::kTooLarge);

@@ -334,6 +334,13 @@ nlohmann::json value_of(Bytes& bytes, const ParameterSpec& spec, const Scene& sc
         list.push_back(row);
       }
       return list;
+    case Type::kAssignments: {
+      const auto presets = material_presets();
+      for (std::uint32_t n = 1 + bytes.below(3); n > 0; --n)
+        list.push_back({{"part", bytes.below(8)},
+                        {"material", presets[bytes.below(static_cast<std::uint32_t>(presets.size()))].name}});
+      return list;
+    }
   }
   return {};
 }

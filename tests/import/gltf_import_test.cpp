@@ -84,6 +84,20 @@ TEST(GltfImport, OnlyTheDefaultSceneCounts) {
   EXPECT_EQ(import_ok(tet).node_names, std::vector<std::string>{"shown"});
 }
 
+TEST(GltfImport, NodesAboveOthersAndNamedMeshesAreGroups) {
+  Tetrahedron tet;
+  tet.json["meshes"][0]["name"] = "shape";
+  tet.json["nodes"] = {{{"name", "house"}, {"children", {1, 3}}},
+                       {{"children", {2}}},  // has no name
+                       {{"mesh", 0}, {"name", "pane"}},
+                       {{"mesh", 0}, {"name", "shape"}}};
+  const Mesh mesh = import_ok(tet);
+  EXPECT_EQ(mesh.node_names, (std::vector<std::string>{"pane", "shape"}));
+  EXPECT_EQ(mesh.groups, (std::vector<NodeGroup>{{"house", kNoIndex}, {"shape", 0}}));
+  EXPECT_EQ(mesh.group_of_node, (std::vector<std::uint32_t>{1, 0})) << "the second has the name of its mesh";
+  EXPECT_TRUE(import_ok(Tetrahedron()).group_of_node.empty());
+}
+
 TEST(GltfImport, MeshUsedByTwoNodesIsTwoSurfaces) {
   Tetrahedron tet;
   tet.json["nodes"] = {{{"mesh", 0}, {"name", "a"}},

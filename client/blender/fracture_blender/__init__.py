@@ -8,10 +8,11 @@
     writer.py         objects as GLB                   materials_out.py                        their materials
     asking.py         the thread with the requests     refusal.py                              errors and their locations
     fragments.py      the answer as objects            materials_in.py, bodies.py              their materials and physics
+    slots.py          materials of parts, by slot
 """
 import bpy
 
-from . import operators, panels, preferences, presets, properties
+from . import operators, panels, preferences, presets, properties, slots
 
 bl_info = {
     "name": "Fracture (exact)",
@@ -29,6 +30,7 @@ CLASSES = (preferences.FracturePreferences, *operators.CLASSES, *presets.CLASSES
 def register():
     properties.register()
     properties.use(preferences.kept_description())
+    slots.use()
     for entry in CLASSES:
         bpy.utils.register_class(entry)
 
@@ -36,4 +38,5 @@ def register():
 def unregister():
     for entry in reversed(CLASSES):
         bpy.utils.unregister_class(entry)
+    slots.forget()
     properties.unregister()

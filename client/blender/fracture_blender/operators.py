@@ -2,7 +2,7 @@
 """The operators behind the buttons."""
 import bpy
 
-from . import preferences, properties, refusal, run
+from . import preferences, properties, refusal, run, slots
 from .package import FractureError
 
 LOOK = 0.1  # s between two polls of the thread
@@ -116,6 +116,7 @@ class FRACTURE_OT_describe(bpy.types.Operator):
             self.report({"ERROR"}, "\n".join(refusal.words(error)))
             return {"CANCELLED"}
         properties.use(found)
+        slots.use()
         self.report({"INFO"}, f"{len(properties.Known.parameters)} parameters from {found.source}")
         return {"FINISHED"}
 

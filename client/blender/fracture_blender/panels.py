@@ -70,6 +70,21 @@ class FRACTURE_PT_places(Below, bpy.types.Panel):
             layout.prop_search(settings, "paint_name", item.data, "color_attributes")
 
 
+class FRACTURE_PT_slots(Below, bpy.types.Panel):
+    bl_label = "Material slots"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split, layout.use_property_decorate = True, False
+        materials = {slot.material.name: slot.material for item in context.selected_objects for slot in item.material_slots
+                     if slot.material is not None}
+        if not materials or not hasattr(bpy.types.Material, "fracture_material"):
+            layout.label(text="The selected objects have no materials." if not materials else "The server is too old.", icon="INFO")
+            return
+        for name in sorted(materials):
+            layout.prop(materials[name], "fracture_material", text=name)
+
+
 class FRACTURE_PT_pattern(Below, bpy.types.Panel):
     bl_label = "Pattern"
 
@@ -143,4 +158,4 @@ def _text(value):
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-CLASSES = (FRACTURE_PT_main, FRACTURE_PT_places, FRACTURE_PT_pattern, FRACTURE_PT_all, FRACTURE_PT_result)
+CLASSES = (FRACTURE_PT_main, FRACTURE_PT_places, FRACTURE_PT_slots, FRACTURE_PT_pattern, FRACTURE_PT_all, FRACTURE_PT_result)

@@ -90,7 +90,7 @@ def _property(parameter):
     default = None if default is None else parameter.to_blender(default, frame)
     if parameter.kind == "enum":
         names = parameter.entry["enum"]
-        items = [(name, name.replace("_", " ").capitalize(), _about(parameter, name), "NONE", _number(name)) for name in names]
+        items = [(name, name.replace("_", " ").capitalize(), _about(parameter, name), "NONE", item_number(name)) for name in names]
         return EnumProperty(items=items, default=default if default in names else names[0], **words)
     if parameter.kind == "integer":
         return IntProperty(default=default or 0, min=max(-MOST_INTEGER, int(parameter.least or 0)),
@@ -110,7 +110,7 @@ def _property(parameter):
     return StringProperty(default=default or "", **words)
 
 
-def _number(name):
+def item_number(name):
     """Returns the number of an enumeration's item in a .blend file. It depends only on the name, so new materials on the server do not
     change old scenes."""
     return zlib.crc32(name.encode("utf-8")) & MOST_INTEGER

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a fracture without a user interface, from the selected objects to the new collections: begin(), wait or poll, finish()."""
-from . import bodies, fragments, places, preferences, properties, writer
+from . import bodies, fragments, places, preferences, properties, slots, writer
 from .asking import Asking, Request
 from .package import wrong
 
@@ -44,6 +44,7 @@ def begin(context):
     chosen.sort(key=lambda item: item.name)
     if properties.Known.description is None:
         properties.use(preferences.ask_description(context))
+        slots.use()
     scene = context.scene
     settings, parameters = scene.fracture_settings, properties.given(scene)
     parameters.update(places.places(context, properties.Known.description, parameters))
@@ -51,7 +52,11 @@ def begin(context):
         parameters["density_from"] = writer.PAINT
     groups = [chosen] if settings.together else [[item] for item in chosen]
     written = [writer.write(context, group, settings.paint, settings.paint_name) for group in groups]
-    requests = [Request(group[0].name, file.glb, parameters) for group, file in zip(groups, written)]
+    try:
+        requests = [Request(group[0].name, file.glb, slots.with_slots(parameters, file.materials.blender))
+                    for group, file in zip(groups, written)]
+    except ValueError as error:
+        raise wrong(f"The parameter 'assign' cannot be read: {error}") from None
     asking = Asking(preferences.target(context), requests)
     asking.start()
     return Run(asking, written)

@@ -13,6 +13,7 @@ client/python/README.md shows the first steps, and `help(Client)` describes the 
 from .admin import Admin
 from .aio import AsyncAnswer, AsyncClient, AsyncJob, AsyncMesh
 from .answer import Answer
+from .assignments import assignment
 from .calls import Cancel
 from .client import Client
 from .errors import FractureError
@@ -24,4 +25,4 @@ from .pool import Settings
 from .version import VERSION as __version__
 
 __all__ = ["Admin", "Answer", "AsyncAnswer", "AsyncClient", "AsyncJob", "AsyncMesh", "Bond", "Cancel", "Client", "Delta",
-           "FractureError", "Fragment", "Hull", "Job", "JobState", "Mesh", "Primitive", "Response", "Settings", "__version__"]
+           "FractureError", "Fragment", "Hull", "Job", "JobState", "Mesh", "Primitive", "Response", "Settings", "__version__", "assignment"]

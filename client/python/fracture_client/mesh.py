@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # Parameters of the interface: a mapping, or a query ("material=stone&fragments=40").
 Parameters = Union[Mapping[str, Any], str]
 # Maximum bytes of JSON in a request about a stored mesh (max_parameters_bytes of GET /limits).
-MOST_PARAMETER_BYTES = 4096
+MOST_PARAMETER_BYTES = 64 * 1024
 
 
 class Mesh:

@@ -10,6 +10,6 @@ export type { Gltf, GltfAccessor, GltfBufferView, GltfMesh, GltfNode, GltfPrimit
 export { Job, type JobDocument, type JobState } from './jobs.js';
 export { type FractureOptions, Mesh, type StoredMesh } from './mesh.js';
 export { type Operation, type OperationId, operations, problemStatuses, requestFields } from './operations.js';
-export type { Parameters, ParameterValue } from './parameters.js';
+export type { Assignment, Parameters, ParameterValue } from './parameters.js';
 export { FractureError, type LocalProblem, localProblems, type ProblemDocument, type ServerProblem, serverProblems } from './problems.js';
 export type { Ask, CallOptions, Reply, Settings } from './transport.js';

@@ -31,7 +31,7 @@ export interface FractureOptions extends CallOptions {
 }
 
 /** The server's limit for the body of a request that fractures a stored mesh (max_parameters_bytes in GET /limits). */
-const MOST_PARAMETERS = 4096;
+const MOST_PARAMETERS = 64 * 1024;
 
 export class Mesh {
   /** `asset`: the files to send again if the server forgets the mesh; undefined if this client does not have the files. */

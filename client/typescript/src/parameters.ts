@@ -2,9 +2,23 @@
 import { localError } from './problems.js';
 
 /** The value of a parameter: a JSON value, or a typed array, which is sent as a list of numbers. */
-export type ParameterValue = string | number | boolean | readonly ParameterValue[] | Float32Array | Float64Array | Int32Array | Uint32Array;
+export type ParameterValue = string | number | boolean | readonly ParameterValue[] | Assignment | Float32Array | Float64Array | Int32Array | Uint32Array;
+/** An entry of `assign`: a material for some parts of a mesh. All given selectors must match. Further members are parameters that
+ * a material sets; GET /limits marks them as `assignable`. */
+export interface Assignment {
+  /** Names or indices of nodes, or patterns such as Wall_*. A node includes all nodes below it. */
+  readonly node?: string | readonly string[];
+  /** Names or indices of the mesh's materials, or patterns. The material on most of a part's surface counts. */
+  readonly slot?: string | readonly string[];
+  /** Numbers of parts, as in `part` of a fragment. */
+  readonly part?: number | readonly number[];
+  readonly material?: string;
+  readonly [parameter: string]: ParameterValue | undefined;
+}
 /** Parameters by name. GET /patterns and GET /limits list the names. */
 export interface Parameters {
+  /** At most 64 entries, of which the first that matches a part decides; or the text selector:material;selector:material. */
+  readonly assign?: string | readonly Assignment[];
   readonly [name: string]: ParameterValue | undefined;
 }
 

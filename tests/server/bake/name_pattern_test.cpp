@@ -1,5 +1,5 @@
 // Name patterns match as POSIX fnmatch() does, for every byte, and within a time limit.
-#include "server/bake/name_pattern.hpp"
+#include "common/base/name_pattern.hpp"
 
 #include <fnmatch.h>
 #include <gtest/gtest.h>

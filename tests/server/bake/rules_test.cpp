@@ -38,11 +38,18 @@ std::string with_match(const std::string& match) {
   return R"({"rules": [{"match": )" + match + R"(, "parameters": {"sites": 9}}]})";
 }
 
+std::vector<RuleMatch> find_rules(const RuleFile& file, const std::string& path,
+                                  const MeshNames& names = {}) {
+  const Expected<std::vector<RuleMatch>> matches = RuleTally(file).find(path, names);
+  if (!matches) throw std::runtime_error(matches.error().detail);
+  return *matches;
+}
+
+/// The first rule that matches.
 std::optional<RuleMatch> find_rule(const RuleFile& file, const std::string& path,
                                    const MeshNames& names = {}) {
-  const Expected<std::optional<RuleMatch>> match = RuleTally(file).find(path, names);
-  if (!match) throw std::runtime_error(match.error().detail);
-  return *match;
+  const std::vector<RuleMatch> matches = find_rules(file, path, names);
+  return matches.empty() ? std::nullopt : std::optional(matches.front());
 }
 
 bool matches(const RuleFile& file, const std::string& path, const MeshNames& names = {}) {
@@ -178,7 +185,7 @@ TEST_F(BakeRulesTest, MatchingIsBoundedAndStops) {
   RuleTally tally(file);
   const auto decided = tally.find("a.obj", names);
   ASSERT_TRUE(decided) << "what comes after the rule that decides refuses nothing";
-  EXPECT_EQ((*decided)->rule, 0u);
+  EXPECT_EQ(decided->at(0).rule, 0u);
   EXPECT_TRUE(tally.warnings().empty()) << "what was not compared is not known";
   RuleFile late = file;
   late.rules.erase(late.rules.begin());
@@ -233,7 +240,7 @@ TEST_F(BakeRulesTest, TheFirstThatMatchesDecidesAndLinesGoOverRulesOverTheComman
       {"match": {"path": "*"}, "parameters": {"sites": 7}}]})");
   const auto values = [&](const BakeJob& job) {
     json result;
-    for (const RawParameter& p : parameters_of(job, file, find_rule(file, job.input)).all) {
+    for (const RawParameter& p : parameters_of(job, file, find_rules(file, job.input)).all) {
       EXPECT_FALSE(result.contains(p.name)) << p.name << " is given twice";
       result[p.name] = p.value;
     }
@@ -252,13 +259,54 @@ TEST_F(BakeRulesTest, TheFirstThatMatchesDecidesAndLinesGoOverRulesOverTheComman
   EXPECT_EQ(values(plan->jobs[0]), (json{{"material", "glass"}, {"seed", 8}, {"sites", "50"}}));
   EXPECT_EQ(
       explanation_of(plan->jobs[0], file,
-                     parameters_of(plan->jobs[0], file, find_rule(file, plan->jobs[0].input))),
+                     parameters_of(plan->jobs[0], file, find_rules(file, plan->jobs[0].input))),
       folder.path + "/a_glass.obj -> " + folder.path + "/b.glb\n  rule 1 of " + path +
           ": path '*_glass*' matches\n  material=\"glass\"  (rule 1)\n  seed=8  (line 1 of the manifest)\n"
           "  sites=50  (command line)\n");
   const BakeJob bare{.input = "a.obj", .output = "b.glb", .parameters = {}};
   EXPECT_EQ(explanation_of(bare, {}, parameters_of(bare, {}, {})),
             "a.obj -> b.glb\n  every parameter has its default value\n");
+}
+
+TEST_F(BakeRulesTest, RulesByNameBecomeEntriesForTheirParts) {
+  const RuleFile file = rules(R"({"rules": [
+      {"match": {"node": "Window*"}, "parameters": {"material": "glass", "fragments": 80}},
+      {"match": {"node": "Roof", "material": ["Slate", "Tile*"]}, "parameters": {"rough_amplitude": 0.02, "fragments": 9}},
+      {"match": {"path": "*.glb"}, "parameters": {"material": "brick", "seed": 4}},
+      {"match": {"node": "*"}, "parameters": {"material": "wood"}}]})");
+  const MeshNames names{{"Window_1", "Roof"}, {"Slate"}};
+  const auto values = [&](const BakeJob& job) {
+    json result;
+    for (const RawParameter& p : parameters_of(job, file, find_rules(file, job.input, names)).all) {
+      EXPECT_FALSE(result.contains(p.name)) << p.name << " is given twice";
+      result[p.name] = p.value;
+    }
+    return result;
+  };
+  const json glass = {{"node", "Window*"}, {"material", "glass"}}, roof = {{"node", "Roof"},
+                                                                           {"slot", {"Slate", "Tile*"}},
+                                                                           {"rough_amplitude", 0.02},
+                                                                           {"material", "brick"}};
+  EXPECT_EQ(values({.input = "a.glb", .output = "", .parameters = {}}),
+            (json{{"material", "brick"}, {"seed", 4}, {"fragments", 80}, {"assign", {glass, roof}}}))
+      << "the rule for the whole mesh decides all other parts, and the first rule decides the number";
+  json of_wood = roof;
+  of_wood["stretch"] = 6;
+  of_wood["material"] = "wood";
+  const BakeJob obj{
+      .input = "a.obj", .output = "", .parameters = {{"stretch", "6", true}, {"material", "wood", true}}};
+  EXPECT_EQ(values(obj)["assign"], (json{glass, of_wood, {{"node", "*"}, {"material", "wood"}}}))
+      << "without a material of its own, an entry has the properties of the command line";
+  BakeJob line{.input = "a.glb",
+               .output = "",
+               .parameters = {{"assign", "Door:metal", true}},
+               .own = {{"material", "ice", false},
+                       {"assign", json::parse(R"([{"part": 0, "material": "stone"}])"), false}}};
+  put_over(line.own, line.parameters);
+  json icy_glass = glass, icy_roof = roof;
+  icy_glass["material"] = icy_roof["material"] = "ice";
+  EXPECT_EQ(values(line)["assign"], (json{{{"part", 0}, {"material", "stone"}}, icy_glass, icy_roof}))
+      << "a manifest line goes over all rules";
 }
 
 TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
@@ -333,7 +381,7 @@ TEST_F(BakeRulesTest, RulesThatDecideNothingAreSaid) {
       tally.warnings(),
       (std::vector<std::string>{
           "Rule 3 of '" + path +
-              "' (path \"b*\") is never applied: an earlier rule matches every mesh that this rule matches.",
+              "' (path \"b*\") is never applied: an earlier rule applies to the whole of every mesh that this rule matches.",
           "Rule 4 of '" + path + "' (path \"c*\", material \"oak\") matches no mesh."}));
   tally.add_unread("d.obj");
   EXPECT_EQ(tally.warnings().size(), 2u) << "d.obj is called otherwise";

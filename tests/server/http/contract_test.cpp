@@ -116,6 +116,10 @@ TEST(Contract, EveryParameterIsListedWithItsRangeAndDefault) {
       EXPECT_EQ(schema.at("maximum"), spec->high) << name;
     } else if (spec->type == ParameterSpec::Type::kNames) {
       EXPECT_EQ(schema.at("oneOf").size(), 2u) << name;  // a string, or an array of strings
+    } else if (spec->type == ParameterSpec::Type::kAssignments) {
+      const json array = schema.at("oneOf").at(1);
+      EXPECT_EQ(array.at("minItems"), 1) << name;
+      EXPECT_EQ(array.at("maxItems"), kMostAssignments) << name;
     } else if (spec->type == ParameterSpec::Type::kText) {
       EXPECT_EQ(schema.at("minLength"), 1) << name;
       EXPECT_EQ(schema.at("maxLength"), spec->longest_text()) << name;

@@ -31,6 +31,8 @@ Mesh full_mesh() {
   mesh.material = {0, kNoIndex};
   mesh.node = {0, 1};
   mesh.node_names = {"left", "r\xc3\xa9"};
+  mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
+  mesh.group_of_node = {1, kNoIndex};
   mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
   MaterialLibrary library;
   library.materials =
@@ -78,6 +80,8 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.triangles[1], (std::array<std::uint32_t, 3>{0, 3, 1}));
   EXPECT_EQ(back.material, (std::vector<std::uint32_t>{0, kNoIndex}));
   EXPECT_EQ(back.node_names, mesh.node_names);
+  EXPECT_EQ(back.groups, mesh.groups);
+  EXPECT_EQ(back.group_of_node, mesh.group_of_node);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
   EXPECT_EQ(back.library->materials.dump(), mesh.library->materials.dump());
   EXPECT_EQ(back.library->images[0].bytes, mesh.library->images[0].bytes);
@@ -122,6 +126,9 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.attributes.uvs.resize(65); }), HasSubstr("too many attribute sets"));
   EXPECT_THAT(broken([](Mesh& m) { m.frame.metres = 0; }), HasSubstr("unit"));
   EXPECT_THAT(broken([](Mesh& m) { m.node_names[0] = "\xff"; }), HasSubstr("UTF-8"));
+  EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
+  EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
+  EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));
   EXPECT_THAT(broken([](Mesh& m) {
                 MaterialLibrary library;
                 library.materials = {5};

@@ -5,6 +5,7 @@ import { live } from 'lit/directives/live.js';
 import type { App } from '../app/app';
 import { placesIn } from '../state/places';
 import { words } from '../words/words';
+import { assignRows } from './assign';
 import { control } from './controls';
 import { metric, title } from './format';
 import { countRemark } from './remarks';
@@ -13,7 +14,7 @@ import { swatch } from './swatch';
 /** These parameters are shown first if the server has them. All others follow automatically. */
 const OFTEN = ['fragments', 'seed', 'rough_amplitude', 'stretch', 'shell_fraction'];
 /** Parameters that have a separate control on this page, or that the page sets itself. */
-const ELSEWHERE = new Set(['material', 'pattern', 'of', 'delta', 'local_new', 'local_point', 'local_radius', 'local_rest', 'format', 'unit', 'up', 'fragment', 'fragment_sites', 'fragment_seed', 'broken']);
+const ELSEWHERE = new Set(['material', 'pattern', 'assign', 'of', 'delta', 'local_new', 'local_point', 'local_radius', 'local_rest', 'format', 'unit', 'up', 'fragment', 'fragment_sites', 'fragment_seed', 'broken']);
 
 export function breakPanel(app: App): TemplateResult {
   const { knowledge } = app.service, { settings } = app.state.wish;
@@ -37,6 +38,7 @@ export function breakPanel(app: App): TemplateResult {
     </section>
     <section aria-label=${words.break.hits}>${hits(app)}</section>
     <section>${often.map(parameter => html`${control(app, parameter)}${parameter.name === 'fragments' ? remark(app) : nothing}`)}</section>
+    ${all.some(({ name }) => name === 'assign') ? html`<section aria-label=${words.break.assign}>${assignRows(app)}</section>` : nothing}
     <section aria-label=${words.break.places}>${places(app)}</section>
     <section>
       <button class="wide" aria-expanded=${app.state.more} @click=${() => app.set({ more: !app.state.more })}>${app.state.more ? words.break.fewer : `${words.break.more} (${all.length})`}</button>

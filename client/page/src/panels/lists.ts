@@ -3,6 +3,7 @@ import type { ParameterValue } from 'fracture-client';
 
 export function textOf(value: ParameterValue | undefined): string {
   if (!Array.isArray(value)) return value === undefined ? '' : String(value);
+  if (typeof value[0] === 'object' && !Array.isArray(value[0])) return JSON.stringify(value);  // the entries of `assign`
   return Array.isArray(value[0]) ? (value as number[][]).map(row => row.join(',')).join(';') : value.join(',');
 }
 

@@ -20,6 +20,7 @@ const oneLine = (text: string) => text.replace(/[\p{Cc}\p{Zl}\p{Zp}]/gu, ' ');
 
 function python(value: ParameterValue): string {
   if (Array.isArray(value)) return `[${value.map(python).join(', ')}]`;
+  if (typeof value === 'object' && !ArrayBuffer.isView(value)) return `{${Object.entries(value).map(([name, member]) => `${json(name)}: ${python(member as ParameterValue)}`).join(', ')}}`;
   return typeof value === 'boolean' ? (value ? 'True' : 'False') : json(value);
 }
 

@@ -1,11 +1,11 @@
-#include "server/bake/name_pattern.hpp"
+#include "common/base/name_pattern.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <optional>
 
-namespace fracture::bake {
+namespace fracture {
 namespace {
 
 struct CharacterClass {
@@ -115,4 +115,4 @@ bool matches_pattern(std::string_view pattern, std::string_view text, MatchBudge
   return p == pattern.size();
 }
 
-}  // namespace fracture::bake
+}  // namespace fracture

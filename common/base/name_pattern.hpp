@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-namespace fracture::bake {
+namespace fracture {
 
 /// Limits the cost of matching, counted in comparisons of one byte.
 class MatchBudget {
@@ -40,4 +40,4 @@ inline bool is_plain(std::string_view pattern) {
   return pattern.find_first_of("*?[\\") == std::string_view::npos;
 }
 
-}  // namespace fracture::bake
+}  // namespace fracture

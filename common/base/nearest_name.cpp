@@ -1,4 +1,4 @@
-#include "common/parameters/nearest_name.hpp"
+#include "common/base/nearest_name.hpp"
 
 #include <algorithm>
 #include <array>

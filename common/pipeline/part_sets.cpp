@@ -1,0 +1,369 @@
+#include "common/pipeline/part_sets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <unordered_set>
+#include <utility>
+
+#include "common/base/disjoint_sets.hpp"
+#include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
+#include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/overlaps.hpp"
+#include "common/solid/part_solid.hpp"
+
+namespace fracture {
+namespace {
+
+/// Shares a number among sets: each gets `least`, then the next one goes to the set with the most volume for each (D'Hondt 1882;
+/// ties: the lowest set).
+std::vector<std::uint32_t> shared(std::uint32_t number, const std::vector<double>& volumes,
+                                  std::vector<std::uint32_t> least, Pacer& pacer) {
+  std::uint64_t given = 0;
+  for (const std::uint32_t n : least) given += n;
+  for (; given < number; ++given) {
+    pacer.step(volumes.size());
+    std::size_t next = 0;
+    for (std::size_t k = 1; k < volumes.size(); ++k)
+      if (volumes[k] / (least[k] + 1) > volumes[next] / (least[next] + 1)) next = k;
+    ++least[next];
+  }
+  return least;
+}
+
+/// The least number of fragments of a solid: one for each part, or for each group of parts that hold together.
+std::uint32_t least_fragments(const Solid& solid, Parts parts, Pacer& pacer) {
+  std::size_t groups = solid.parts.size();
+  if (parts == Parts::kTogether && solid.contacts) {
+    DisjointSets sets(solid.parts.size());
+    for (const Contact& contact : solid.contacts->contacts) {
+      pacer.step();
+      if (contact.area > 0 && sets.find(contact.a) != sets.find(contact.b)) {
+        sets.unite(contact.a, contact.b);
+        --groups;
+      }
+    }
+  }
+  return static_cast<std::uint32_t>(groups);
+}
+
+double distance(const Box& box, const Vec3d& p) {
+  double square = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double beyond = std::fmax(std::fmax(box.min[axis] - p[axis], p[axis] - box.max[axis]), 0);
+    square += beyond * beyond;
+  }
+  return std::sqrt(square);
+}
+
+/// Keeps the hits that reach the solid. If only what is hit breaks, a solid that no hit reaches stays whole.
+void keep_near_hits(const Solid& solid, FractureParameters& p) {
+  if (p.hits.empty()) return;
+  std::erase_if(p.hits, [&](const LocalImpact& hit) { return distance(solid.box, hit.point) > hit.radius; });
+  if (!p.hits.empty() || p.rest != LocalRest::kWhole) return;
+  p.pattern = PointsPattern{{solid.box.center()}};
+  p.sites = 1;
+  p.lloyd = 0;
+  p.anisotropy = {};
+  p.aggregation = {};
+  p.density_from.clear();
+  p.roughness = {};
+  p.max_volume = 0;
+}
+
+/// Shares what holds for the whole among the sets.
+void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets, Pacer& pacer) {
+  std::vector<double> volumes;
+  std::vector<std::uint32_t> least;
+  for (const PartSet& set : sets) {
+    volumes.push_back(set.own->report.volume);
+    least.push_back(least_fragments(*set.own, asked.parts, pacer));
+  }
+  const std::vector<std::uint32_t> ones(sets.size(), 1);
+  const SizeLimits& limits = asked.size;
+  const bool same = limits.fragments == asked.sites;
+  const std::vector<std::uint32_t> fragments = shared(limits.fragments, volumes, least, pacer),
+                                   sites = same ? fragments : shared(asked.sites, volumes, ones, pacer),
+                                   most = shared(limits.max_fragments, volumes, least, pacer);
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    FractureParameters& p = sets[k].parameters;
+    if (!std::holds_alternative<PointsPattern>(p.pattern)) p.sites = sites[k];
+    if (limits.fragments > 0) p.size.fragments = fragments[k];
+    if (limits.max_fragments > 0) p.size.max_fragments = most[k];
+    if (limits.max_triangles > 0) {
+      const double part = static_cast<double>(sets[k].own->triangles.size()) /
+                          static_cast<double>(std::max<std::size_t>(whole.triangles.size(), 1));
+      p.size.max_triangles = std::max<std::uint64_t>(
+          1, static_cast<std::uint64_t>(part * static_cast<double>(limits.max_triangles)));
+    }
+    // A fraction of the whole is the same volume for each set.
+    p.size.min_volume = std::max(limits.min_volume, limits.min_fraction * whole.report.volume);
+    p.size.min_fraction = 0;
+  }
+}
+
+/// Gives the pieces of a set the numbers of the whole.
+void renumber(CutCells& cut, const std::vector<std::uint32_t>& parts, std::uint32_t first_site,
+              Pacer& pacer) {
+  const auto site = [&](SiteId s) { return SiteId{s + first_site}; };
+  for (Fragment& f : cut.set.fragments) {
+    pacer.step(4 + f.sites.size() + f.part_cells.size());
+    for (SiteId& s : f.sites) s = site(s);
+    f.part = parts[f.part];
+    f.source_part = f.part;
+    for (PartCell& cell : f.part_cells) cell = {parts[cell.part], site(cell.site)};
+    for (PartVolume& volume : f.part_volumes) volume.part = parts[volume.part];
+    for (FragmentPrimitive& p : f.primitives)
+      if (p.part != kNoIndex) p.part = parts[p.part];
+  }
+}
+
+void add(const RoughReport& own, RoughReport& all) {
+  all.amplitude = std::max(all.amplitude, own.amplitude);
+  all.asked = std::max(all.asked, own.asked);
+  all.length =
+      all.length > 0 && own.length > 0 ? std::min(all.length, own.length) : std::max(all.length, own.length);
+  all.triangles += own.triangles;
+  all.calmed += own.calmed;
+  all.crossing += own.crossing;
+  all.given_up = all.given_up || own.given_up;
+}
+
+void add(const Certificate& own, Certificate& all) {
+  all.volume_out += own.volume_out;
+  all.volume_file += own.volume_file;
+  all.pocket_volume += own.pocket_volume;
+  all.pocket_area += own.pocket_area;
+  all.cells += own.cells;
+  all.islands += own.islands;
+  all.united += own.united;
+  all.dropped += own.dropped;
+  all.fragments += own.fragments;
+  all.crossing_caps += own.crossing_caps;
+}
+
+void add(const SizeFigures& own, SizeFigures& all) {
+  all.united += own.united;
+  all.alone += own.alone;
+  all.parts += own.parts;
+  all.min_volume = std::max(all.min_volume, own.min_volume);
+  all.fewest_triangles += own.fewest_triangles;
+}
+
+/// Collects the pieces of all sets.
+class Collector {
+ public:
+  explicit Collector(const Execution& execution) : execution_(execution), pacer_(execution) {}
+
+  void add_set(CutCells cut, const std::vector<std::uint32_t>& parts, std::uint32_t first_site) {
+    renumber(cut, parts, first_site, pacer_);
+    const auto first = static_cast<std::uint32_t>(all_.set.fragments.size());
+    for (Fragment& f : cut.set.fragments) {
+      pacer_.step(4);
+      while (!ids_.insert(f.id).second)
+        f.id = (f.id + 1) & ((1ull << 53) - 1);  // a set numbers its own parts
+      all_.set.fragments.push_back(std::move(f));
+    }
+    for (Bond bond : cut.set.bonds) {
+      pacer_.step();
+      bond.a += first;
+      bond.b += first;
+      all_.set.bonds.push_back(bond);
+    }
+    if (!cut.hulls.of_fragment.empty()) all_.hulls.of_fragment.resize(first);
+    for (FragmentHulls& hulls : cut.hulls.of_fragment) all_.hulls.of_fragment.push_back(std::move(hulls));
+    add(cut.set.certificate, all_.set.certificate);
+    add(cut.set.size, all_.set.size);
+    add(cut.rough, all_.rough);
+    all_.kept += cut.kept;
+    all_.grouped = all_.grouped || cut.grouped;
+    all_.restrained_cells += cut.restrained_cells;
+    all_.all_flat = all_.all_flat || cut.all_flat;
+    all_.barycentric.skipped_hulls += cut.barycentric.skipped_hulls;
+    all_.barycentric.dropped += cut.barycentric.dropped;
+    all_.barycentric.dropped_volume += cut.barycentric.dropped_volume;
+  }
+
+  CutCells finish(const Solid& solid) {
+    FragmentSet& set = all_.set;
+    set.source = solid.source;
+    if (!all_.hulls.of_fragment.empty()) all_.hulls.of_fragment.resize(set.fragments.size());
+    state_lattice(solid, set);  // no finer than those of the sets
+    sum_up(solid, set.fragments, set.certificate);
+    return std::move(all_);
+  }
+
+ private:
+  const Execution& execution_;
+  Pacer pacer_;
+  CutCells all_;
+  std::unordered_set<std::uint64_t> ids_;  // only queried
+};
+
+std::vector<PartSelector> selectors_of(const FractureParameters& parameters) {
+  std::vector<PartSelector> selectors;
+  for (const AssignedParts& entry : parameters.assigned) selectors.push_back(entry.selector);
+  return selectors;
+}
+
+}  // namespace
+
+PartChoice choose_assigned(const Solid& solid, const FractureParameters& parameters,
+                           const Execution& execution) {
+  return choose_parts(solid, selectors_of(parameters), execution);
+}
+
+std::vector<std::string> warnings_of_assigned(const Solid& solid, const FractureParameters& parameters,
+                                              const PartChoice& choice) {
+  return warnings_of(solid, selectors_of(parameters), choice);
+}
+
+FractureParameters parameters_of_entry(const FractureParameters& parameters, std::uint32_t entry) {
+  FractureParameters p = parameters;
+  p.assigned.clear();
+  if (entry == kNoIndex) return p;
+  const FractureParameters& breaks = *parameters.assigned[entry].breaks;
+  p.pattern = breaks.pattern;
+  p.lloyd = breaks.lloyd;
+  p.anisotropy = breaks.anisotropy;
+  p.aggregation = breaks.aggregation;
+  p.density_from = breaks.density_from;
+  p.roughness = breaks.roughness;
+  p.size.min_of_mean = breaks.size.min_of_mean;
+  if (const auto* points = std::get_if<PointsPattern>(&p.pattern))
+    p.sites = static_cast<std::uint32_t>(points->points.size());
+  return p;
+}
+
+FractureParameters reported_parameters(const FractureParameters& parameters) {
+  FractureParameters reported = parameters;
+  for (const AssignedParts& entry : parameters.assigned)
+    if (entry.breaks->roughness.amplitude > reported.roughness.amplitude)
+      reported.roughness = entry.breaks->roughness;
+  return reported;
+}
+
+std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& parameters,
+                               const Execution& execution) {
+  const PartChoice choice = choose_assigned(solid, parameters, execution);
+  std::vector<std::vector<std::uint32_t>> parts(parameters.assigned.size() + 1);
+  Pacer pacer(execution);
+  for (std::uint32_t p = 0; p < choice.of_part.size(); ++p) {
+    pacer.step();
+    parts[choice.of_part[p] == kNoIndex ? 0 : choice.of_part[p] + 1].push_back(p);
+  }
+  std::vector<PartSet> sets;
+  for (std::uint32_t k = 0; k < parts.size(); ++k)
+    if (!parts[k].empty())
+      sets.push_back({std::move(parts[k]), {}, parameters_of_entry(parameters, k == 0 ? kNoIndex : k - 1)});
+  if (sets.size() == 1) {
+    sets[0].parts.clear();
+    return sets;
+  }
+  for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
+  share(solid, parameters, sets, pacer);
+  for (PartSet& set : sets) keep_near_hits(*set.own, set.parameters);
+  return sets;
+}
+
+Expected<Diagram> diagram_of_sets(const Solid& solid, const FractureParameters& parameters,
+                                  const Execution& execution) {
+  Execution silent = execution;  // the caller reports the stage
+  if (!execution.within) silent.progress = {};
+  StageTimings timings;
+  const auto make = [&](const Solid& own, const FractureParameters& p) {
+    return make_diagram(own, p, silent, timings);
+  };
+  const std::vector<PartSet> sets = part_sets(solid, parameters, execution);
+  if (sets.size() == 1) return make(solid, sets[0].parameters);
+  Diagram whole;
+  Tetrahedralization& t = whole.tetrahedralization;
+  std::vector<std::uint32_t> set_of_part(solid.parts.size(), 0), in_set(solid.parts.size(), 0);
+  std::vector<CellMap> maps;
+  for (std::uint32_t k = 0; k < sets.size(); ++k) {
+    const PartSet& set = sets[k];
+    const StageProgress::Part part(execution.within,
+                                   static_cast<double>(k + 1) / static_cast<double>(sets.size()));
+    Expected<Diagram> made = make(*set.own, set.parameters);
+    if (!made) return made;
+    for (std::uint32_t p = 0; p < set.parts.size(); ++p) {
+      set_of_part[set.parts[p]] = k;
+      in_set[set.parts[p]] = p;
+    }
+    const Tetrahedralization& own = made->tetrahedralization;
+    const auto first = static_cast<std::uint32_t>(t.points.size());
+    whole.sites.insert(whole.sites.end(), made->sites.begin(), made->sites.end());
+    t.points.insert(t.points.end(), own.points.begin(), own.points.end() - 4);  // without the corners
+    for (const SiteId s : own.site_of_input) t.site_of_input.push_back(s == kNoSite ? s : SiteId{s + first});
+    t.duplicates_merged += own.duplicates_merged;
+    t.far_sites_dropped += own.far_sites_dropped;
+    whole.of_pattern += made->of_pattern;
+    whole.remarks.add(made->remarks);
+    whole.split.sites_added += made->split.sites_added;
+    whole.split.passes = std::max(whole.split.passes, made->split.passes);
+    whole.split.too_large += made->split.too_large;
+    maps.push_back(made->map);
+    whole.sets.push_back(std::move(*made));
+  }
+  if (whole.sites.size() > parameters.most_sites)
+    return fail(ErrorCode::kTooComplex,
+                "The parts of all materials together have " + std::to_string(whole.sites.size()) +
+                    " sites; at most " + std::to_string(parameters.most_sites) +
+                    " are allowed. Ask for fewer fragments.",
+                "sites");
+  t.points.resize(t.points.size() + 4);  // the corners, which nothing reads
+  whole.map = CellMap::joined(maps, set_of_part, in_set);
+  return whole;
+}
+
+Expected<CutCells> cut_sets(
+    const Solid& solid, const Diagram& diagram, const std::vector<PartSet>& sets, const Execution& execution,
+    const std::function<Expected<CutCells>(const Solid&, const Diagram&, const FractureParameters&)>& cut) {
+  if (sets.size() != diagram.sets.size())
+    throw InternalError("a diagram of " + std::to_string(diagram.sets.size()) + " sets for " +
+                        std::to_string(sets.size()));
+  Collector collector(execution);
+  std::uint32_t first_site = 0;
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const StageProgress::Part part(execution.within,
+                                   static_cast<double>(k + 1) / static_cast<double>(sets.size()));
+    Expected<CutCells> made = cut(*sets[k].own, diagram.sets[k], sets[k].parameters);
+    if (!made) return made;
+    collector.add_set(std::move(*made), sets[k].parts, first_site);
+    first_site += diagram.sets[k].tetrahedralization.site_count();
+  }
+  return collector.finish(solid);
+}
+
+void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
+                    bool together, FragmentSet& set, const Execution& execution) {
+  Pacer pacer(execution);
+  const auto entry_of = [&](std::uint32_t part) -> const AssignedParts* {
+    const std::uint32_t k = choice.of_part[part];
+    return k == kNoIndex ? nullptr : &parameters.assigned[k];
+  };
+  const auto density = [&](std::uint32_t part) { return entry_of(part) ? entry_of(part)->density : 1; };
+  const auto strength = [&](std::uint32_t fragment) {
+    const AssignedParts* const entry = entry_of(set.fragments[fragment].part);
+    return entry ? entry->strength : 1;
+  };
+  // The weighed volume is a sum over parts, because hits do not change parts.
+  const std::vector<double> shares = together ? density_shares(solid, execution) : std::vector<double>();
+  set.weighed_volume = 0;
+  for (std::uint32_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step();
+    set.weighed_volume += density(p) * (shares.empty() ? 1 : shares[p]) * solid.parts[p].volume;
+  }
+  for (Bond& bond : set.bonds) {
+    pacer.step();
+    bond.strength *= std::min(strength(bond.a), strength(bond.b));
+  }
+  for (Fragment& f : set.fragments) {
+    pacer.step();
+    f.density_share *= density(f.part);
+  }
+}
+
+}  // namespace fracture

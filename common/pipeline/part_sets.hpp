@@ -1,0 +1,67 @@
+// Fractures an object of several materials (FractureParameters::assigned). Parts with the same parameters are a *set*. Each set is
+// a solid of its own, with its own diagram. The pieces of all sets are then one set of fragments, which is checked,
+// bonded across parts and completed as a whole. Parts of different sets share no cells, so their pieces never become one
+// fragment.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/pipeline/fracture.hpp"
+#include "common/pipeline/fracture_steps.hpp"
+#include "common/solid/part_selection.hpp"
+
+namespace fracture {
+
+/// Parts of a solid that break with the same parameters.
+struct PartSet {
+  std::vector<std::uint32_t> parts{};  ///< numbers in the whole, ascending; empty: all parts
+  std::optional<Solid> own{};          ///< these parts; not set if they are all parts
+  FractureParameters parameters{};     ///< without assigned parts
+
+  const Solid& solid_in(const Solid& whole) const { return own ? *own : whole; }
+};
+
+/// Returns the parts that each entry of `assigned` decides.
+PartChoice choose_assigned(const Solid& solid, const FractureParameters& parameters,
+                           const Execution& execution);
+
+/// Returns one sentence for each entry of `assigned` that decides no part (solid/part_selection.hpp).
+std::vector<std::string> warnings_of_assigned(const Solid& solid, const FractureParameters& parameters,
+                                              const PartChoice& choice);
+
+/// Returns the sets that have parts: first the parts that no entry matches, then those of each entry. `fragments`, `sites`,
+/// `max_fragments` and `max_triangles` of the request are shared among the sets by volume (D'Hondt 1882, as in PartQuotas),
+/// and each set gets as many fragments as it has parts, or groups of parts in contact. With hits on a solid that stays
+/// whole elsewhere, sets that no hit reaches stay whole. Throws Interrupted.
+std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& parameters,
+                               const Execution& execution);
+
+/// Makes the diagram of each set, and a diagram of the whole, which has their sites (Diagram::sets). Errors: those of
+/// make_diagram(), kTooComplex (more than most_sites in all sets together). Throws Interrupted.
+Expected<Diagram> diagram_of_sets(const Solid& solid, const FractureParameters& parameters,
+                                  const Execution& execution);
+
+/// Cuts each set by its diagram, and returns the pieces of all sets, with the parts and sites of the whole. `cut` cuts one set.
+/// Errors: those of `cut`. Throws Interrupted.
+Expected<CutCells> cut_sets(
+    const Solid& solid, const Diagram& diagram, const std::vector<PartSet>& sets, const Execution& execution,
+    const std::function<Expected<CutCells>(const Solid&, const Diagram&, const FractureParameters&)>& cut);
+
+/// Multiplies the densities of fragments and the strengths of bonds by those that are assigned to their parts. The weaker part
+/// decides a bond. To be called once all bonds are known and overlaps were counted. `together`: as in count_overlaps_once().
+/// Sets FragmentSet::weighed_volume. Throws Interrupted.
+void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
+                    bool together, FragmentSet& set, const Execution& execution);
+
+/// Returns the parameters for the parts that an entry of `assigned` decides (kNoIndex: none), before sites and fragments are
+/// shared.
+FractureParameters parameters_of_entry(const FractureParameters& parameters, std::uint32_t entry);
+
+/// Returns the parameters for the report: those of the request, with the greatest roughness of any parts.
+FractureParameters reported_parameters(const FractureParameters& parameters);
+
+}  // namespace fracture
