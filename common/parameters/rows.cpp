@@ -31,8 +31,9 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness. If closing the holes of a curved sheet encloses more volume "
-           "than the slab would have, the sheet becomes a solid body, and a warning says so. 0: open sheets are left out."},
+           "Open sheets (panes, leaves) become slabs of this thickness. Pieces that only a large lid closes (cloth, terrain), and "
+           "rooms, whose faces look inwards, become walls. Other open pieces become solid bodies if closing their holes encloses more "
+           "volume than the slab would have, and a warning says so. 0: open sheets are left out, and the other pieces are solid."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",

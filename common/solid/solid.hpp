@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/choice.hpp"
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/remarks.hpp"
@@ -31,8 +32,9 @@ struct SolidOptions {
   /// weld only equal positions.
   double weld_tolerance = 1e-6;
   /// Metres. If positive, open sheets (panes, leaves, wall quads) become slabs of this thickness behind their
-  /// surface. These are pieces that bound no volume, or whose filled holes would enclose less than this times
-  /// their area. 0 = such pieces are dropped.
+  /// surface. These are pieces that bound no volume, whose filled holes would enclose less than this times
+  /// their area, or that need a large lid; and with Repair::kFill rooms (solid/enclosures.hpp). 0 = pieces that
+  /// bound no volume are dropped.
   double thickness = 0;
   /// Gap of the contact graph, m. keep_contacts() uses it; make_solid() does not. Empty: kContactGap times the longest side.
   std::optional<double> contact_gap{};
@@ -69,6 +71,7 @@ struct SolidReport {
   std::uint64_t holes_filled = 0, fill_triangles = 0;
   double filled_area = 0;  ///< m²: filled holes, and backs and rims of thickened sheets
   std::uint64_t sheets_thickened = 0;
+  std::uint64_t rooms_walled = 0;  ///< of them: rooms (solid/enclosures.hpp)
   std::uint64_t shells = 0, parts = 0, cavities = 0;
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
   double volume = 0;                 ///< m³, of the solid: the fragments add up to this
@@ -80,6 +83,7 @@ struct SolidReport {
   double least_thickness = 0;          ///< m: minimum distance between the two sides of a wall
   double mean_thickness = 0;  ///< m, weighted by area: measured at the middles of the inner side's triangles
   Remarks remarks;            ///< each with a count and, if possible, a sample place
+  std::vector<Choice> choices;  ///< repairs that were not done, because they would change what the mesh is
   struct Sample {
     std::string figure;  ///< name of the counter, as in each_figure()
     Vec3d place;

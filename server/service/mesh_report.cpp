@@ -32,7 +32,8 @@ nlohmann::json mesh_report(const PreparedMesh& mesh) {
                            {"materials", material_names(source)},
                            {"images", source.library->images.size()},
                            {"warnings", remarks.warnings},
-                           {"notes", remarks.notes}};
+                           {"notes", remarks.notes},
+                           {"choices", choices_document(mesh.solid.report.choices)}};
   if (const auto contacts = contact_report(mesh.solid)) report["contacts"] = contacts_document(*contacts);
   if (source.passed_through)
     report["passed_through"] = {{"triangles", source.passed_through->triangles.size()}};

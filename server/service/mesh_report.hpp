@@ -10,7 +10,7 @@ namespace fracture {
 /// Returns whether the solid needed any repair beyond merging equal positions.
 bool repaired(const SolidReport& report);
 
-/// Returns an object with verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes,
+/// Returns an object with verdict ("closed" or "repaired"), solid, frame, nodes, materials, images, warnings, notes, choices,
 /// passed_through and, if the mesh has several parts, contacts (gltf/report_text.hpp).
 nlohmann::json mesh_report(const PreparedMesh& mesh);
 
