@@ -110,7 +110,7 @@ void add_solid_rows(std::vector<ParameterSpec>& rows) {
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
-       .choices = {"file", "m", "cm", "mm", "inch"},
+       .choices = {"file", "m", "cm", "mm", "inch", "km"},
        .doc =
            "Unit of the mesh's coordinates. `file`: the unit that the file or its format specifies, otherwise metres."},
       [](auto& r) -> auto& { return r.frame.unit; }));

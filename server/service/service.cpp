@@ -6,6 +6,7 @@
 #include "common/base/json_reader.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "common/solid/size_check.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
 
@@ -58,7 +59,17 @@ FractureParameters with_companions(const RequestParameters& asked) {
   return parameters;
 }
 
+/// Files of printers and measuring machines are in millimetres, unlike those of modelling tools.
+bool is_in_millimetres(MeshFormat format) { return format == MeshFormat::kStl; }
+
 }  // namespace
+
+void check_size_of_pieces(const PreparedMesh& mesh, const FractureRequest& request, Remarks& remarks,
+                          std::vector<Choice>& choices) {
+  const std::string& material = request.parameters.material;
+  check_size(mesh.solid, mesh.frame, is_in_millimetres(request.format), {material, usual_piece(material)},
+             remarks, choices);
+}
 
 Error to_error(const Interrupted& interrupted) {
   if (interrupted.error) return *interrupted.error;
@@ -233,6 +244,9 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
         engine_->prepare(std::move(mesh), request.parameters.solid, request.parameters.hollow, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     result->solid = std::move(*made);
+    SolidReport& report = result->solid.report;
+    check_size(result->solid, result->frame, is_in_millimetres(request.format), report.remarks,
+               report.choices);
   }
   step.value = result;
   step.cache = stored(meshes_.insert(keys.mesh, result, memory_size(*result)));
@@ -252,7 +266,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     telling.within = &progress;
     Expected<CutBase> made =
         engine_->base(mesh.solid, with_companions(request.parameters), request.parameters.selection, telling);
-    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    if (!made)
+      return tl::unexpected<Error>(std::move(made.error()));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
   step.value = base;
@@ -293,6 +308,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   {
     const StageTimings::Scope scope(answer.timings, Stage::kEncode);
     fractured.report.frame = mesh.frame;
+    check_size_of_pieces(mesh, request, fractured.report.remarks, fractured.report.choices);
     if (const auto& rest = mesh.solid.source->passed_through)
       fractured.report.passed_through = rest->triangles.size();
     GltfOptions options = output_options(request.parameters, fractured.set);
