@@ -76,6 +76,7 @@ struct SolidReport {
   std::uint64_t shells_dropped = 0;  ///< shells that bound no volume
   double volume = 0;                 ///< m³, of the solid: the fragments add up to this
   double absolute_volume = 0;        ///< m³: the sum over all shells, with cavities added
+  double edge_length = 0;            ///< m, of all edges; 0: not measured (measure_edges())
   double area = 0;  ///< m², of the kept source triangles, the fill and the inner sides of walls
   std::uint64_t parts_hollowed = 0;    ///< parts that became walls (hollow/hollow.hpp)
   std::uint64_t hollow_triangles = 0;  ///< triangles of the walls' inner sides
@@ -159,6 +160,9 @@ struct Solid {
 /// the filters of the exact predicates depend on it). On each axis, the largest coordinate must be at least
 /// kLeastReach, so that the steps of the seam lattice (2^-23 of it) are floats.
 inline constexpr double kMaxCoordinate = 1e12, kLeastReach = 0x1p-126;
+
+/// Sets SolidReport::edge_length, by which the cost of a fracture is estimated. Throws Interrupted.
+void measure_edges(Solid& solid, const Execution& execution);
 
 /// Makes solids from a mesh. Errors: kEmptyMesh; kNotFinite (with the vertex that is not finite or exceeds
 /// kMaxCoordinate, or with the axis on which no coordinate reaches kLeastReach); kMeshNotClosed (with counts

@@ -9,6 +9,7 @@
 #include "common/solid/size_check.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
+#include "server/service/estimate.hpp"
 
 namespace fracture {
 namespace {
@@ -174,6 +175,9 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
       if (!made) return tl::unexpected<Error>(std::move(made.error()));
       mesh = std::move(*made);
     }
+    if (execution.allowance)
+      if (auto error = cannot_fit(request.parameters, mesh.value->solid, execution.allowance->limit()))
+        return tl::unexpected<Error>(std::move(*error));
     Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}};
     if (!diagram.value) {
       auto made = make_diagram(*mesh.value, request, keys, execution);
@@ -244,6 +248,7 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
         engine_->prepare(std::move(mesh), request.parameters.solid, request.parameters.hollow, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     result->solid = std::move(*made);
+    measure_edges(result->solid, telling);
     SolidReport& report = result->solid.report;
     check_size(result->solid, result->frame, is_in_millimetres(request.format), report.remarks,
                report.choices);
@@ -267,7 +272,7 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     Expected<CutBase> made =
         engine_->base(mesh.solid, with_companions(request.parameters), request.parameters.selection, telling);
     if (!made)
-      return tl::unexpected<Error>(std::move(made.error()));
+      return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters, mesh.solid));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
   step.value = base;
@@ -295,7 +300,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
-    return tl::unexpected<Error>(std::move(cut.error()));
+    return tl::unexpected<Error>(with_advice(std::move(cut.error()), request.parameters, mesh.solid));
   }
   FracturedSolid& fractured = cut->fractured;
   execution.poll();
