@@ -20,8 +20,7 @@ struct Refusal {
 Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
   switch (answer) {
     case Allowance::Answer::kNever:
-      return {ErrorCode::kTooComplex, "; a computation may use " + limit +
-                                          ". Ask for fewer sites, or send a mesh with fewer triangles."};
+      return {ErrorCode::kTooComplex, "; a computation may use " + limit + ". " + kAdviceForFewerProducts};
     case Allowance::Answer::kOverShare:
       return {ErrorCode::kOverShare,
               ". A computation may use " + limit +

@@ -29,6 +29,10 @@ const char* name_of(Product product);
 /// common/pipeline/DECISION.md has the measurements.
 std::uint64_t bytes_of(Product product);
 
+/// The advice of a refusal (kTooComplex) that only counts products. Callers that know the request may give better advice.
+inline constexpr const char* kAdviceForFewerProducts =
+    "Ask for fewer sites, or send a mesh with fewer triangles.";
+
 /// The number of bytes that one computation may hold for its products. Thread-safe.
 class Allowance {
  public:

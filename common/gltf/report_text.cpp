@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 namespace fracture {
@@ -25,6 +26,17 @@ void write_barycenter(JsonText& json, const BarycenterReport& barycenter) {
     json.member("dropped", barycenter.dropped->fragments)
         .member("dropped_volume", barycenter.dropped->volume);
   json.member("partition", false).member("skipped_hulls", barycenter.skipped_hulls).end_object();
+}
+
+void write_choices(JsonText& json, const std::vector<Choice>& choices) {
+  json.begin_array();
+  for (const Choice& choice : choices) {
+    json.begin_object().member("kind", choice.kind).key("parameters").begin_object();
+    for (const Choice::Setting& setting : choice.parameters)
+      std::visit([&](const auto& value) { json.member(setting.name, value); }, setting.value);
+    json.end_object().member("text", choice.text).end_object();
+  }
+  json.end_array();
 }
 
 void write_rough_cuts(JsonText& json, const RoughCuts& cuts) {
@@ -160,6 +172,10 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
   json.begin_object();
   if (report.anchored) json.key("anchors").begin_object().member("fragments", *report.anchored).end_object();
   if (report.barycenter) write_barycenter(json, *report.barycenter);
+  if (!report.choices.empty()) {
+    json.key("choices");
+    write_choices(json, report.choices);
+  }
   if (report.contacts) {
     json.key("contacts");
     write_contacts(json, *report.contacts);
@@ -261,6 +277,12 @@ void write_certificate(JsonText& json, const Certificate& certificate, const std
   else
     json.null();
   json.end_object();
+}
+
+nlohmann::json choices_document(const std::vector<Choice>& choices) {
+  JsonText json;
+  write_choices(json, choices);
+  return nlohmann::json::parse(json.text());
 }
 
 nlohmann::json contacts_document(const ContactReport& contacts) {

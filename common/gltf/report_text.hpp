@@ -9,7 +9,8 @@
 
 namespace fracture {
 
-/// Writes {anchors {fragments}, barycenter {dropped, dropped_volume, partition, skipped_hulls}, contacts {…}, fragment
+/// Writes {anchors {fragments}, barycenter {dropped, dropped_volume, partition, skipped_hulls}, choices (if there are any;
+/// see choices_document()), contacts {…}, fragment
 /// {id, volume}, frame {metres_per_unit, unit_from, up, up_from}, hulls {count, flat, simplified, excess}, keep {cells},
 /// levels [number of clusters in each, then of fragments], notes, passed_through {triangles}, rough_cuts
 /// {amplitude, amplitude_asked, calmed_vertices, crossing_triangles, edge_length, restrained_cells, triangles},
@@ -20,6 +21,9 @@ void write_report(JsonText& json, const FracturedSolid& fractured);
 /// strength, unknown, weak {a, b, share, stress}}. Fragments are given by id. The columns of `bonds` are in the order
 /// of the answer's bonds.
 void write_support(JsonText& json, const FragmentSet& set, const Support& support);
+
+/// Returns the report's member `choices`: a list of {kind, parameters {name: value}, text}.
+nlohmann::json choices_document(const std::vector<Choice>& choices);
 
 /// Returns the report's member `contacts`: {alone, area, gap, listed {a, area, b, kind, normal, place, volume}, overlapping,
 /// pairs, parts, touching, volume}. The columns of `listed` are in the order of ContactReport::listed.

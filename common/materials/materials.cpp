@@ -203,4 +203,18 @@ const MaterialPreset* find_material_preset(std::string_view name) {
   return nullptr;
 }
 
+double usual_piece(std::string_view name) {
+  struct Piece {
+    std::string_view material;
+    double size;
+  };
+  static constexpr Piece kPieces[] = {
+      {"glass", 0.1},       {"wood", 0.1},      {"concrete", 0.3},  {"stone", 0.3}, {"brick", 0.24},
+      {"ceramic", 0.03},    {"metal", 0.2},     {"cast_iron", 0.1}, {"ice", 0.2},   {"plaster", 0.1},
+      {"terracotta", 0.05}, {"sandstone", 0.3}, {"crystal", 0.05}};
+  for (const Piece& piece : kPieces)
+    if (name == piece.material) return piece.size;
+  return 0;
+}
+
 }  // namespace fracture

@@ -59,5 +59,8 @@ struct MaterialPreset {
 std::span<const MaterialPreset> material_presets();
 /// Null if no material has this name.
 const MaterialPreset* find_material_preset(std::string_view name);
+/// The size of most pieces of broken objects of this material, m. The values are rough: they serve only to find objects that are
+/// a thousand times as large. 0 if no material has this name.
+double usual_piece(std::string_view name);
 
 }  // namespace fracture

@@ -5,7 +5,6 @@
 #include <string>
 
 namespace fracture {
-namespace {
 
 double metres_of(LengthUnit unit) {
   switch (unit) {
@@ -15,10 +14,14 @@ double metres_of(LengthUnit unit) {
       return 0.001;
     case LengthUnit::kInch:
       return 0.0254;
+    case LengthUnit::kKilometre:
+      return 1000;
     default:
       return 1;
   }
 }
+
+namespace {
 
 /// (x, y, z) -> (x, z, -y). Subtracting from zero keeps zeros positive, so equal coordinates stay equal bit
 /// for bit.

@@ -8,8 +8,11 @@
 
 namespace fracture {
 
-enum class LengthUnit { kFromFile, kMetre, kCentimetre, kMillimetre, kInch };
+enum class LengthUnit { kFromFile, kMetre, kCentimetre, kMillimetre, kInch, kKilometre };
 enum class UpAxis { kFromFile, kY, kZ };
+
+/// Length of the unit in metres; 1 for kFromFile.
+double metres_of(LengthUnit unit);
 
 /// The request's statement about the input; it overrides the file.
 struct FrameOptions {

@@ -44,9 +44,10 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. If closing the holes of a curved "
-           "sheet encloses more volume than the slab would have, the sheet becomes a solid body, and a warning says so. 0: with "
-           "`sheets=solid`, slabs are as thick as 1/500 of the diagonal of the mesh's box."},
+           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Pieces that only a large lid closes "
+           "(cloth, terrain), and rooms, whose faces look inwards, become walls. Other open pieces become solid bodies if closing their "
+           "holes encloses more volume than the slab would have, and a warning says so. 0: with `sheets=solid`, slabs are as thick as "
+           "1/500 of the diagonal of the mesh's box."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -123,7 +124,7 @@ std::vector<ParameterSpec> solid_parameter_rows() {
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
-       .choices = {"file", "m", "cm", "mm", "inch"},
+       .choices = {"file", "m", "cm", "mm", "inch", "km"},
        .doc =
            "Unit of the mesh's coordinates. `file`: the unit that the file or its format specifies, otherwise metres."},
       [](auto& r) -> auto& { return r.frame.unit; }));

@@ -14,6 +14,7 @@ namespace {
 
 void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet& set, Report& report) {
   report.solid = solid.report;
+  report.choices = solid.report.choices;
   report.contacts = contact_report(solid);
   report.sites = sites.figures;
   report.remarks = solid.remarks();

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "common/base/choice.hpp"
 #include "common/base/remarks.hpp"
 #include "common/contacts/contact_report.hpp"
 #include "common/fragment/size_limits.hpp"
@@ -91,6 +93,7 @@ struct Report {
   /// Set by the reader of the file: its frame, and the number of triangles excluded from fracturing.
   std::optional<FrameReport> frame{};
   std::optional<std::uint64_t> passed_through{};
+  std::vector<Choice> choices{};  ///< of the solid, and those that the caller adds
   Remarks remarks;
   bool operator==(const Report&) const = default;
 };

@@ -75,10 +75,16 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
     remarks.note(
         counted(faults.nonmanifold + faults.one_way, "non-manifold edge was", "non-manifold edges were") +
         " split, the first at " + place((*faults.first_nonmanifold)[0]) + ".");
-  if (report.sheets_thickened > 0)
-    remarks.note(counted(report.sheets_thickened, "open sheet became a slab", "open sheets became slabs") +
-                 " of the " + (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +
-                 short_number(thickness) + " m.");
+  const std::string of_thickness = std::string(" of the ") +
+                                   (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +
+                                   short_number(thickness) + " m";
+  if (const std::uint64_t sheets = report.sheets_thickened - report.rooms_walled; sheets > 0)
+    remarks.note(counted(sheets, "open sheet became a slab", "open sheets became slabs") + of_thickness + ".");
+  if (report.rooms_walled > 0)
+    remarks.note(counted(report.rooms_walled, "closed piece faces", "closed pieces face") +
+                 " inwards, like a room that is seen from inside. " +
+                 (report.rooms_walled == 1 ? "It got walls" : "They got walls") + of_thickness +
+                 ", outside of the faces.");
   if (report.holes_filled > 0)
     remarks.note(counted(report.holes_filled, "hole was", "holes were") + " filled with " +
                  counted(report.fill_triangles, "triangle", "triangles") + " in the material of cut faces" +

@@ -6,6 +6,7 @@
 
 #include "common/base/words.hpp"
 #include "common/solid/edges.hpp"
+#include "common/solid/enclosures.hpp"
 #include "common/solid/faults.hpp"
 #include "common/solid/holes.hpp"
 #include "common/solid/layers.hpp"
@@ -70,7 +71,11 @@ EdgeFaults pair_edges(Surface& surface, const SolidOptions& options, SolidReport
   if (orient_patches(surface, edges, report, execution)) rebuild();
   pair_clean_edges(surface, edges, execution);
   pair_nonmanifold_edges(surface, edges, execution);
-  return find_faults(surface, edges, execution);
+  const EdgeFaults faults = find_faults(surface, edges, execution);
+  if (options.repair == Repair::kFill && faults.open > 0)
+    offer_welding(surface, edges, length(box_of(surface, execution).size()), options.weld_tolerance, report,
+                  execution);
+  return faults;
 }
 
 bool any_open(const Surface& surface, const Execution& execution) {
@@ -110,20 +115,38 @@ double thickness_of(const Surface& surface, const SolidOptions& options, const E
   return kSlabShare * length(box_of(surface, execution).size());
 }
 
-/// Fills the holes, splits the umbrellas and thickens the sheets. Returns the resulting shells.
-Shells close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
+/// The closed surface, and its pieces with large lids (before sheets are thickened).
+struct Closed {
+  Shells shells;
+  Enclosures lids;
+};
+
+/// Returns the rooms, of which `thickness` makes walls. repair=strict refuses them.
+Enclosures rooms_to_wall(const Surface& surface, const Closed& closed, const SolidOptions& options,
+                         const Execution& execution) {
+  const auto is_inward = [](const Shell& shell) { return !shell.flat && shell.volume < 0; };
+  const std::vector<Shell>& list = closed.shells.list;
+  if (options.repair == Repair::kStrict || std::none_of(list.begin(), list.end(), is_inward)) return {};
+  return find_rooms(closed.shells, nest_shells(surface, closed.shells, execution), closed.lids, execution);
+}
+
+/// Fills the holes, splits the umbrellas and thickens the sheets.
+Closed close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
                      SolidReport& report, const Execution& execution) {
   if (open) fills = fill_holes(surface, seam_distance(box_of(surface, execution), options), execution);
   split_umbrellas(surface, execution);
-  Shells shells = find_shells(surface, execution);
+  Closed closed{find_shells(surface, execution), {}};
+  closed.lids = find_large_lids(surface, closed.shells, fills, execution);
   if (options.thickness > 0) {
-    report.sheets_thickened = thicken_sheets(surface, shells, options.thickness, fills, report, execution);
+    const Enclosures rooms = rooms_to_wall(surface, closed, options, execution);
+    report.sheets_thickened = thicken_sheets(surface, closed.shells, options.thickness,
+                                             {closed.lids.has, rooms.has}, fills, report, execution);
     if (report.sheets_thickened > 0) {
       split_umbrellas(surface, execution);
-      shells = find_shells(surface, execution);
+      closed.shells = find_shells(surface, execution);
     }
   }
-  return shells;
+  return closed;
 }
 
 /// Checks that the solid is large enough on each axis. A solid cannot be flat on any axis.
@@ -144,10 +167,16 @@ Expected<void> accept_reach(const Box& box) {
 /// Groups the shells into parts, and turns those that face the wrong way. Returns the part of each shell.
 /// Errors: kMeshNotClosed if no shell bounds a volume, or if repair=strict would have to turn one.
 Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const EdgeFaults& faults,
-                                                       Repair repair, Surface& surface, const Shells& shells,
-                                                       Solid& solid, const Execution& execution) {
+                                                       const SolidOptions& options, Surface& surface,
+                                                       const Closed& closed, Solid& solid,
+                                                       const Execution& execution) {
+  const Shells& shells = closed.shells;
   SolidReport& report = solid.report;
   Nesting nesting = nest_shells(surface, shells, execution);
+  if (options.thickness <= 0) {
+    offer_walls_of_rooms(find_rooms(shells, nesting, closed.lids, execution), surface, report);
+    offer_walls_instead_of_lids(closed.lids, surface, report);
+  }
   std::vector<std::uint32_t> part_of_shell =
       make_parts(shells, nesting, mesh, surface, solid.parts, execution);
   std::uint64_t inside_out = 0;
@@ -166,7 +195,7 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
             "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.",
         faults, report);
   if (inside_out == 0) return part_of_shell;
-  if (repair == Repair::kStrict) {
+  if (options.repair == Repair::kStrict) {
     report.flipped = inside_out;
     return refuse("The mesh is closed but inside out, and repair=strict turns no triangles: " +
                       counted(inside_out, "triangle faces", "triangles face") + " inwards.",
@@ -311,17 +340,17 @@ Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions&
   std::vector<TriangleId> fills;
   SolidOptions used = options;
   used.thickness = thickness_of(surface, options, execution);
-  Shells shells = close_surface(surface, open, used, fills, report, execution);
+  Closed closed = close_surface(surface, open, used, fills, report, execution);
   execution.reaches(1);
   const Expected<std::vector<std::uint32_t>> part_of_shell =
-      divide_into_parts(*mesh, faults, options.repair, surface, shells, solid, execution);
+      divide_into_parts(*mesh, faults, used, surface, closed, solid, execution);
   if (!part_of_shell) return tl::unexpected(part_of_shell.error());
   for_each_polled(execution, solid.parts.size(), [&](std::size_t p) { solid.box.add(solid.parts[p].box); });
   if (Expected<void> accepted = accept_reach(solid.box); !accepted)
     return tl::unexpected(std::move(accepted.error()));
-  if (report.shells_dropped > 0) keep_sheets(mesh, surface, shells, options, solid, execution);
-  finish(*mesh, surface, shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults, used,
-         solid, execution);
+  if (report.shells_dropped > 0) keep_sheets(mesh, surface, closed.shells, options, solid, execution);
+  finish(*mesh, surface, closed.shells, *part_of_shell, fills, open || report.sheets_thickened > 0, faults,
+         used, solid, execution);
   solid.source = std::move(mesh);
   return solid;
 }

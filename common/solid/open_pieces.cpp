@@ -37,7 +37,8 @@ std::vector<Areas> areas_of(const Surface& surface, const Shells& shells, const 
 }  // namespace
 
 std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells& shells, double thickness,
-                                           SolidReport& report, const Execution& execution) {
+                                           const Walled& walled, SolidReport& report,
+                                           const Execution& execution) {
   const std::vector<Areas> areas = areas_of(surface, shells, execution);
   std::vector<std::uint8_t> is_sheet = filled<std::uint8_t>(execution, shells.list.size(), 0);
   std::uint64_t bodies = 0, triangles = 0;
@@ -46,7 +47,9 @@ std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells&
   for_each_polled(execution, shells.list.size(), [&](std::size_t s) {
     const Shell& shell = shells.list[s];
     const double slab = thickness * areas[s].source;
-    is_sheet[s] = shell.flat || (areas[s].filled && std::fabs(shell.volume) < slab);
+    const bool is_walled =
+        (!walled.lids.empty() && walled.lids[s]) || (!walled.rooms.empty() && walled.rooms[s]);
+    is_sheet[s] = shell.flat || is_walled || (areas[s].filled && std::fabs(shell.volume) < slab);
     if (is_sheet[s] || areas[s].fill <= kLeastFill * areas[s].source) return;
     if (bodies++ == 0) first = shell.first;
     triangles += shell.triangles;

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "common/solid/polled.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -15,6 +16,15 @@ Remarks Solid::remarks() const {
   Remarks all = source ? source->remarks : Remarks{};
   all.add(report.remarks);
   return all;
+}
+
+void measure_edges(Solid& solid, const Execution& execution) {
+  double sum = 0;
+  solid_detail::for_each_polled(execution, solid.edge_vertices.size(), [&](std::size_t e) {
+    const auto& [a, b] = solid.edge_vertices[e];
+    sum += length(to_double(solid.positions[b]) - to_double(solid.positions[a]));
+  });
+  solid.report.edge_length = sum;
 }
 
 nlohmann::json SolidReport::to_json() const {

@@ -322,9 +322,10 @@ class Thickener {
 
 }  // namespace
 
-std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
+std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness, const Walled& walled,
                            std::vector<TriangleId>& fills, SolidReport& report, const Execution& execution) {
-  const std::vector<std::uint8_t> is_sheet = find_open_sheets(surface, shells, thickness, report, execution);
+  const std::vector<std::uint8_t> is_sheet =
+      find_open_sheets(surface, shells, thickness, walled, report, execution);
   std::vector<TriangleId> candidates;
   for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
     if (surface.source[t] != kNoIndex && is_sheet[shells.of_triangle[t]]) candidates.push_back(TriangleId{t});
@@ -339,7 +340,9 @@ std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickn
   for (const TriangleId t : candidates) {
     if (!thickener.make_slab(t)) continue;
     ++slabs;
-    shell_done[shells.of_triangle[t]] = 1;
+    const std::uint32_t shell = shells.of_triangle[t];
+    shell_done[shell] = 1;
+    report.rooms_walled += !walled.rooms.empty() && walled.rooms[shell];
   }
   if (std::string warning = thickener.warning(); !warning.empty()) report.remarks.warn(std::move(warning));
   // Remove the rest of each replaced shell: its fill, its other sides, and parts too small to be moved.

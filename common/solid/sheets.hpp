@@ -8,8 +8,14 @@
 
 namespace fracture::solid_detail {
 
-/// Replaces certain shells by slabs: shells that are flat, or that enclose, with their filled holes, less
-/// than `thickness` times the area of their source triangles. The source triangles stay where they are and
+/// The shells that become walls although they enclose a space. Each list has an entry per shell, or is empty.
+struct Walled {
+  const std::vector<std::uint8_t>& lids;   ///< a large lid closes them
+  const std::vector<std::uint8_t>& rooms;  ///< they face inwards
+};
+
+/// Replaces certain shells by slabs: shells that are flat, that enclose, with their filled holes, less than
+/// `thickness` times the area of their source triangles, or that are `walled`. The source triangles stay where they are and
 /// become the front. A copy, moved by `thickness` (metres) against the vertex normals, becomes the back, and
 /// walls join their rims.
 ///
@@ -23,11 +29,14 @@ namespace fracture::solid_detail {
 /// than the thickness cross themselves. A sheet stays unchanged if its back would be rounded onto its front. (If the file has it from both sides, other
 /// choices of the front are tried, up to a limit on the work.)
 ///
-/// The report gets remarks about slabs that are thinner than requested and about open pieces that filling
-/// turned into bodies. Requires a surface without open half-edges, with umbrellas split. Afterwards, vertices
+/// The back of a room is its outer side, because its triangles face inwards. It has no rim, so the room becomes a shell
+/// around a cavity.
+///
+/// The report gets the number of rooms, and remarks about slabs that are thinner than requested and about open pieces that
+/// filling turned into bodies. Requires a surface without open half-edges, with umbrellas split. Afterwards, vertices
 /// must be split again. `fills` (first triangle of each filled hole) is renumbered. Returns the number of
 /// slabs.
-std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness,
+std::size_t thicken_sheets(Surface& surface, const Shells& shells, double thickness, const Walled& walled,
                            std::vector<TriangleId>& fills, SolidReport& report, const Execution& execution);
 
 }  // namespace fracture::solid_detail

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/choice.hpp"
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/base/remarks.hpp"
@@ -43,9 +44,10 @@ struct SolidOptions {
   /// weld only equal positions.
   double weld_tolerance = 1e-6;
   SheetsMode sheets = SheetsMode::kAttach;
-  /// Metres. If positive, `sheets` is kSolid. Open sheets (panes, leaves, wall quads) then become slabs of this
-  /// thickness behind their surface. These are pieces that bound no volume, or whose filled holes would enclose
-  /// less than this times their area. 0 = with kSolid, kSlabShare times the diagonal of the mesh's box.
+  /// Metres. If positive, `sheets` is kSolid. Open sheets (panes, leaves, wall quads) then become slabs of this thickness behind
+  /// their surface. These are pieces that bound no volume, whose filled holes would enclose less than this times their area, or
+  /// that need a large lid; and with Repair::kFill rooms (solid/enclosures.hpp). 0 = with kSolid, kSlabShare times the diagonal of
+  /// the mesh's box.
   double thickness = 0;
   /// Gap of the contact graph, m. keep_contacts() uses it; make_solid() does not. Empty: kContactGap times the longest side.
   std::optional<double> contact_gap{};
@@ -82,6 +84,7 @@ struct SolidReport {
   std::uint64_t holes_filled = 0, fill_triangles = 0;
   double filled_area = 0;  ///< m²: filled holes, and backs and rims of thickened sheets
   std::uint64_t sheets_thickened = 0;
+  std::uint64_t rooms_walled = 0;  ///< of them: rooms (solid/enclosures.hpp)
   std::uint64_t shells = 0, parts = 0, cavities = 0;
   std::uint64_t shells_dropped = 0;   ///< shells that bound no volume and are left out
   std::uint64_t sheets = 0;           ///< shells that bound no volume and are kept (Solid::sheets)
@@ -89,6 +92,7 @@ struct SolidReport {
   double sheet_area = 0;              ///< m², of these triangles
   double volume = 0;                  ///< m³, of the solid: the fragments add up to this
   double absolute_volume = 0;         ///< m³: the sum over all shells, with cavities added
+  double edge_length = 0;             ///< m, of all edges; 0: not measured (measure_edges())
   double area = 0;  ///< m², of the kept source triangles, the fill and the inner sides of walls
   std::uint64_t parts_hollowed = 0;    ///< parts that became walls (hollow/hollow.hpp)
   std::uint64_t hollow_triangles = 0;  ///< triangles of the walls' inner sides
@@ -96,6 +100,7 @@ struct SolidReport {
   double least_thickness = 0;          ///< m: minimum distance between the two sides of a wall
   double mean_thickness = 0;  ///< m, weighted by area: measured at the middles of the inner side's triangles
   Remarks remarks;            ///< each with a count and, if possible, a sample place
+  std::vector<Choice> choices;  ///< repairs that were not done, because they would change what the mesh is
   struct Sample {
     std::string figure;  ///< name of the counter, as in each_figure()
     Vec3d place;
@@ -192,6 +197,9 @@ struct Solid {
 /// the filters of the exact predicates depend on it). On each axis, the largest coordinate must be at least
 /// kLeastReach, so that the steps of the seam lattice (2^-23 of it) are floats.
 inline constexpr double kMaxCoordinate = 1e12, kLeastReach = 0x1p-126;
+
+/// Sets SolidReport::edge_length, by which the cost of a fracture is estimated. Throws Interrupted.
+void measure_edges(Solid& solid, const Execution& execution);
 
 /// Makes solids from a mesh. Errors: kEmptyMesh; kNotFinite (with the vertex that is not finite or exceeds
 /// kMaxCoordinate, or with the axis on which no coordinate reaches kLeastReach); kMeshNotClosed (with counts

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/base/words.hpp"
 #include "common/solid/faults.hpp"
 #include "common/solid/near_points.hpp"
 #include "common/solid/polled.hpp"
@@ -133,47 +134,80 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   return surface;
 }
 
+namespace {
+
+struct OpenEdge {
+  VertexId a, b;
+  auto operator<=>(const OpenEdge&) const = default;
+};
+
+struct OpenEdges {
+  std::vector<OpenEdge> edges;
+  std::vector<VertexId> ends;  ///< ascending, each once
+};
+
+OpenEdges open_edges_of(const EdgeTable& edges, const Execution& execution) {
+  OpenEdges open;
+  edges.for_each(execution, [&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
+    if (uses.size() != 1) return;
+    make_room(execution, open.edges);
+    make_room(execution, open.ends, 2);
+    open.edges.push_back({a, b});
+    open.ends.push_back(a);
+    open.ends.push_back(b);
+  });
+  sort_with_polls(execution, open.ends.begin(), open.ends.end());
+  open.ends.erase(std::unique(open.ends.begin(), open.ends.end()), open.ends.end());
+  return open;
+}
+
+/// The ends of open edges in clusters of near ones. A cluster is useful if it makes two different open edges coincide.
+struct Clusters {
+  DisjointSets near;
+  std::vector<std::uint8_t> useful;  ///< per vertex that is the root of a cluster
+  std::uint64_t met = 0;             ///< open edges that coincide with another one
+
+  bool merges(VertexId v) {
+    const VertexId root{near.find(v)};
+    return root != v && useful[root];
+  }
+};
+
+Clusters clusters_of(const Surface& surface, const OpenEdges& open, double tolerance,
+                     const Execution& execution) {
+  Clusters clusters{singletons(execution, surface.positions.size()),
+                    filled<std::uint8_t>(execution, surface.positions.size(), 0)};
+  unite_near(surface.positions, open.ends, tolerance, clusters.near, execution);
+  if (clusters.near.set_count() == surface.positions.size()) return clusters;
+  std::vector<OpenEdge> moved;
+  moved.reserve(open.edges.size());
+  for_each_polled(execution, open.edges.size(), [&](std::size_t i) {
+    const VertexId a{clusters.near.find(open.edges[i].a)}, b{clusters.near.find(open.edges[i].b)};
+    if (a != b) moved.push_back({std::min(a, b), std::max(a, b)});
+  });
+  sort_with_polls(execution, moved.begin(), moved.end());
+  for_each_polled(execution, moved.size(), [&](std::size_t i) {
+    const bool after = i > 0 && moved[i] == moved[i - 1],
+               before = i + 1 < moved.size() && moved[i] == moved[i + 1];
+    if (after) clusters.useful[moved[i].a] = clusters.useful[moved[i].b] = 1;
+    clusters.met += after || before;
+  });
+  return clusters;
+}
+
+}  // namespace
+
 bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report,
                    const Execution& execution) {
   if (!(tolerance > 0)) return false;
-  struct OpenEdge {
-    VertexId a, b;
-  };
-  std::vector<OpenEdge> open;
-  std::vector<VertexId> members;
-  edges.for_each(execution, [&](VertexId a, VertexId b, std::span<const EdgeUse> uses) {
-    if (uses.size() != 1) return;
-    make_room(execution, open);
-    make_room(execution, members, 2);
-    open.push_back({a, b});
-    members.push_back(a);
-    members.push_back(b);
-  });
-  sort_with_polls(execution, members.begin(), members.end());
-  members.erase(std::unique(members.begin(), members.end()), members.end());
-  DisjointSets near = singletons(execution, surface.positions.size());
-  unite_near(surface.positions, members, tolerance, near, execution);
-
-  // A cluster is useful if it makes two different open edges coincide.
-  struct Met {
-    VertexId a, b;
-    auto operator<=>(const Met&) const = default;
-  };
-  std::vector<Met> met;
-  met.reserve(open.size());
-  for_each_polled(execution, open.size(), [&](std::size_t i) {
-    const VertexId a{near.find(open[i].a)}, b{near.find(open[i].b)};
-    if (a != b) met.push_back({std::min(a, b), std::max(a, b)});
-  });
-  sort_with_polls(execution, met.begin(), met.end());
-  std::vector<std::uint8_t> useful = filled<std::uint8_t>(execution, surface.positions.size(), 0);
-  for_each_polled(execution, met.size(), [&](std::size_t i) {
-    if (i > 0 && met[i] == met[i - 1]) useful[met[i].a] = useful[met[i].b] = 1;
-  });
+  const OpenEdges open = open_edges_of(edges, execution);
+  Clusters clusters = clusters_of(surface, open, tolerance, execution);
+  DisjointSets& near = clusters.near;
+  const std::vector<std::uint8_t>& useful = clusters.useful;
   std::uint64_t merged = 0;
   std::vector<VertexId> target = filled(execution, surface.positions.size(), kNoVertex);
-  for_each_polled(execution, members.size(), [&](std::size_t i) {
-    const VertexId v = members[i], root{near.find(v)};
+  for_each_polled(execution, open.ends.size(), [&](std::size_t i) {
+    const VertexId v = open.ends[i], root{near.find(v)};
     if (root == v || !useful[root]) return;
     target[v] = root;
     if (merged++ == 0) report.add_sample("welded_tolerant", surface.positions[v]);
@@ -186,6 +220,36 @@ bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, S
   report.welded_tolerant += merged;
   report.degenerate_dropped += drop_degenerate(surface, execution);
   return true;
+}
+
+void offer_welding(const Surface& surface, const EdgeTable& edges, double diagonal, double tolerance,
+                   SolidReport& report, const Execution& execution) {
+  static constexpr double kTolerances[] = {1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5,
+                                           5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7};
+  static_assert(kTolerances[0] == kWidestCrack);
+  const OpenEdges open = open_edges_of(edges, execution);
+  // A tolerance beyond the length of the edges merges whole loops and joins nothing, so the largest is not always the best.
+  double best = 0;
+  Clusters found;
+  for (const double wider : kTolerances) {
+    if (wider <= tolerance) break;
+    Clusters clusters = clusters_of(surface, open, wider * diagonal, execution);
+    if (clusters.near.set_count() == surface.positions.size())
+      break;  // nothing is near, so nothing is nearer
+    if (clusters.met == 0 || clusters.met < found.met) continue;
+    best = wider;
+    found = std::move(clusters);
+  }
+  if (best == 0) return;
+  const auto first =
+      std::find_if(open.ends.begin(), open.ends.end(), [&](VertexId v) { return found.merges(v); });
+  report.choices.push_back({.kind = "crack",
+                            .parameters = {{"weld_tolerance", best}},
+                            .text = counted(found.met, "open edge is", "open edges are") + " within " +
+                                    short_number(best * diagonal) + " m of another open edge, the first at " +
+                                    place(surface.positions[*first]) +
+                                    ". Each side of such a crack was closed by itself. weld_tolerance=" +
+                                    short_number(best) + " joins the two sides."});
 }
 
 }  // namespace fracture::solid_detail

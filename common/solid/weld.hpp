@@ -26,4 +26,13 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
 bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report,
                    const Execution& execution);
 
+/// Relative to the size: the farthest that the two sides of a crack may be from each other.
+inline constexpr double kWidestCrack = 1e-3;
+
+/// Offers the least weld tolerance that joins open edges which are nearer than kWidestCrack times the `diagonal` (m) of the
+/// surface's box, if it is larger than `tolerance` (as a share of the diagonal). Tolerances have one digit: 1, 2 or 5.
+/// Nothing is merged here. `edges` must be up to date.
+void offer_welding(const Surface& surface, const EdgeTable& edges, double diagonal, double tolerance,
+                   SolidReport& report, const Execution& execution);
+
 }  // namespace fracture::solid_detail

@@ -6,22 +6,51 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
+#include "common/gltf/report_text.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"
+#include "server/service/estimate.hpp"
 #include "server/service/mesh_report.hpp"
 #include "server/service/worker_pool.hpp"
 
 namespace fracture::cli {
 namespace {
 
-void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
+/// The part of the report that depends on the parameters of a fracture.
+struct ForRequest {
+  Remarks remarks;
+  std::vector<Choice> choices;
+  nlohmann::json estimate;
+};
+
+ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request, std::uint64_t limit) {
+  ForRequest result;
+  check_size_of_pieces(mesh, request, result.remarks, result.choices);
+  result.estimate = estimate_document(request.parameters, mesh.solid, limit);
+  return result;
+}
+
+std::string in_words(const Choice& choice) {
+  std::string parameters;
+  for (const Choice::Setting& setting : choice.parameters) {
+    const auto* const number = std::get_if<double>(&setting.value);
+    parameters += "--" + setting.name + " " +
+                  (number ? short_number(*number) : std::get<std::string>(setting.value)) + " ";
+  }
+  return parameters + "(" + choice.kind + "): " + choice.text;
+}
+
+void print(const std::string& input, const PreparedMesh& mesh, const ForRequest& asked, bool mended) {
   const SolidReport& r = mesh.solid.report;
   const Mesh& source = *mesh.solid.source;
   std::printf("%s: %s\n", input.c_str(), mended ? "usable after repair" : "a closed solid as it is");
@@ -53,9 +82,17 @@ void print(const std::string& input, const PreparedMesh& mesh, bool mended) {
                 counted(r.open_edges, "open edge", "open edges").c_str(),
                 counted(r.nonmanifold_edges, "non-manifold edge", "non-manifold edges").c_str(),
                 counted(r.holes_filled, "filled hole", "filled holes").c_str(), r.filled_area);
-  const Remarks remarks = mesh.solid.remarks();
+  const auto number = [&](const char* name) { return asked.estimate.at(name).get<std::uint64_t>(); };
+  std::printf("  estimate   %s, %s, a file of %s bytes, %s bytes of working memory\n",
+              counted(number("fragments"), "fragment", "fragments").c_str(),
+              counted(number("triangles"), "triangle", "triangles").c_str(), grouped(number("bytes")).c_str(),
+              grouped(number("working_bytes")).c_str());
+  Remarks remarks = mesh.solid.remarks();
+  remarks.add(asked.remarks);
   for (const std::string& warning : remarks.warnings) std::printf("  warning: %s\n", warning.c_str());
   for (const std::string& note : remarks.notes) std::printf("  note: %s\n", note.c_str());
+  for (const auto* choices : {&r.choices, &asked.choices})
+    for (const Choice& choice : *choices) std::printf("  choice: %s\n", in_words(choice).c_str());
 }
 
 int refuse(const InspectOptions& options, const Error& error) {
@@ -96,15 +133,20 @@ int inspect(const InspectOptions& options) {
   if (!input) return refuse(options, input.error());
   Execution execution;
   execution.threads = options.threads > 0 ? options.threads : available_cores();
-  const auto mesh = service.prepare(
-      {input->view(), input->format, *parameters, as_import_files(input->siblings)}, execution);
+  const FractureRequest request{input->view(), input->format, *parameters, as_import_files(input->siblings)};
+  const auto mesh = service.prepare(request, execution);
   if (!mesh) return refuse(options, mesh.error());
   const bool mended = repaired((*mesh)->solid.report);
-  if (options.json)
-    std::printf("%s\n",
-                mesh_report(**mesh).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  else
-    print(options.input, **mesh, mended);
+  const ForRequest asked = for_request(**mesh, request, options.service.max_bytes_per_job);
+  if (options.json) {
+    nlohmann::json report = mesh_report(**mesh);
+    report["estimate"] = asked.estimate;
+    for (const std::string& warning : asked.remarks.warnings) report["warnings"].push_back(warning);
+    for (const nlohmann::json& choice : choices_document(asked.choices)) report["choices"].push_back(choice);
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    print(options.input, **mesh, asked, mended);
+  }
   return mended ? kExitRepaired : kExitDone;
 }
 

@@ -140,6 +140,7 @@ Answered Api::dispatch(const std::shared_ptr<Request>& request, const std::stop_
     case Operation::kDeleteMesh:
       return delete_mesh(*request);
     case Operation::kPostMeshFracture:
+    case Operation::kPostMeshEstimate:
       return fracture_stored(request, request->body, request->admission.segment, gone, reply);
     case Operation::kGetJob:
       return get_job(request, gone, reply);

@@ -171,12 +171,16 @@ class Api {
   Answered get_mesh(const Request& request);
   Answered delete_mesh(const Request& request);
   OrProblem<std::shared_ptr<const StoredMesh>> stored_mesh(const Request& request, std::string_view id);
-  /// `text`: parameters as JSON. If `id` is empty, the JSON contains the id as "mesh".
+  /// Fractures a stored mesh, or estimates that. `text`: parameters as JSON. If `id` is empty, the JSON contains the id as
+  /// "mesh".
   Answered fracture_stored(const std::shared_ptr<Request>& request, std::string_view text,
                            std::string_view id, const std::stop_token& gone, const Reply& reply);
   Answered fracture_stored_mesh(const std::shared_ptr<Request>& request,
                                 const std::vector<RawParameter>& given, const std::string& id,
                                 const Terms& terms, const Reply& reply);
+  /// Prepares the mesh, unless it is prepared, and answers with an estimate. Nothing is fractured.
+  Answered estimate(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+                    const Reply& reply);
   Problem mesh_is_not_held(HeldBuffers::Refusal refusal) const;
 
   /// Returns the owner of what this request creates. Empty without authentication, or if all names share

@@ -1,4 +1,4 @@
-// Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing a stored mesh. A game does the latter on a
+// Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing a stored mesh or estimating that. A game does the latter on a
 // collision: the request is a few bytes, and the mesh is not sent.
 #include <algorithm>
 #include <stop_token>
@@ -7,6 +7,7 @@
 #include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
+#include "server/service/estimate.hpp"
 #include "server/service/mesh_report.hpp"
 
 namespace fracture::http {
@@ -240,7 +241,26 @@ Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
   asked.digest = stored.digest;
   asked.triangles = stored.triangles;
   asked.owner = held;
+  if (request->admission.route->operation == Operation::kPostMeshEstimate)
+    return estimate(request, std::move(asked), terms, reply);
   return fracture(request, std::move(asked), terms, reply);
+}
+
+Answered Api::estimate(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
+                       const Reply& reply) {
+  auto parameters = std::make_shared<const RequestParameters>(asked.parameters);
+  std::optional<Error> overload = dispatcher_.prepare(
+      std::move(asked), terms,
+      [this, request, reply, parameters](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
+        answering(*request, reply, [&]() -> Answered {
+          if (!prepared) return refusal(std::move(prepared.error()), request->id);
+          const nlohmann::json document =
+              estimate_document(*parameters, (*prepared)->solid, dispatcher_.most_bytes());
+          return Response::text(200, "application/json", json_text(document, 2) + "\n");
+        });
+      });
+  if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));
+  return std::nullopt;
 }
 
 }  // namespace fracture::http

@@ -46,6 +46,7 @@ Scopes needed(Operation operation, const RequestHead& head) {
       return {preferences_of(head).respond_async ? Scope::kBake : Scope::kFracture};
     case Operation::kPostMesh:
     case Operation::kPutMesh:
+    case Operation::kPostMeshEstimate:
       return {Scope::kFracture, Scope::kBake};
     case Operation::kDeleteMesh:
       return {Scope::kFracture, Scope::kBake, Scope::kAdmin};

@@ -43,6 +43,8 @@ constexpr Route kRoutes[] = {
     {kDeleteMesh, kPublic, "DELETE", "/meshes/{id}", Carries::kNothing, kJsonTypes, "Delete a stored mesh"},
     {kPostMeshFracture, kPublic, "POST", "/meshes/{id}/fracture", Carries::kParameters, kResultTypes,
      "Fracture a stored mesh", Priority::kRealtime},
+    {kPostMeshEstimate, kPublic, "POST", "/meshes/{id}/estimate", Carries::kParameters, kJsonTypes,
+     "Estimate the answer of a fracture and its cost"},
     {kGetJobs, kPublic, "GET", "/jobs", Carries::kQuery, kJsonTypes, "The client's jobs, newest first"},
     {kGetJob, kPublic, "GET", "/jobs/{id}", Carries::kNothing, kJsonTypes, "A job's progress"},
     {kDeleteJob, kPublic, "DELETE", "/jobs/{id}", Carries::kNothing, kJsonTypes, "Cancel or delete a job"},

@@ -30,6 +30,7 @@ enum class Operation {
   kGetMesh,
   kDeleteMesh,
   kPostMeshFracture,
+  kPostMeshEstimate,
   kGetJobs,
   kGetJob,
   kDeleteJob,

@@ -7,6 +7,7 @@
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/part_sets.hpp"
 #include "common/rough/roughen.hpp"
+#include "server/service/estimate.hpp"
 
 namespace fracture {
 namespace {
@@ -36,7 +37,6 @@ constexpr double kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 // kShareToPass and kBytesToPass then count the passes over a few numbers for each fragment.
 constexpr double kChangedPerSite = 2, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
-constexpr double kRaggedness = 1.6;
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
 // Decoding inflates twice at 300 MB/s (content_coding.hpp). Bytes that are read are hashed or checked, and copied.
@@ -105,8 +105,14 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
   const bool again =
       !parameters.hits.empty() && (cells_per_fragment(parameters) > 1 || parameters.size.any());
   if (parameters.intact) triangles *= 2;
-  return work(mesh_bytes, triangles, sites, parameters.lloyd + (again ? 1.0 : 0.0),
-              expected_rough_triangles(parameters, sites));
+  ExpectedWork expected = work(mesh_bytes, triangles, sites, parameters.lloyd + (again ? 1.0 : 0.0),
+                               expected_rough_triangles(parameters, sites));
+  if (solid && !solid->parts.empty()) {
+    const double reading = kBytesPerRequest + kBytesPerMeshByte * static_cast<double>(mesh_bytes);
+    expected.bytes =
+        static_cast<std::uint64_t>(reading + expected_working_bytes(parameters, *solid, selection));
+  }
+  return expected;
 }
 
 double expected_further_seconds(const RequestParameters& asked, std::uint64_t mesh_bytes) {

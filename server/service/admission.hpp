@@ -23,6 +23,9 @@ struct ExpectedWork {
 double expected_sites(const FractureParameters& parameters, const Solid* solid,
                       const Selection& selection = {});
 
+/// Cuts between aggregates are larger than those between as many cells by this factor, because they are ragged.
+inline constexpr double kRaggedness = 1.6;
+
 /// Returns the number of triangles in the rough cuts between `sites` cells. Each cut counts once, although two cells share
 /// it. Returns 0 if cuts are flat.
 double expected_rough_triangles(const FractureParameters& parameters, double sites);

@@ -5,6 +5,7 @@
 
 #include "common/hits/delta.hpp"
 #include "server/service/computation.hpp"
+#include "server/service/estimate.hpp"
 
 namespace fracture {
 namespace {
@@ -66,6 +67,11 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     const FractureParameters& fracture = request.parameters.fracture;
     const Selection& selection = request.parameters.selection;
     const Solid* solid = mesh ? &mesh->solid : nullptr;
+    if (solid)
+      if (auto error = cannot_fit(request.parameters, *solid, most_bytes())) {
+        reply(tl::unexpected<Error>(std::move(*error)));
+        return std::nullopt;
+      }
     const std::uint64_t unread = mesh ? 0 : bytes_of(request);
     ExpectedWork work = expected_work(fracture, unread, solid, request.triangles, selection);
     if (selection.new_hits) {
@@ -283,6 +289,8 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   c->answer.mesh_cache = mesh->cache;
   c->answer.timings.add(mesh->timings);
   c->mesh = mesh->value;
+  if (auto error = cannot_fit(c->request.parameters, c->mesh->solid, most_bytes()))
+    return end(c, tl::unexpected<Error>(std::move(*error)));
   if (mesh->cache != CacheOutcome::kHit) {  // corrects the estimate that was based on the file's size
     const ExpectedWork work = expected_work(c->request.parameters.fracture, bytes_of(c->request),
                                             &c->mesh->solid, 0, c->request.parameters.selection);

@@ -107,6 +107,8 @@ class Dispatcher {
   std::optional<Error> run(ExpectedWork work, const Terms& terms, Job job, GivenUp given_up);
   /// The working memory of everything that is computed or read.
   MemoryBudget& working() { return working_.whole(); }
+  /// The most working memory that a single computation may hold, bytes.
+  std::uint64_t most_bytes() const { return working_.whole().capacity(); }
   /// Returns how many computations have had their turn and now wait for memory.
   std::size_t waiting_for_memory() const { return line_.size(); }
 

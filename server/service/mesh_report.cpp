@@ -34,7 +34,8 @@ nlohmann::json mesh_report(const PreparedMesh& mesh) {
                            {"materials", material_names(source)},
                            {"images", source.library->images.size()},
                            {"warnings", remarks.warnings},
-                           {"notes", remarks.notes}};
+                           {"notes", remarks.notes},
+                           {"choices", choices_document(mesh.solid.report.choices)}};
   if (!source.groups.empty()) {
     nlohmann::json groups = nlohmann::json::array();
     for (const NodeGroup& group : source.groups) groups.push_back(group.name);

@@ -11,7 +11,8 @@ namespace fracture {
 bool repaired(const SolidReport& report);
 
 /// Returns an object with verdict ("closed" or "repaired"), solid, volume_once (pipeline/overlaps.hpp), frame, nodes,
-/// materials, images, warnings, notes, passed_through and, if the mesh has several parts, contacts (gltf/report_text.hpp).
+/// materials, images, warnings, notes, choices, passed_through and, if the mesh has several parts, contacts
+/// (gltf/report_text.hpp).
 nlohmann::json mesh_report(const PreparedMesh& mesh);
 
 }  // namespace fracture

@@ -7,8 +7,10 @@
 #include "common/parameters/effects.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "common/solid/size_check.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
+#include "server/service/estimate.hpp"
 #include "server/service/part_options.hpp"
 
 namespace fracture {
@@ -66,7 +68,17 @@ FractureParameters with_companions(const RequestParameters& asked) {
   return parameters;
 }
 
+/// Files of printers and measuring machines are in millimetres, unlike those of modelling tools.
+bool is_in_millimetres(MeshFormat format) { return format == MeshFormat::kStl; }
+
 }  // namespace
+
+void check_size_of_pieces(const PreparedMesh& mesh, const FractureRequest& request, Remarks& remarks,
+                          std::vector<Choice>& choices) {
+  const std::string& material = request.parameters.material;
+  check_size(mesh.solid, mesh.frame, is_in_millimetres(request.format), {material, usual_piece(material)},
+             remarks, choices);
+}
 
 Error to_error(const Interrupted& interrupted) {
   if (interrupted.error) return *interrupted.error;
@@ -171,6 +183,9 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
       if (!made) return tl::unexpected<Error>(std::move(made.error()));
       mesh = std::move(*made);
     }
+    if (execution.allowance)
+      if (auto error = cannot_fit(request.parameters, mesh.value->solid, execution.allowance->limit()))
+        return tl::unexpected<Error>(std::move(*error));
     Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}};
     if (!diagram.value) {
       auto made = make_diagram(*mesh.value, request, keys, execution);
@@ -241,6 +256,10 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
         engine_->prepare(std::move(mesh), request.parameters.solid, request.parameters.hollow, telling);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     result->solid = std::move(*made);
+    measure_edges(result->solid, telling);
+    SolidReport& report = result->solid.report;
+    check_size(result->solid, result->frame, is_in_millimetres(request.format), report.remarks,
+               report.choices);
   }
   step.value = result;
   step.cache = stored(meshes_.insert(keys.mesh, result, memory_size(*result)));
@@ -260,7 +279,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     telling.within = &progress;
     Expected<CutBase> made =
         engine_->base(mesh.solid, with_companions(request.parameters), request.parameters.selection, telling);
-    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    if (!made)
+      return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters, mesh.solid));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
   step.value = base;
@@ -289,7 +309,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
-    return tl::unexpected<Error>(std::move(cut.error()));
+    return tl::unexpected<Error>(with_advice(std::move(cut.error()), request.parameters, mesh.solid));
   }
   FracturedSolid& fractured = cut->fractured;
   execution.poll();
@@ -302,6 +322,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   {
     const StageTimings::Scope scope(answer.timings, Stage::kEncode);
     fractured.report.frame = mesh.frame;
+    check_size_of_pieces(mesh, request, fractured.report.remarks, fractured.report.choices);
     if (const auto& rest = mesh.solid.source->passed_through)
       fractured.report.passed_through = rest->triangles.size();
     GltfOptions options = output_options(request.parameters, fractured.set);

@@ -160,6 +160,11 @@ class FractureService {
   ResultTiers tiers_;
 };
 
+/// Warns in an answer's report if the mesh is too large for its material (solid/size_check.hpp). Sizes that no object has are in
+/// the report on the mesh.
+void check_size_of_pieces(const PreparedMesh& mesh, const FractureRequest& request, Remarks& remarks,
+                          std::vector<Choice>& choices);
+
 /// Converts an interruption to the error that the client gets.
 Error to_error(const Interrupted& interrupted);
 

@@ -72,6 +72,8 @@ FracturedSolid with_everything() {
   report.frame = {0.0254, FrameReport::From::kRequest, true, FrameReport::From::kFile};
   report.passed_through = 11;
   report.remarks = {{"first", "second"}, {"a \"note\""}};
+  report.choices = {{"unit", {{"unit", "mm"}}, "It is large."},
+                    {"lid", {{"thickness", 0.02}}, "It is open."}};
   made.support = {.asked = {.gravity = {0, -10, 0}, .density = 500, .strength = 200, .broken = {7, 8}},
                   .falling = {1},
                   .loads = {{.tension = 1, .shear = 2, .bending = 3, .torsion = 4, .stress = 300}},
@@ -87,6 +89,11 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
   EXPECT_EQ(report.at("anchors"), json::parse(R"({"fragments": 1})"));
   EXPECT_EQ(report.at("barycenter"), json::parse(R"({"partition": false, "skipped_hulls": 2, "dropped": 3,
                                                     "dropped_volume": 0.5})"));
+  EXPECT_EQ(report.at("choices"),
+            json::parse(R"([{"kind": "unit", "parameters": {"unit": "mm"}, "text": "It is large."},
+                            {"kind": "lid", "parameters": {"thickness": 0.02}, "text": "It is open."}])"));
+  EXPECT_EQ(choices_document(with_everything().report.choices), report.at("choices"));
+  EXPECT_EQ(choices_document({}), json::array());
   EXPECT_EQ(
       report.at("contacts"),
       json::parse(

@@ -27,7 +27,8 @@ TEST(Frame, ABoxInEachUnitHasItsVolumeInCubicMetres) {
   const std::pair<LengthUnit, double> units[] = {{LengthUnit::kMetre, 1},
                                                  {LengthUnit::kCentimetre, 0.01},
                                                  {LengthUnit::kMillimetre, 0.001},
-                                                 {LengthUnit::kInch, 0.0254}};
+                                                 {LengthUnit::kInch, 0.0254},
+                                                 {LengthUnit::kKilometre, 1000}};
   for (const auto& [unit, metres] : units) {
     Mesh mesh = box({0, 0, 0}, {2, 3, 4});
     const auto report = to_metres_y_up(mesh, {.unit = unit});

@@ -99,23 +99,12 @@ TEST(Thickness, ASheetGivenFromBothSidesKeepsBothAndTheirWedges) {
   EXPECT_EQ(back_count, 8u);
 }
 
-TEST(Thickness, LeavesSolidsAndLargeHolesAlone) {
-  const Expected<Solid> solid = thickened(
-      joined({cube(), translated(cube_without({5}), {3, 0, 0}), translated(open_quad(), {6, 0, 0})}), 0.1);
-  ASSERT_TRUE(solid);
-  ASSERT_NO_THROW(solid->validate());
-  EXPECT_EQ(solid->report.sheets_thickened, 1u);
-  EXPECT_NEAR(solid->report.volume, 2.1, 1e-7);
-  EXPECT_EQ(solid->report.holes_filled, 1u);
-  EXPECT_EQ(warnings_on_thickness(*solid), 1u) << "the cube without a lid";
-}
-
-/// The upper half of a sphere of radius 1, open below.
-Mesh dome() {
-  Mesh mesh = uv_sphere(16, 32);
+/// Without the triangles that have a corner for which `gone` is true.
+template <class Gone>
+Mesh without(Mesh mesh, const Gone& gone) {
   std::erase_if(mesh.triangles, [&](const auto& t) {
     for (const auto v : t)
-      if (mesh.positions[v].z < -1e-6f) return true;
+      if (gone(mesh.positions[v])) return true;
     return false;
   });
   mesh.material.resize(mesh.triangles.size());
@@ -123,13 +112,59 @@ Mesh dome() {
   return mesh;
 }
 
+/// A cube of volume 1 whose +z face lacks the triangles around its middle: a hole of at most 1/12 of the face.
+Mesh cube_with_small_hole() {
+  return without(cube(8), [](const Vec3f& p) { return p.x == 0 && p.y == 0 && p.z == 0.5f; });
+}
+
+TEST(Thickness, LeavesSolidsAndSmallHolesAlone) {
+  const Expected<Solid> solid = thickened(
+      joined({cube(), translated(cube_with_small_hole(), {3, 0, 0}), translated(open_quad(), {6, 0, 0})}),
+      0.1);
+  ASSERT_TRUE(solid);
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.sheets_thickened, 1u);
+  EXPECT_NEAR(solid->report.volume, 2.1, 1e-7);
+  EXPECT_EQ(solid->report.holes_filled, 1u);
+  EXPECT_EQ(warnings_on_thickness(*solid), 1u) << "the cube with a hole";
+}
+
+// The faces are the outer sides of the walls, and the lid is gone.
+TEST(Thickness, MakesWallsOfAPieceThatOnlyALargeLidCloses) {
+  const Mesh mesh = without(
+      cube(8), [](const Vec3f& p) { return p.z == 0.5f && std::fabs(p.x) < 0.5f && std::fabs(p.y) < 0.5f; });
+  const Expected<Solid> solid = thickened(mesh, 0.1);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.sheets_thickened, 1u);
+  EXPECT_EQ(solid->report.holes_filled, 0u);
+  EXPECT_EQ(solid->parts.size(), 1u);
+  EXPECT_EQ(warnings_on_thickness(*solid), 1u)
+      << "of the edges of the cube, where the corners move along a mean normal";
+  // Five walls of 1 x 1 x 0.1, which overlap along eight edges. The rim of triangles around the lid is left.
+  EXPECT_GT(solid->report.volume, 1 - 0.8 * 0.8 * 0.9 - 0.1);
+  EXPECT_LT(solid->report.volume, 0.6);
+}
+
+// The upper half of a sphere of radius 1, open below: its lid has half of its area.
+TEST(Thickness, MakesAShellOfADome) {
+  const Expected<Solid> solid =
+      thickened(without(uv_sphere(32, 64), [](const Vec3f& p) { return p.z < -1e-6f; }), 0.05);
+  ASSERT_TRUE(solid) << solid.error().detail;
+  ASSERT_NO_THROW(solid->validate());
+  EXPECT_EQ(solid->report.holes_filled, 0u);
+  const double exact = 2.0 / 3 * 3.14159265358979 * (1 - 0.95 * 0.95 * 0.95);
+  EXPECT_NEAR(solid->report.volume, exact, 0.02 * exact);
+}
+
 TEST(Thickness, SaysThatACurvedSheetBecameABody) {
-  const Mesh mesh = dome();
+  const Mesh mesh =
+      without(uv_sphere(16, 32), [](const Vec3f& p) { return p.z > 0.99f; });  // a pole is missing
   const Expected<Solid> solid = thickened(mesh, 0.01);
   ASSERT_TRUE(solid) << solid.error().detail;
   EXPECT_EQ(solid->report.sheets_thickened, 0u);
   ASSERT_EQ(warnings_on_thickness(*solid), 1u);
-  // 2/3 pi is 33 times a slab of 2 pi x 0.01. For polygons the factor is slightly smaller.
+  // 4/3 pi is 33 times a slab of 4 pi x 0.01. For polygons the factor is slightly smaller.
   const std::string times = "has 3";
   EXPECT_NE(solid->report.remarks.warnings[0].find(times), std::string::npos)
       << solid->report.remarks.warnings[0];

@@ -15,6 +15,7 @@ from .aio import AsyncAnswer, AsyncClient, AsyncJob, AsyncMesh
 from .answer import Answer
 from .assignments import assignment
 from .calls import Cancel
+from .choices import Choice
 from .client import Client
 from .errors import FractureError
 from .fragments import Bond, Delta, Fragment, Hull, Primitive
@@ -24,5 +25,6 @@ from .mesh import Mesh
 from .pool import Settings
 from .version import VERSION as __version__
 
-__all__ = ["Admin", "Answer", "AsyncAnswer", "AsyncClient", "AsyncJob", "AsyncMesh", "Bond", "Cancel", "Client", "Delta",
-           "FractureError", "Fragment", "Hull", "Job", "JobState", "Mesh", "Primitive", "Response", "Settings", "__version__", "assignment"]
+__all__ = ["Admin", "Answer", "AsyncAnswer", "AsyncClient", "AsyncJob", "AsyncMesh", "Bond", "Cancel", "Choice", "Client",
+           "Delta", "FractureError", "Fragment", "Hull", "Job", "JobState", "Mesh", "Primitive", "Response", "Settings", "__version__",
+           "assignment"]

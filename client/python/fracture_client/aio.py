@@ -104,6 +104,11 @@ class AsyncMesh:
         """The same as Mesh.figures()."""
         return await self._runner.run(self.sync.figures, parameters, timeout=timeout, realtime=realtime, **more)
 
+    async def estimate(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
+                       **more: Any) -> Dict[str, Any]:
+        """The same as Mesh.estimate()."""
+        return await self._runner.run(self.sync.estimate, parameters, timeout=timeout, **more)
+
     async def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None, **more: Any) -> "AsyncJob":
         """The same as Mesh.job()."""
         return AsyncJob(self._runner, await self._runner.run(self.sync.job, parameters, timeout=timeout, **more))

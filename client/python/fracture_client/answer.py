@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 
 from . import glb as glb_file
 from .calls import Cancel
+from .choices import Choice, read_choices
 from .errors import FractureError
 from .fragments import Bond, Delta, Fragment, figures_of, read_bonds, read_fragments
 from .problems import Reaction, reaction_to
@@ -74,6 +75,11 @@ class Answer:
         """Sentences in the report about what was done. They need no action. [] if there are none. Servers with algorithm 22 or older
         put notes among the warnings."""
         return list(self.report.get("notes", []))
+
+    @property
+    def choices(self) -> List[Choice]:
+        """Changes that the server offers and did not make: another unit, walls for a room, … [] if there are none."""
+        return read_choices(self.report)
 
     @property
     def certificate(self) -> Dict[str, Any]:

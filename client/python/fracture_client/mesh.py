@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 import urllib.parse
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple, Union
 
 from .answer import Answer
-from .asking import Check, check_digest, check_figures, json_object
+from .asking import Check, check_digest, check_figures, check_json, json_object
 from .calls import Cancel
+from .choices import Choice, read_choices
 from .http1 import Response
 from .upload import Upload, json_text
 
@@ -35,8 +36,13 @@ class Mesh:
     @property
     def report(self) -> Dict[str, Any]:
         """The server's report on the mesh: verdict ("closed" or "repaired"), solid, volume_once, frame, nodes, materials, images,
-        warnings, notes. The report comes from put() or the latest refresh(); {} before these calls."""
+        warnings, notes, choices. The report comes from put() or the latest refresh(); {} before these calls."""
         return self.stored.get("report", {})
+
+    @property
+    def choices(self) -> List[Choice]:
+        """Changes that the server offers for this mesh and does not make by itself. [] before put() or refresh()."""
+        return read_choices(self.report)
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
         """Fetches the server's description of the mesh, returns it, and keeps it in `stored`. Raises FractureError of type "not-found" if the
@@ -64,6 +70,15 @@ class Mesh:
         """Breaks the mesh and returns the data without the geometry (Answer.figures). Takes the same arguments as fracture(). Raises
         FractureError."""
         response = self._ask(parameters, more, "application/json", check_figures, timeout, cancel, realtime)
+        return json_object(response.body) or {}
+
+    def estimate(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
+                 cancel: Optional[Cancel] = None, **more: Any) -> Dict[str, Any]:
+        """Estimates the answer of fracture() with these arguments, without computing it. Returns sites, fragments, triangles, bytes,
+        working_bytes, limit_bytes, fits, costliest and advice. The numbers are usually within a factor of two. Raises FractureError."""
+        query, given = _split(parameters, more, self.preparation)
+        target, fields = f"/meshes/{self.id}/estimate" + query, {"Accept": "application/json", "Content-Type": "application/json"}
+        response = self._client._ask("POST", target, json_text(given), fields, check_json, timeout, cancel, self)
         return json_object(response.body) or {}
 
     def job(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,

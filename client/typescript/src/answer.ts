@@ -2,7 +2,7 @@
 import { Glb, type Vector3 } from './glb.js';
 import { type Bond, bondsOf, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece } from './fragments.js';
 import { merge } from './merge.js';
-import type { FractureOptions, Mesh } from './mesh.js';
+import type { Choice, FractureOptions, Mesh } from './mesh.js';
 import type { Parameters } from './parameters.js';
 import { FractureError, localError } from './problems.js';
 import type { Reply } from './transport.js';
@@ -81,6 +81,10 @@ export class Answer {
   /** Sentences about what was done. They need no action. Servers with algorithm 22 or older put notes among the warnings. */
   get notes(): readonly string[] {
     return this.figures.report.notes ?? [];
+  }
+  /** Changes that the server offers and did not make: another unit, walls for a room. */
+  get choices(): readonly Choice[] {
+    return (this.figures.report['choices'] ?? []) as Choice[];
   }
   get fragments(): readonly Fragment[] {
     return (this.readFragments ??= fragmentsOf(this.document, this.figures));

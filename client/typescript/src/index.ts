@@ -8,7 +8,7 @@ export { Fragment, Piece } from './fragments.js';
 export { Glb, packGlb } from './glb.js';
 export type { Gltf, GltfAccessor, GltfBufferView, GltfMesh, GltfNode, GltfPrimitive, TypedArray, Vector3 } from './glb.js';
 export { Job, type JobDocument, type JobState } from './jobs.js';
-export { type FractureOptions, Mesh, type StoredMesh } from './mesh.js';
+export { type Choice, type Estimate, type FractureOptions, Mesh, type StoredMesh } from './mesh.js';
 export { type Operation, type OperationId, operations, problemStatuses, requestFields } from './operations.js';
 export type { Assignment, Parameters, ParameterValue } from './parameters.js';
 export { FractureError, type LocalProblem, localProblems, type ProblemDocument, type ServerProblem, serverProblems } from './problems.js';

@@ -8,6 +8,35 @@ import { localError } from './problems.js';
 import { type Parameters, parametersText } from './parameters.js';
 import { type Ask, type CallOptions, json, type Reply } from './transport.js';
 
+/** A change that the server offers and does not make by itself, because it changes what the mesh is. Fracture with its parameters to
+ * get it. */
+export interface Choice {
+  kind: 'unit' | 'room' | 'lid' | 'crack';
+  /** Values by the name of the parameter. */
+  parameters: Record<string, number | string>;
+  /** States what was found, and the effect of the parameters. */
+  text: string;
+}
+
+/** An answer and its cost before it is computed. The numbers are usually within a factor of two. */
+export interface Estimate {
+  sites: number;
+  fragments: number;
+  /** Triangles of all fragments. */
+  triangles: number;
+  /** Size of the GLB. */
+  bytes: number;
+  working_bytes: number;
+  /** The working memory that a computation may use; null: no limit. */
+  limit_bytes: number | null;
+  /** False if the server would refuse the fracture at once. */
+  fits: boolean;
+  /** The parameter that takes most of the memory; null if the mesh itself does. */
+  costliest: string | null;
+  /** If it does not fit: why, and what to change. */
+  advice: string | null;
+}
+
 /** The server's description of a stored mesh. */
 export interface StoredMesh {
   id: string;
@@ -18,7 +47,7 @@ export interface StoredMesh {
   files: number;
   /** Seconds from the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** The report on the mesh: verdict (closed, repaired), solid, volume_once, frame, nodes, materials, images, warnings, notes, and contacts between parts. */
+  /** The report on the mesh: verdict (closed, repaired), solid, volume_once, frame, nodes, materials, images, warnings, notes, choices, and contacts between parts. */
   report: Record<string, any>;
 }
 
@@ -40,6 +69,11 @@ export class Mesh {
 
   get report(): Record<string, any> | undefined {
     return this.stored?.report;
+  }
+
+  /** Changes that the server offers for this mesh. */
+  get choices(): readonly Choice[] {
+    return (this.report?.['choices'] ?? []) as Choice[];
   }
 
   /** Breaks the mesh. `parameters`: see GET /patterns. If the server has forgotten the mesh, the client sends it
@@ -66,6 +100,14 @@ export class Mesh {
     const prefer = wait === undefined ? 'respond-async' : `respond-async, wait=${wait}`;
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary', Prefer: prefer });
     return reply.status === 202 ? new Job(this.client, json<JobDocument>(reply)) : Job.done(this.client, this.client.answerOf(reply));
+  }
+
+  /** Estimates the answer of fracture() with these parameters, without computing it. Throws FractureError. */
+  async estimate(parameters: Parameters = {}, options: CallOptions = {}): Promise<Estimate> {
+    return json<Estimate>(await this.client.request('postMeshEstimate', {
+      ...options, json: true, path: { id: this.id }, body: parametersText(parameters), headers: { 'Content-Type': 'application/json' },
+      onMissing: (sentAt, left) => this.client.putMissing(this.asset, sentAt, { ...options, deadline: left }),
+    }));
   }
 
   /** Fetches the server's description of the mesh. Throws FractureError (not-found) if the server has forgotten it. */

@@ -29,6 +29,7 @@ export const operations = {
   getMesh: { method: 'GET', path: '/meshes/{id}', good: [200] },
   deleteMesh: { method: 'DELETE', path: '/meshes/{id}', good: [204] },
   postMeshFracture: { method: 'POST', path: '/meshes/{id}/fracture', good: [200, 202], digest: true },
+  postMeshEstimate: { method: 'POST', path: '/meshes/{id}/estimate', good: [200] },
   getJobs: { method: 'GET', path: '/jobs', good: [200] },
   getJob: { method: 'GET', path: '/jobs/{id}', good: [200] },
   deleteJob: { method: 'DELETE', path: '/jobs/{id}', good: [204] },

@@ -10,8 +10,8 @@ import { promisify } from 'node:util';
 import { source } from './support.mjs';
 
 const { Asker, Gestures, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
-  handlesOf, presetOf, readPreset, countRemark, remarkLists, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
-  'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'take/snippets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
+  handlesOf, presetOf, readPreset, countRemark, remarkLists, withChoice, choiceButtons, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
+  'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'panels/choices', 'take/snippets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
 
 describe('Asker', () => {
   /** An Asker whose questions are answered when the test says so. */
@@ -162,6 +162,15 @@ describe('what an answer says about itself', () => {
     assert.deepEqual(shownTexts(['to do'], []), ['Warnings', 'to do']);
     assert.deepEqual(shownTexts([], ['done', 'done too']), ['Notes', '2', 'done', 'done too']);
     assert.deepEqual(shownTexts(['to do'], ['done']), ['Warnings', 'to do', 'Notes', '1', 'done']);
+  });
+  test('AChoiceIsAButtonThatAddsItsParameters', () => {
+    const wall = { kind: 'room', parameters: { thickness: 0.04 }, text: 'It is a room.' }, unit = { kind: 'unit', parameters: { unit: 'mm' }, text: 'It is large.' };
+    const wish = { settings: { sites: 5 }, hits: [{ point: [1, 2, 3], radius: 0.1 }] };
+    assert.deepEqual(withChoice(wish, wall), { settings: { sites: 5, thickness: 0.04 }, hits: wish.hits });
+    assert.deepEqual(withChoice(wish, unit), { settings: { sites: 5, unit: 'mm' }, hits: [] }, 'the mesh is elsewhere then');
+    const asked = [], app = { state: { wish }, breaking: { wishFor: (...all) => asked.push(all) } };
+    assert.deepEqual(textsOf(choiceButtons(app, [])), []);
+    assert.deepEqual(textsOf(choiceButtons(app, [wall])), ['Your choice', 'It is a room.', 'Try thickness 0.04']);
   });
 });
 

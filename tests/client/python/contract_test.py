@@ -41,6 +41,7 @@ PLACES = {
     "deleteMesh": (["Mesh.forget"], {"204": "bool", "404": "bool"}),
     "postMeshFracture": (["Mesh.fracture", "Mesh.figures", "Mesh.job", "Client.job", "Answer.hit"],
                          {"200": "Answer", "202": "Job", "400": ERROR, "404": ERROR, "503": ERROR, "504": ERROR}),
+    "postMeshEstimate": (["Mesh.estimate"], {"200": "dict", "400": ERROR, "404": ERROR, "503": ERROR}),
     "getJobs": (["Client.jobs"], {"200": "Job", "400": ERROR}),
     "getJob": (["Client.find_job", "Job.refresh", "Job.wait", "Job.result"], {"200": "JobState", "404": ERROR, "503": ERROR}),
     "deleteJob": (["Job.cancel"], {"204": "bool", "404": "bool", "503": ERROR}),

@@ -50,6 +50,25 @@ class Operations(WithServer):
         self.assertEqual(caught(again.fracture, sites=3).type, "not-found")
         self.assertEqual(mesh.fracture(sites=3).certificate["fragments"], 3)  # the file is available here, so it was sent again
 
+    def test_an_estimate(self):
+        mesh = self.client.put(box_obj(1, 2, 3), format="obj")
+        said = mesh.estimate(fragments=20)
+        self.assertTrue(said["fits"])
+        self.assertEqual(said["fragments"], 20)
+        made = mesh.fracture(fragments=20)
+        self.assertLess(said["bytes"] / 2, len(made.glb))
+        self.assertLess(len(made.glb), 2 * said["bytes"])
+        self.assertEqual(caught(mesh.estimate, sites=0).type, "bad-parameter")
+
+    def test_choices(self):
+        mesh = self.client.put(box_obj(1000, 2000, 3000), format="obj")
+        choice, = mesh.choices
+        self.assertEqual((choice.kind, choice.parameters), ("unit", {"unit": "mm"}))
+        answer = mesh.fracture(sites=2)
+        self.assertEqual(answer.choices, mesh.choices)
+        self.assertEqual(len(answer.warnings), 1)
+        self.assertEqual(mesh.fracture({"sites": 2, **choice.parameters}).choices, [])
+
     def test_a_broken_box(self):
         answer = self.client.put(box_obj(1, 2, 3), format="obj").fracture(fragments=20, density=500, seed=4)
         self.assertEqual(answer.certificate["open_edges"], 0)

@@ -77,6 +77,7 @@ const METHOD_OF = {
   getMesh: client => client.put(Uint8Array.of(1), { ask: true }),
   deleteMesh: client => client.mesh('sha256:1').delete(),
   postMeshFracture: client => client.mesh('sha256:1').fracture(),
+  postMeshEstimate: client => client.mesh('sha256:1').estimate(),
   getJobs: async client => {
     for await (const _ of client.jobs()) break;
   },

@@ -96,6 +96,22 @@ describe('the service', { skip: noServer }, () => {
     assert.equal((await refusal(mesh.fracture({ sites: 20000 }, { timeout: 5, retries: 0 }))).problem.length > 0, true);
   });
 
+  test('an estimate is near what is made', async () => {
+    const parameters = { material: 'stone', fragments: 24 }, said = await mesh.estimate(parameters), { glb } = await mesh.fracture(parameters);
+    assert.deepEqual([said.fits, said.fragments, said.advice], [true, 24, null]);
+    assert.ok(said.bytes < 2 * glb.length && glb.length < 2 * said.bytes, `${said.bytes} of ${glb.length}`);
+    assert.equal((await refusal(mesh.estimate({ sites: 0 }))).problem, 'bad-parameter');
+  });
+
+  test('a size that cannot be meant is a choice', async () => {
+    const text = torus({ radius: 1000, tube: 400 });
+    const large = await client.put([{ name: 'large.obj', data: Buffer.from(text) }]), [choice] = large.choices;
+    assert.deepEqual([choice.kind, choice.parameters], ['unit', { unit: 'mm' }]);
+    const made = await large.fracture({ sites: 2 });
+    assert.deepEqual(made.choices, large.choices);
+    assert.deepEqual((await large.fracture({ sites: 2, ...choice.parameters })).choices, []);
+  });
+
   test('OBJ with its MTL and texture, under names that are not ASCII', async () => {
     const mtl = 'newmtl skin\nKd 1 1 1\nmap_Kd bäume/rinde.png\n';
     const files = [{ name: 'türe.obj', data: Buffer.from(torus({ material: 'türe.mtl' })) }, { name: 'türe.mtl', data: Buffer.from(mtl) },

@@ -29,6 +29,25 @@ TEST(Meshes, AMeshIsPutUnderItsDigestAndReported) {
   EXPECT_LT(server.api.meshes().figures().bytes, 20'000u);
 }
 
+TEST(Meshes, AStoredMeshIsEstimated) {
+  TestServer server;
+  ASSERT_EQ(server.put("/meshes/" + id_of("mesh"), "mesh").status, 201);
+  const std::string path = "/meshes/" + id_of("mesh") + "/estimate";
+  const Reply reply = server.post_json(path, R"({"sites": 50})");
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  for (const char* name : {"sites", "fragments", "triangles", "bytes", "working_bytes"})
+    EXPECT_TRUE(reply.json().at(name).is_number_unsigned()) << name;
+  EXPECT_EQ(reply.json().at("limit_bytes"), server.dispatcher.most_bytes());
+  EXPECT_EQ(reply.json().at("fits"), true);
+  EXPECT_TRUE(reply.json().at("advice").is_null());
+  EXPECT_EQ(server.control->prepares, 1) << "it is prepared";
+  EXPECT_EQ(server.control->cuts, 0) << "nothing is fractured";
+  EXPECT_EQ(server.post_json(path, R"({"sites": 50, "unit": "cm"})").status, 200);
+  EXPECT_EQ(server.control->prepares, 2) << "another solid";
+  EXPECT_EQ(server.post_json(path, R"({"sites": 0})").problem(), "bad-parameter");
+  EXPECT_EQ(server.post_json("/meshes/" + id_of("other") + "/estimate", "{}").problem(), "not-found");
+}
+
 TEST(Meshes, PostNamesItItself) {
   TestServer server;
   const Reply created = server.post("/meshes", "mesh");

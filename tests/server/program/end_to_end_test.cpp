@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -257,6 +258,26 @@ TEST_F(EndToEnd, ATakenPortIsSaidAndEndsWithOne) {
   EXPECT_NE(line.find(std::to_string(server.port)), std::string::npos) << line;
 }
 
+/// A cube as STL text, which has no unit.
+std::string stl_of_size(int side) {
+  const int corners[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                             {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  const int faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                           {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  std::string text = "solid cube\n";
+  for (const auto& face : faces)
+    for (const auto& triangle : {std::array{0, 1, 2}, std::array{0, 2, 3}}) {
+      text += "facet normal 0 0 0\nouter loop\n";
+      for (const int k : triangle) {
+        text += "vertex";
+        for (const int coordinate : corners[face[k]]) text += " " + std::to_string(coordinate * side);
+        text += "\n";
+      }
+      text += "endloop\nendfacet\n";
+    }
+  return text + "endsolid cube\n";
+}
+
 TEST_F(EndToEnd, InspectSaysWhatAMeshIsWorthByItsExitStatusAndAsJson) {
   const std::string lid = "f 1 4 3 2\n",
                     open_box = std::string(kCube).replace(kCube.find(lid), lid.size(), "");
@@ -294,9 +315,18 @@ TEST_F(EndToEnd, InspectSaysWhatAMeshIsWorthByItsExitStatusAndAsJson) {
   EXPECT_EQ(report.at("solid").at("open_edges"), 4);
   EXPECT_EQ(report.at("solid").at("holes_filled"), 1);
   EXPECT_EQ(report.at("frame").at("unit_from"), "request");
+  EXPECT_EQ(report.at("choices").at(0).at("kind"), "lid");
+  EXPECT_EQ(report.at("choices").at(0).at("parameters").at("thickness"), 0.0001) << "a hundredth of its side";
+  EXPECT_EQ(report.at("estimate").at("fits"), true);
+  EXPECT_GT(report.at("estimate").at("working_bytes"), 0);
   Process human({"inspect", closed}, out.string());
   EXPECT_EQ(human.wait(), 0);
   EXPECT_NE(read(out).find("closed solid as it is"), std::string::npos);
+  EXPECT_NE(read(out).find("  estimate   50 fragments, "), std::string::npos) << read(out);
+  Process large({"inspect", write("large.stl", stl_of_size(118))}, out.string());
+  EXPECT_EQ(large.wait(), 0);
+  EXPECT_NE(read(out).find("warning: The mesh is 118 m long"), std::string::npos) << read(out);
+  EXPECT_NE(read(out).find("choice: --unit mm (unit): "), std::string::npos) << read(out);
 }
 
 TEST_F(EndToEnd, PartsThatAreNotAskedForPassThroughWhole) {

@@ -1,5 +1,5 @@
 // Turns the requested parameters and hits into an answer, with undo and redo: at once if possible, otherwise as a job.
-import { type Answer, FractureError, type ParameterValue, type Vector3 } from 'fracture-client';
+import { type Answer, FractureError, type Mesh, type ParameterValue, type Vector3 } from 'fracture-client';
 import { Asker } from '../service/asker';
 import { firstPlace, placesIn, withoutPlace } from '../state/places';
 import { Gestures, type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
@@ -123,7 +123,14 @@ export class Breaking {
     const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
     if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, options);
     const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
+    void this.estimate(mesh, wish, signal);
     return mesh.fracture(parametersOf(wish), options);
+  }
+
+  /** Shows what the request will make, while it is computed. A server without estimates, or a failure, shows nothing. */
+  private async estimate(mesh: Mesh, wish: Wish, signal: AbortSignal): Promise<void> {
+    const expected = await mesh.estimate(parametersOf(wish), { signal, retries: 0, deadline: IMPATIENT }).catch(() => undefined);
+    if (!signal.aborted && this.app.state.wish === wish) this.app.set({ expected });
   }
 
   private async answered(answer: Answer, { wish, gesture }: Question, at: number): Promise<void> {

@@ -1,5 +1,5 @@
 // Everything that the page shows, in one place. Panels read it; only the App changes it.
-import type { Answer, FractureError, JobDocument, Mesh, MeshInput } from 'fracture-client';
+import type { Answer, Estimate, FractureError, JobDocument, Mesh, MeshInput } from 'fracture-client';
 import type { Look } from '../scene/view';
 import type { Wish } from '../state/request';
 
@@ -65,6 +65,8 @@ export interface State {
   /** Meshes that the server offers in addition to the page's own samples. */
   offered: readonly Offered[];
   inFlight: number;
+  /** The server's estimate for the request in flight. */
+  expected: Estimate | undefined;
   job: JobDocument | undefined;
   tool: Tool;
   /** The radius of the next hit, in metres. */
@@ -85,7 +87,7 @@ export interface State {
 
 export const firstState = (): State => ({
   source: undefined, bringing: undefined, wanted: undefined, wish: { settings: {}, hits: [] }, shown: undefined, unmet: undefined, problem: undefined, refused: undefined, note: undefined, leftOut: undefined, offered: [],
-  inFlight: 0, job: undefined, tool: 'hit', radius: 0.1,
+  inFlight: 0, expected: undefined, job: undefined, tool: 'hit', radius: 0.1,
   look: {
     explode: 0.18, cutsOnly: false, colours: 'material', level: 99, bonds: false, wireframe: false, repairs: false, person: false, chosen: new Set(),
   },

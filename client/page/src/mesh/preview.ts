@@ -113,7 +113,7 @@ function glb(bytes: Uint8Array): Float32Array {
   return new Float32Array(out);
 }
 
-const METRES: Record<string, number> = { m: 1, cm: 0.01, mm: 0.001, inch: 0.0254 };
+const METRES: Record<string, number> = { m: 1, cm: 0.01, mm: 0.001, inch: 0.0254, km: 1000 };
 
 /** Converts points to the server's frame: metres, y up. */
 export function framed(points: Float32Array, unit: unknown, up: unknown): Float32Array {

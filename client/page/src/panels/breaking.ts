@@ -7,7 +7,7 @@ import { placesIn } from '../state/places';
 import { words } from '../words/words';
 import { assignRows } from './assign';
 import { control } from './controls';
-import { metric, title } from './format';
+import { bytes, metric, title } from './format';
 import { countRemark } from './remarks';
 import { swatch } from './swatch';
 
@@ -48,7 +48,15 @@ export function breakPanel(app: App): TemplateResult {
 
 function remark(app: App): TemplateResult | typeof nothing {
   const { shown } = app.state, said = shown && !app.isOfEarlier ? countRemark(shown) : undefined;
-  return said ? html`<p class="hint">${said}</p>` : nothing;
+  return said ? html`<p class="hint">${said}</p>` : expected(app);
+}
+
+/** Draws the server's estimate for the request in flight. */
+function expected(app: App): TemplateResult | typeof nothing {
+  const { expected: made, inFlight, job } = app.state;
+  if (!made || (inFlight === 0 && !job)) return nothing;
+  const count = (number: number) => Number(number.toPrecision(2)).toLocaleString('en');
+  return html`<p class="hint" id="expected">${words.break.expected(count(made.fragments), count(made.triangles), bytes(made.bytes), bytes(made.working_bytes))}</p>`;
 }
 
 function hits(app: App): TemplateResult {

@@ -4,6 +4,7 @@ import type { App } from '../app/app';
 import { chosenFiles } from '../mesh/files';
 import { samples } from '../mesh/samples';
 import { words } from '../words/words';
+import { choiceButtons } from './choices';
 import { bytes, digits, metric, title } from './format';
 import { icons } from './icons';
 import { remarkLists } from './remarks';
@@ -71,6 +72,7 @@ function report(app: App): TemplateResult {
     <label class="check"><input type="checkbox" .checked=${look.person} @change=${(event: Event) => app.look({ person: (event.target as HTMLInputElement).checked })}>
       ${words.mesh.showPerson}</label>
     ${remarkLists(warnings, notes)}
+    ${choiceButtons(app, whole.choices)}
   </section>`;
 }
 

@@ -6,6 +6,7 @@ import type { App } from '../app/app';
 import type { Shown, State } from '../app/state';
 import { words } from '../words/words';
 import { sealButton } from './certificate';
+import { choiceButtons } from './choices';
 import { css } from './css';
 import { digits, kilograms, metric, milliseconds } from './format';
 import { remarkLists } from './remarks';
@@ -18,6 +19,7 @@ export function piecesPanel(app: App): TemplateResult {
     <section aria-label=${words.pieces.list}>
       <div class="row between"><h2>${words.pieces.count(fragments.length)}</h2>${sealButton(app)}</div>
       ${remarkLists(answer.warnings, answer.notes)}
+      ${choiceButtons(app, answer.choices)}
     </section>
     <section aria-label=${words.pieces.sizes}>
       <h3>${words.pieces.sizes}</h3>${histogram(app, fragments)}

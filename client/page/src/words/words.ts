@@ -44,9 +44,11 @@ export const words = {
     separateParts: (parts: number) => `the mesh has ${parts.toLocaleString('en')} separate parts, and each becomes at least one fragment`,
     apart: 'the others touch no fragment with which they could be merged', atMost: 'the maximum number of fragments is lower',
     crossesItself: 'the surface crosses itself, so some pieces have no volume of their own', noMoreCells: 'the pattern and the size limits allow no more fragments',
+    expected: (fragments: string, triangles: string, bytes: string, memory: string) => `Expected: about ${fragments} fragments, ${triangles} triangles, a file of ${bytes} and ${memory} of memory.`,
     noMatch: 'No parameter name or description contains this text.',
   },
   remarks: { warnings: 'Warnings', notes: 'Notes' },
+  choices: { title: 'Your choice', apply: (what: string) => `Try ${what}` },
   look: {
     explode: 'Explode', colours: 'Colours', cuts: 'Cuts', cutsHint: 'Show only cut faces', bonds: 'Bonds', bondsHint: 'Show bonds as lines; a thicker line means a larger bond area',
     wire: 'Wire', wireHint: 'Show triangles', level: 'Level', fit: 'Fit', fitHint: 'Fit the whole mesh into the view', fragments: (count: number) => (count === 1 ? 'fragment' : 'fragments'),

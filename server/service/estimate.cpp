@@ -1,0 +1,330 @@
+#include "server/service/estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "common/base/product.hpp"
+#include "common/base/words.hpp"
+#include "common/gltf/cut_detail.hpp"
+#include "common/mesh/material_library.hpp"
+#include "common/rough/roughen.hpp"
+#include "server/service/admission.hpp"
+
+namespace fracture {
+namespace {
+
+// Means for Voronoi cells of random sites (Meijering 1953; Møller 1994, Lectures on Random Voronoi Tessellations). The cells have a
+// volume of 1: the area of the faces per cell, then the length of edges, the vertices and the cells per area of a plane section.
+constexpr double kFaceArea = 2.91, kEdgesOnSection = 2.285, kVerticesOnSection = 2.92,
+                 kCellsOnSection = 1.458;
+constexpr double kTetrahedraPerSite = 6.77, kFacesPerCell = 7.77, kTrianglesPerFace = 3.23;
+// In a wall that is thinner than its cells, these are prisms: three faces of about two triangles for each cell.
+constexpr double kFacesPerPrism = 3, kTrianglesPerPrismFace = 2;
+/// Total length of edges of n equal triangles with a total area of a: 2.28 sqrt(n a).
+constexpr double kEdgesOfTriangles = 2.28;
+/// Lines of lengths l and m in an area a cross 2 l m / (π a) times (Buffon).
+constexpr double kCrossings = 2 / 3.14159265358979;
+
+// Bytes in a GLB, fitted to the answers of estimate_test.cpp.
+constexpr double kBytesPerFile = 3000, kBytesPerFragment = 2650, kBytesPerHull = 1370, kBytesOfIndices = 9,
+                 kBytesOfPosition = 12, kBytesOfNormal = 12, kBytesOfUv = 8, kBytesOfTangent = 16,
+                 kBytesOfColor = 16, kBytesOfMaps = 200e3;
+// Vertices per triangle. Smooth surfaces share theirs; each flat cut has its own.
+constexpr double kVerticesOfSurface = 0.5, kVerticesOfFlatCuts = 1.8, kVerticesOfRoughCuts = 0.8;
+// Hulls of a fragment of several cells or parts, and of a pattern that merges some cells.
+constexpr double kHullsOfAggregate = 3, kHullsOfMerged = 2;
+// Triangles that are made, relative to those that are left after merging.
+constexpr double kCountedOfMerged = 1.4;
+
+struct Shape {
+  double volume = 0, area = 0, box = 0, triangles = 0;
+  double edges = 0;  ///< m: total length
+  double size = 0;   ///< m: cube root of the largest part's volume
+  double parts = 0;
+};
+
+Shape shape_of(const Solid& solid) {
+  Shape shape;
+  double largest = 0;
+  for (const Part& part : solid.parts) {
+    shape.volume += part.volume;
+    largest = std::fmax(largest, part.volume);
+  }
+  const Vec3d sides = solid.parts.empty() ? Vec3d{} : solid.box.size();
+  shape.box = sides.x * sides.y * sides.z;
+  shape.area = solid.report.area;
+  shape.triangles = static_cast<double>(solid.triangles.size());
+  shape.edges = solid.report.edge_length > 0 ? solid.report.edge_length
+                                             : kEdgesOfTriangles * std::sqrt(shape.triangles * shape.area);
+  shape.size = std::cbrt(largest);
+  shape.parts = static_cast<double>(solid.parts.size());
+  return shape;
+}
+
+/// Surface of a box of volume 1 that is `stretch` times as long as wide, relative to a cube's.
+double surface_of_stretched(double stretch) {
+  const double root = std::cbrt(stretch);
+  return (2 * root + 1 / (root * root)) / 3;
+}
+
+bool divides_the_box(const SitePattern& pattern) {
+  return std::holds_alternative<GridPattern>(pattern) || std::holds_alternative<BrickPattern>(pattern) ||
+         std::holds_alternative<SlicePattern>(pattern);
+}
+
+struct Numbers {
+  double sites = 0, cells = 0, fragments = 0;
+  double tetrahedra = 0, polygons = 0, segments = 0, flat_caps = 0, rough_caps = 0;
+  double surface = 0;          ///< triangles of the outside, after the cuts
+  double cut_triangles = 0;    ///< of both sides of the cuts between fragments, flat
+  double rough_triangles = 0;  ///< the same, rough
+  double counted = 0;          ///< triangles of fragments, before some of these are merged
+  double hulls = 0;
+};
+
+/// The cells that meet the solid.
+double cells_in(const Shape& shape, double sites, const FractureParameters& p) {
+  if (!divides_the_box(p.pattern) || !(shape.box > 0)) return sites;
+  const double side = std::cbrt(shape.box / sites);
+  const double met = shape.volume / (side * side * side) + 0.5 * shape.area / (side * side);
+  return std::fmin(sites, std::fmax(met, p.size.fragments));
+}
+
+/// The lines in which the faces of cells meet the surface.
+struct Section {
+  double width = 0;      ///< m, of a cell
+  double widths = 0;     ///< the area of the surface in units of width²
+  double crossings = 0;  ///< of the lines with edges of the mesh
+};
+
+/// In a wall that is thinner than a cell, the cells lie next to each other in its plane.
+Section section_of(const Shape& shape, double cells, double longer) {
+  Section section;
+  section.width = std::fmax(std::cbrt(shape.volume / cells), std::sqrt(shape.area / (2 * cells)));
+  const double cut = (cells - 1) / cells;  // a single cell has no cuts
+  section.widths = cut * shape.area / (section.width * section.width);
+  const double length = kEdgesOnSection * longer * cut * shape.area / section.width;
+  section.crossings = kCrossings * length * shape.edges / shape.area;
+  return section;
+}
+
+Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Selection& selection) {
+  Numbers n;
+  const Shape shape = shape_of(solid);
+  if (!(shape.volume > 0) || !(shape.area > 0)) return n;
+  n.sites = std::fmax(1, expected_sites(p, &solid, selection));
+  n.cells = std::fmax(1, cells_in(shape, n.sites, p));
+  double group = cells_per_fragment(p);
+  n.fragments = p.size.fragments > 0 && p.hits.empty() ? p.size.fragments : n.cells / group;
+  if (p.size.max_fragments > 0) n.fragments = std::fmin(n.fragments, p.size.max_fragments);
+  if (p.parts == Parts::kApart) n.fragments = std::fmax(n.fragments, shape.parts);
+  if (std::holds_alternative<BrickPattern>(p.pattern))
+    group = std::fmax(1, n.cells / n.fragments);  // lumps of bricks
+
+  const double thickness = 2 * shape.volume / shape.area, longer = surface_of_stretched(p.anisotropy.stretch);
+  const Section section = section_of(shape, n.cells, longer);
+  n.tetrahedra = kTetrahedraPerSite * n.sites;
+  // Each crossing cuts a triangle and adds a piece. Triangles inside one cell are not cut.
+  n.polygons = 2 * section.crossings + kCellsOnSection * section.widths;
+
+  const double flatness = std::fmin(1, section.width / thickness);  // 1: the cells are prisms in a wall
+  const auto between = [&](double solid_value, double prism) {
+    return solid_value + flatness * (prism - solid_value);
+  };
+  const double faces = (n.cells - 1) * between(kFacesPerCell, kFacesPerPrism);
+  n.flat_caps = faces * between(kTrianglesPerFace, kTrianglesPerPrismFace) + section.crossings;
+  n.segments = 2 * (section.crossings + 1.5 * kVerticesOnSection * section.widths) + 5.2 * faces;
+
+  // The cuts inside aggregates are not in the answer, neither on the surface nor inside.
+  const Section outside = group > 1 ? section_of(shape, std::fmax(1, n.fragments), longer) : section;
+  n.surface = shape.triangles + 2 * outside.crossings + 2 * kVerticesOnSection * outside.widths;
+  const double kept = group > 1 ? std::fmin(1, kRaggedness / std::pow(group, between(1.0 / 3, 1.0 / 2))) : 1;
+  n.cut_triangles = 2 * kept * n.flat_caps;
+  if (p.roughness.amplitude > 0 && p.dual != Dual::kBarycenter) {
+    const double area =
+        kept * (n.cells - 1) / n.cells * shape.volume / section.width * (kFaceArea * longer - flatness);
+    const double edge = shape.size / (kEdgesPerWave * p.roughness.frequency *
+                                      std::ldexp(1, static_cast<int>(p.roughness.octaves) - 1));
+    // A face that is smaller than such an edge stays as it is.
+    n.rough_caps =
+        std::fmax(std::fmin(kMostRoughTriangles, area / (0.433 * edge * edge)), kept * n.flat_caps);
+    n.rough_triangles = 2 * n.rough_caps;
+    n.cut_triangles = 0;
+  }
+  const bool merged = n.cells > 1.5 * n.fragments;
+  const bool several = group > 1 || shape.parts > 1;
+  n.hulls = n.fragments * (several ? kHullsOfAggregate : merged ? kHullsOfMerged : 1);
+  n.counted = (n.surface + n.cut_triangles + n.rough_triangles) * (several || merged ? kCountedOfMerged : 1);
+  return n;
+}
+
+double working_bytes_of(const Numbers& n) {
+  const auto bytes = [](Product product, double count) {
+    return static_cast<double>(bytes_of(product)) * count;
+  };
+  return bytes(Product::kTetrahedra, n.tetrahedra) + bytes(Product::kPolygons, n.polygons) +
+         bytes(Product::kSegments, n.segments) + bytes(Product::kCapTriangles, n.flat_caps + n.rough_caps) +
+         bytes(Product::kFragmentTriangles, n.counted);
+}
+
+double file_bytes_of(const Numbers& n, const RequestParameters& asked, const Solid& solid) {
+  double vertex = kBytesOfPosition + kBytesOfNormal, images = 0;
+  if (solid.source) {
+    const Attributes& attributes = solid.source->attributes;
+    vertex += kBytesOfUv * static_cast<double>(attributes.uvs.size()) +
+              kBytesOfColor * static_cast<double>(attributes.colors.size()) +
+              (attributes.tangents.empty() ? 0 : kBytesOfTangent);
+    for (const Image& image : solid.source->library->images)
+      images += static_cast<double>(image.bytes.size());
+  }
+  if (asked.interior.detail != CutDetail::kNone && asked.delta != DeltaAnswer::kOnly) images += kBytesOfMaps;
+  const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
+  const double vertices = kVerticesOfSurface * n.surface + kVerticesOfFlatCuts * n.cut_triangles +
+                          kVerticesOfRoughCuts * n.rough_triangles;
+  const double triangles = n.surface + n.cut_triangles + n.rough_triangles;
+  const double intact = asked.fracture.intact ? 2.0 : 1.0;  // the unbroken mesh is no smaller than its share
+  return kBytesPerFile + images + kBytesPerFragment * n.fragments + (hulls ? kBytesPerHull * n.hulls : 0) +
+         vertex * (vertices + (intact - 1) * static_cast<double>(solid.triangles.size())) +
+         kBytesOfIndices * triangles;
+}
+
+/// The parameter that sets the number of cells.
+std::string counting_parameter(const RequestParameters& asked, const Solid& solid) {
+  const FractureParameters& p = asked.fracture;
+  if (p.max_volume > 0 && 2 * solid.report.volume / p.max_volume >= expected_sites(p, &solid))
+    return "max_volume";
+  FractureParameters fewer = p;
+  fewer.sites = 1;
+  if (p.sites > 1 && !(expected_sites(fewer, &solid) < expected_sites(p, &solid)))
+    return std::holds_alternative<SlicePattern>(p.pattern) ? "spacing" : "cell";
+  return p.size.fragments > 0 ? "fragments" : "sites";
+}
+
+void set_count(FractureParameters& parameters, std::uint32_t count) {
+  parameters.sites = count;
+  if (parameters.size.fragments > 0) parameters.size.fragments = count;
+}
+
+/// The largest number of sites or fragments whose estimate is at most `limit`, rounded down to two digits; at least 1.
+std::uint32_t largest_count(FractureParameters parameters, const Solid& solid, double limit) {
+  std::uint32_t low = 1, high = std::max(1u, parameters.sites);
+  while (low < high) {
+    const std::uint32_t middle = low + (high - low + 1) / 2;
+    set_count(parameters, middle);
+    if (expected_working_bytes(parameters, solid) <= limit)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  std::uint32_t unit = 1;
+  while (low / unit >= 100) unit *= 10;
+  return low / unit * unit;
+}
+
+std::string megabytes(double bytes) { return short_number(std::ceil(bytes / 1e6)) + " MB"; }
+
+}  // namespace
+
+double expected_working_bytes(const FractureParameters& parameters, const Solid& solid,
+                              const Selection& selection) {
+  return working_bytes_of(numbers_of(parameters, solid, selection));
+}
+
+ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& solid) {
+  const Numbers n = numbers_of(asked.fracture, solid, asked.selection);
+  return {.sites = n.sites,
+          .fragments = n.fragments,
+          .triangles = n.surface + n.cut_triangles + n.rough_triangles,
+          .file_bytes = n.sites > 0 ? file_bytes_of(n, asked, solid) : 0,
+          .working_bytes = working_bytes_of(n)};
+}
+
+CostliestParameter costliest_parameter(const RequestParameters& asked, const Solid& solid, double limit) {
+  const FractureParameters& p = asked.fracture;
+  const double whole = expected_working_bytes(p, solid);
+  FractureParameters smooth = p;
+  smooth.roughness.amplitude = 0;
+  FractureParameters whole_mesh;  // a single cell
+  whole_mesh.sites = 1;
+  const double flat = expected_working_bytes(smooth, solid), mesh = expected_working_bytes(whole_mesh, solid);
+  if (!(whole > 0)) return {"", nullptr, 0};
+  if (whole - flat >= flat - mesh && whole - flat >= mesh) return {"rough_amplitude", 0, flat};
+  if (flat - mesh < mesh) return {"", nullptr, mesh};
+  const std::string name = counting_parameter(asked, solid);
+  if (name != "fragments" && name != "sites") return {name, nullptr, mesh};
+  const std::uint32_t count = largest_count(p, solid, limit);
+  FractureParameters fewer = p;
+  set_count(fewer, count);
+  return {name, count, expected_working_bytes(fewer, solid)};
+}
+
+std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit) {
+  const CostliestParameter costliest = costliest_parameter(asked, solid, limit);
+  if (costliest.name.empty())
+    return "The mesh itself takes most of it: send one with fewer than its " +
+           grouped(solid.triangles.size()) + " triangles.";
+  if (costliest.value.is_null())
+    return "Most of it is for '" + costliest.name + "': use a larger value, so that there are fewer cells.";
+  std::string text = "Most of it is for '" + costliest.name + "': " + costliest.name + "=" +
+                     costliest.value.dump() + " takes about " + megabytes(costliest.working_bytes) + ".";
+  if (costliest.name != "rough_amplitude" || costliest.working_bytes <= limit) return text;
+  RequestParameters smooth = asked;
+  smooth.fracture.roughness.amplitude = 0;
+  const CostliestParameter next = costliest_parameter(smooth, solid, limit);
+  if (next.value.is_number_integer())
+    text += " With " + next.name + "=" + next.value.dump() + " as well, it takes about " +
+            megabytes(next.working_bytes) + ".";
+  return text;
+}
+
+std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit) {
+  if (asked.selection.new_hits || asked.selection.refracture) return std::nullopt;
+  const auto most = static_cast<double>(limit);
+  const ExpectedAnswer expected = expected_answer(asked, solid);
+  if (!(expected.working_bytes > kEstimateFactor * most)) return std::nullopt;
+  Error error{ErrorCode::kTooComplex,
+              "This request needs about " + megabytes(expected.working_bytes) +
+                  " of working memory, for about " + grouped(static_cast<std::uint64_t>(expected.triangles)) +
+                  " triangles in " + grouped(static_cast<std::uint64_t>(expected.fragments)) +
+                  " fragments, and a computation may use " + megabytes(most) + ". " +
+                  advice_for_less_memory(asked, solid, most)};
+  const CostliestParameter costliest = costliest_parameter(asked, solid, most);
+  error.pointer = costliest.name;
+  error.extra = Figures(nlohmann::json{{"bytes", static_cast<std::uint64_t>(expected.working_bytes)},
+                                       {"limit", limit},
+                                       {"estimated", true},
+                                       {"fragments", static_cast<std::uint64_t>(expected.fragments)},
+                                       {"triangles", static_cast<std::uint64_t>(expected.triangles)}});
+  return error;
+}
+
+nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit) {
+  const auto whole = [](double number) { return static_cast<std::uint64_t>(std::llround(number)); };
+  const ExpectedAnswer expected = expected_answer(asked, solid);
+  const auto most = limit > 0 ? static_cast<double>(limit) : expected.working_bytes;
+  const std::string name = costliest_parameter(asked, solid, most).name;
+  const std::optional<Error> error = limit > 0 ? cannot_fit(asked, solid, limit) : std::nullopt;
+  return {{"sites", whole(expected.sites)},
+          {"fragments", whole(expected.fragments)},
+          {"triangles", whole(expected.triangles)},
+          {"bytes", whole(expected.file_bytes)},
+          {"working_bytes", whole(expected.working_bytes)},
+          {"limit_bytes", limit > 0 ? nlohmann::json(limit) : nlohmann::json()},
+          {"fits", !error},
+          {"costliest", name.empty() ? nlohmann::json() : nlohmann::json(name)},
+          {"advice", error ? nlohmann::json(error->detail) : nlohmann::json()}};
+}
+
+Error with_advice(Error error, const RequestParameters& asked, const Solid& solid) {
+  if (error.code != ErrorCode::kTooComplex || !error.extra->contains("limit") ||
+      !error.extra->contains("grew"))
+    return error;
+  const std::string general = " " + std::string(kAdviceForFewerProducts);
+  if (const std::size_t at = error.detail.find(general); at != std::string::npos) error.detail.erase(at);
+  error.detail += " " + advice_for_less_memory(asked, solid, error.extra->at("limit").get<double>());
+  return error;
+}
+
+}  // namespace fracture

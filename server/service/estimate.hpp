@@ -1,0 +1,58 @@
+// Estimates an answer and the memory of its computation before anything is computed. The estimate follows from the parameters and a few
+// figures of the solid, in constant time. admission.cpp reserves memory by it, and the service refuses requests by it that cannot
+// fit. POST /meshes/{id}/estimate returns it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "common/parameters/parameters.hpp"
+#include "common/solid/solid.hpp"
+
+namespace fracture {
+
+/// Expected numbers. estimate_test.cpp compares them with real answers: they are within a factor of two.
+struct ExpectedAnswer {
+  double sites = 0, fragments = 0;
+  double triangles = 0;   ///< of all fragments
+  double file_bytes = 0;  ///< of the GLB
+  double working_bytes =
+      0;  ///< of all products, as counted by an Allowance (common/base/product.hpp), without the solid's
+};
+
+/// Estimates the whole answer. Hits and the parts of one fragment count as further sites in it. A solid without parts gives zeros.
+ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& solid);
+/// Returns only ExpectedAnswer::working_bytes.
+double expected_working_bytes(const FractureParameters& parameters, const Solid& solid,
+                              const Selection& selection = {});
+
+/// The parameter that costs most memory, and what leaving it out would save.
+struct CostliestParameter {
+  std::string name;          ///< empty: the mesh itself costs most
+  nlohmann::json value;      ///< that would cost less: 0, false, or the largest count that fits
+  double working_bytes = 0;  ///< with that value
+};
+/// `limit`: bytes that the computation may hold.
+CostliestParameter costliest_parameter(const RequestParameters& asked, const Solid& solid, double limit);
+
+/// Returns the sentence that says what to change: "Most of it is for 'rough_amplitude': …".
+std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit);
+
+/// An estimate may be twice the real number. So a request is refused only if its estimate is more than this many times the limit.
+inline constexpr double kEstimateFactor = 2;
+
+/// Refuses a request that cannot fit into `limit` bytes (kTooComplex). Requests that start from a kept answer are never refused,
+/// because they make only its changes.
+std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit);
+
+/// Returns {sites, fragments, triangles, bytes, working_bytes, limit_bytes, fits, costliest, advice}: the body of
+/// POST /meshes/{id}/estimate. `limit`: 0: none, and limit_bytes is null.
+nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit);
+
+/// Replaces the advice of an error kTooComplex that a computation ended with; other errors stay as they are.
+Error with_advice(Error error, const RequestParameters& asked, const Solid& solid);
+
+}  // namespace fracture
