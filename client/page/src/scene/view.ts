@@ -2,11 +2,12 @@
 import type { Answer } from 'fracture-client';
 import { materialsOf } from 'fracture-client/three';
 import { Color, DoubleSide, FrontSide, Group, type Material, Mesh, MeshBasicMaterial, Texture, Vector3 } from 'three';
+import { pickOnSurface } from './assembled';
 import { Batch } from './batch';
 import { clustersAt, type ColourMode, coloursOf } from './colours';
 import { dotsOf, type Handle, handlesOf } from './gizmos';
 import { BondGraph, disposeOf, hitSphere, markers, person, RED, repairsOf, ring } from './overlays';
-import { pick, type Picked } from './picking';
+import type { Picked } from './picking';
 import { plain } from './plain';
 import { rawMesh } from './raw';
 import { regionsOf } from './regions';
@@ -268,7 +269,9 @@ export class View {
 
   pick(x: number, y: number): Picked | undefined {
     if (!this.batch) return undefined;
-    return pick(this.batch, this.stage.ray(x, y), { exterior: !this.look?.cutsOnly, interior: true });
+    // Physics moves each fragment by itself, so there is no assembled surface.
+    const explode = this.held ? 0 : this.look?.explode ?? 0;
+    return pickOnSurface(this.batch, this.stage.ray(x, y), { exterior: !this.look?.cutsOnly, interior: true }, explode, this.middle);
   }
 
   /** Shows the sphere of a hit, or no sphere if `at` is undefined. */
