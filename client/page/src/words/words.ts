@@ -14,7 +14,7 @@ export const words = {
   },
   mesh: {
     drop: 'Drop a mesh here', dropMore: 'GLB, glTF + bin + images, OBJ + MTL, STL, PLY, OFF; several files or a folder',
-    file: 'Choose files', folder: 'Choose a folder', samples: 'Or try a sample', reading: (name: string) => `Reading ${name} …`,
+    open: 'Open mesh', openHint: 'Open a mesh file, with the files that belong to it', folder: 'Choose a folder', samples: 'Samples', or: 'Or try a sample', offered: 'On this server', reading: (name: string) => `Reading ${name} …`,
     report: 'Mesh report', closed: 'closed', repaired: 'closed by repair', of: 'Mesh',
     triangles: 'Triangles', parts: 'Parts', volume: 'Volume', area: 'Area', size: 'Size', openEdges: 'Open edges', holes: 'Holes filled',
     nonmanifold: 'Non-manifold edges', cavities: 'Cavities', key: 'Content key', unit: 'Unit', up: 'Up', assumed: 'assumed', file_: 'from the file',
@@ -29,9 +29,10 @@ export const words = {
   },
   break: {
     material: 'Material', pattern: 'Pattern', ofMaterial: 'from the material', none: 'none', more: 'All parameters', fewer: 'Fewer parameters',
-    filter: 'Find a parameter', reset: 'Reset to the default', hits: 'Hits', clear: 'Clear', radius: 'Next hit radius', radiusHint: 'Existing hits keep their radius.',
+    filter: 'Find a parameter', reset: 'Reset to the default', hits: 'Local hits', clear: 'Clear', nextHint: 'This applies to the next hit; existing hits stay as they are.',
     noHits: 'Click the mesh to hit it there.', impact: 'Impact', again: (count: number) => `${count} ${count === 1 ? 'hit' : 'hits'}`,
-    pickHint: 'Click the mesh again to hit it again.', solid: 'Solid',
+    pickHint: 'Click the mesh again to hit it again.', noMaterial: 'None', noMaterialHint: 'No material: the mesh keeps its look, and breaks into pieces of similar size.',
+    isOn: (tab: string) => `On the ${tab} tab`, onlyWith: (patterns: readonly string[]) => `only with the pattern ${patterns.join(', ')}`,
     ofPattern: (name: string) => `Pattern ${name}`, other: 'Other', unset: 'not set', pickPoint: 'Pick the point with the next click on the mesh', reseed: 'Another seed',
     places: 'Points to drag', placesHint: 'Drag the handles in the view. "All parameters" shows the exact values.', sphere: (stem: string) => `${stem} sphere`,
     auto: 'auto', noLimit: 'no limit',
@@ -41,7 +42,7 @@ export const words = {
     separateParts: (parts: number) => `the mesh has ${parts.toLocaleString('en')} separate parts, and each becomes at least one fragment`,
     apart: 'the others touch no fragment with which they could be merged', atMost: 'the maximum number of fragments is lower',
     crossesItself: 'the surface crosses itself, so some pieces have no volume of their own', noMoreCells: 'the pattern and the size limits allow no more fragments',
-    noMatch: 'No parameter name or description contains this text.',
+    noMatch: 'No parameter has these words in its name, its description or its synonyms.',
   },
   remarks: { warnings: 'Warnings', notes: 'Notes' },
   look: {
@@ -58,6 +59,10 @@ export const words = {
     details: (volume: string, mass: string, area: string, exterior: string) => `${volume}, ${mass}, surface ${area} (${exterior} exterior)`,
     hulls: (count: number) => `${count} ${count === 1 ? 'hull' : 'hulls'}`, anchored: 'anchored',
     list: 'Fragments', name: 'Name', volume: 'Volume', mass: 'Mass', triangles: 'Triangles', more: (count: number) => `${count.toLocaleString('en')} more`,
+    selection: 'Selection', frame: 'Frame', frameHint: 'Move the camera to the selected fragments', hide: 'Hide', again: 'Break again',
+    againHint: 'Break only this fragment into pieces. Undo goes back.', save: 'Save alone', saveHint: 'Save the selected fragments as a GLB',
+    showAll: (count: number) => `Show ${count.toLocaleString('en')} hidden`, onlyOne: 'Only the pieces of one fragment are shown.', all: 'Back to all fragments',
+    noHit: 'Only the pieces of one fragment are shown. Go back to all fragments to hit the mesh.',
     smallest: 'Smallest', largest: 'Largest', unselect: 'Clear selection', selected: (count: number) => `${count.toLocaleString('en')} selected`,
     timings: 'Time', stages: {
       queue: 'queue', import: 'import', prepare: 'prepare', tetrahedralize: 'tetrahedralize', clip: 'clip', encode: 'encode',
