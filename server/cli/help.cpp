@@ -101,9 +101,34 @@ class HelpFormatter : public CLI::Formatter {
     return out;
   }
 
+  std::string make_footer(const CLI::App* app) const override {
+    std::string out;
+    std::string_view text = app->get_footer();
+    while (!text.empty()) {
+      const std::size_t end = text.find('\n');
+      wrap(out, 0, text.substr(0, end), 0, width_);
+      text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+    }
+    return out;
+  }
+
  private:
   const std::size_t width_ = width_of_output();
 };
+
+/// Returns numbers such as "0.0,1.0,0.0" without decimals that are zero: "0,1,0".
+std::string without_zeros(const std::string& text) {
+  std::string shorter;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const bool zero =
+        text.compare(k, 2, ".0") == 0 && (k + 2 == text.size() || text[k + 2] == ',' || text[k + 2] == ';');
+    if (zero)
+      ++k;
+    else
+      shorter += text[k];
+  }
+  return shorter;
+}
 
 /// Choices that are written out in the placeholder; more are listed with the values.
 constexpr std::size_t kShortChoices = 24;
@@ -152,11 +177,13 @@ std::string placeholder_of(const ParameterSpec& spec) {
 std::string values_of(const ParameterSpec& spec) {
   std::string facts;
   const auto add = [&facts](const std::string& fact) { facts += (facts.empty() ? "" : "; ") + fact; };
-  if (spec.type != ParameterSpec::Type::kChoice || !is_short(spec)) {
+  const bool is_written_out = spec.type == ParameterSpec::Type::kChoice && is_short(spec);
+  if (!is_written_out && spec.type != ParameterSpec::Type::kNames) {  // the placeholder lists these values
     const std::string values = expectation(spec);
     add(values.substr(0, values.find(", as text")) + (spec.unit.empty() ? "" : ", in " + spec.unit));
   }
-  if (!spec.default_value.is_null()) add("default " + as_text(spec.default_value).value_or(""));
+  if (!spec.default_value.is_null())
+    add("default " + without_zeros(as_text(spec.default_value).value_or("")));
   if (!spec.patterns.empty()) add("only with " + join(spec.patterns));
   return facts.empty() ? "" : "[" + facts + "] ";
 }
