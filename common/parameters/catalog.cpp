@@ -3,6 +3,7 @@
 
 #include "common/materials/notes.hpp"
 #include "common/parameters/assignments.hpp"
+#include "common/parameters/groups.hpp"
 #include "common/parameters/rows.hpp"
 
 namespace fracture {
@@ -96,7 +97,12 @@ RequestParameters with_choice(const ParameterSpec& spec, std::size_t choice) {
 
 nlohmann::json ParameterTable::to_json() const {
   nlohmann::json list = nlohmann::json::array();
-  for (const ParameterSpec& spec : specs_) list.push_back(describe(spec));
+  for (const ParameterSpec& spec : specs_) {
+    nlohmann::json entry = describe(spec);
+    if (std::vector<std::string> words = synonyms_of(spec.name); !words.empty())
+      entry["synonyms"] = std::move(words);
+    list.push_back(std::move(entry));
+  }
   return list;
 }
 

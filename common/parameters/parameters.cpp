@@ -8,6 +8,7 @@
 #include "common/base/nearest_name.hpp"
 #include "common/parameters/assignments.hpp"
 #include "common/parameters/effects.hpp"
+#include "common/parameters/groups.hpp"
 #include "common/parameters/rows.hpp"
 #include "common/parameters/values.hpp"
 
@@ -86,11 +87,12 @@ using Given = std::map<std::string, const RawParameter*>;
 
 /// Returns the error text. Only the first such error lists the nearest parameters.
 std::string unknown_parameter(const std::vector<std::string>& known, const std::string& name, bool first) {
-  const std::optional<std::string> nearest = nearest_name(name, known);
+  const std::optional<std::string> nearest = parameter_meant_by(name, known);
   return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
          (nearest ? "Did you mean '" + *nearest + "'?" : std::string()) + (nearest && first ? " " : "") +
          (first ? "The closest of the " + std::to_string(known.size()) + " parameters are " +
-                      join(nearest_names(name, known, kMostNames)) + "; GET /limits lists all of them."
+                      join(nearest_names(name, known, kMostNames)) +
+                      "; GET /limits and `fracture-server bake --help` list all of them."
                 : std::string());
 }
 

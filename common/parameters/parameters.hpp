@@ -108,7 +108,7 @@ class ParameterTable {
   /// regardless of their order in the request.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given) const;
 
-  /// Returns the JSON for GET /limits.
+  /// Returns the JSON for `parameters` in GET /limits: each parameter with its range and its synonyms (groups.hpp).
   nlohmann::json to_json() const;
   /// Returns the JSON for GET /patterns: every pattern, every material and every parameter.
   nlohmann::json patterns_to_json() const;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/parameters/assignments.hpp"
+#include "common/parameters/groups.hpp"
 
 namespace fracture {
 namespace {
@@ -248,8 +249,12 @@ std::string expectation(const ParameterSpec& spec) {
 
 Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter& raw) {
   const auto wrong = [&](const std::string& must) {
+    const std::string given = shown(raw.value);
+    const std::optional<std::string> meant =
+        spec.type == ParameterSpec::Type::kChoice ? choice_meant_by(spec, given) : std::nullopt;
     return fail(spec.name == "format" ? ErrorCode::kUnknownFormat : ErrorCode::kBadParameter,
-                "'" + spec.name + "' must " + must + "; it was '" + shown(raw.value) + "'.");
+                "'" + spec.name + "' must " + must + "; it was '" + given + "'." +
+                    (meant ? " Did you mean '" + *meant + "'?" : std::string()));
   };
   Expected<ParameterValue> value;
   if (spec.type == ParameterSpec::Type::kAssignments) return to_assignments(raw);

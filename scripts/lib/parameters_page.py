@@ -5,7 +5,7 @@
     parameters_page.py build/release/server/fracture-server --check     exits with 1 if a page differs from the tables
     parameters_page.py build/release/server/fracture-server --measure   prints new values of COSTS (needs valgrind)
 
-SUBJECTS must list every parameter exactly once; otherwise the script stops.
+The headings and their order come from common/parameters/groups.cpp.
 """
 import argparse
 import contextlib
@@ -26,34 +26,6 @@ PAGES = {"parameters": ROOT / "proto/parameters.md", "materials": ROOT / "proto/
 MONKEY = "/usr/share/assimp/models/BLEND/Suzanne_248.blend"  # Debian: assimp-testmodels
 
 FIRST = ["material", "fragments", "seed", "impacts", "unit"]
-SUBJECTS = [
-    ("The mesh", "",
-     ["format", "unit", "up", "nodes", "materials", "repair", "weld_tolerance", "sheets", "thickness", "shell", "shell_fraction",
-      "shell_ball", "contact_gap"]),
-    ("Several materials", "See also [A house of several materials](guides/several-materials.md).", ["assign"]),
-    ("Cuts", "For pictures, see [Patterns and materials](materials.md).",
-     ["material", "pattern", "sites", "levels", "seed", "lloyd", "density_from", "stretch", "grain", "grain_of", "stretch_matrix"]),
-    ("Ragged chunks", "These fragments consist of several cells.", ["cells_per_fragment", "size_spread"]),
-    ("Parameters of individual patterns", "",
-     ["points", "impacts", "radius", "exponent", "share", "clusters", "around", "axis", "spokes", "rings", "growth", "merge", "crushed", "jitter",
-      "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
-    ("Rough cuts", "Noise makes the cut faces uneven; the two sides of a cut still match.", ["rough_amplitude", "rough_frequency", "rough_octaves"]),
-    ("Number and size of fragments", "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
-     ["fragments", "parts", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
-    ("Regions without cuts", "", ["keep_center", "keep_radius", "keep_box"]),
-    ("Local hits", "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
-     ["local_point", "local_radius", "local_sites", "local_rest", "of", "delta", "local_new"]),
-    ("Break one fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
-    ("Anchors and support", "`report.support` shows the load on each bond, the bonds that are too weak, and the fragments that fall.",
-     ["anchor_plane", "anchor_box", "anchor_points", "gravity", "broken"]),
-    ("Appearance of the outside", "", ["exterior"]),
-    ("Appearance of the cuts", "", ["interior", "interior_color", "interior_mix", "interior_shade", "interior_opacity", "interior_crushed",
-                                "interior_roughness", "interior_metallic", "interior_material", "interior_name",
-                                "interior_detail", "interior_uv_scale", "interior_uv_u", "interior_uv_v"]),
-    ("Physics and engines", "", ["physics", "ue_collision", "max_hulls", "hull_excess", "intact", "pivot", "density", "mass", "friction",
-                                "restitution", "bond_strength", "contact_strength"]),
-    ("Barycentric cells", "The cells described in the paper that this project started from.", ["dual", "drop_above"]),
-]
 
 # Instructions of one `fracture-server bake` of the monkey with 50 sites on one thread, divided by those of `pattern=uniform`. An import
 # process reads the file, so reading is not included. --measure prints the values.
@@ -249,14 +221,8 @@ def material_values(materials):
     yield ""
 
 
-def check_tables(specs, patterns):
-    """Stops the script if a parameter, a cost or a picture is missing."""
-    listed = [name for _, _, names in SUBJECTS for name in names]
-    for name in specs:
-        if listed.count(name) != 1:
-            sys.exit(f"parameters_page: SUBJECTS lists '{name}' {listed.count(name)} times; list it once")
-    for name in set(listed) - set(specs):
-        sys.exit(f"parameters_page: SUBJECTS lists '{name}', which is not a parameter; remove it")
+def check_tables(patterns):
+    """Stops the script if a cost or a picture is missing."""
     for entries, key in (("patterns", "pattern"), ("materials", "material")):
         for entry in patterns[entries]:
             if key == "pattern" and f"{key}={entry['name']}" not in COSTS:
@@ -274,7 +240,7 @@ def head(title):
 
 def parameters_page(limits, patterns):
     specs = {spec["name"]: spec for spec in limits["parameters"]}
-    check_tables(specs, patterns)
+    check_tables(patterns)
     yield from head("Parameters")
     yield from wrapped(
         "This page is for people who choose parameters. Pass them in the query (`?fragments=80&seed=7`), in a form, in JSON "
@@ -301,13 +267,13 @@ def parameters_page(limits, patterns):
     yield "## Cost"
     yield ""
     yield from costs(patterns)
-    for title, words, names in SUBJECTS:
-        yield f"## {title}"
+    for group in limits["parameter_groups"]:
+        yield f"## {group['title']}"
         yield ""
-        if words:
-            yield words
+        if group["description"]:
+            yield group["description"]
             yield ""
-        for name in names:
+        for name in group["parameters"]:
             yield from section(specs[name], patterns["patterns"])
 
 

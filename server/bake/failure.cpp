@@ -10,6 +10,17 @@ std::string slug_in(const nlohmann::json& problem) {
   return type.substr(type.rfind('/') + 1);
 }
 
+/// Returns the line "known: Body, Lid" if the problem lists the names that exist, because its detail refers to this list.
+std::string known_in(const nlohmann::json& problem) {
+  const auto known = problem.find("known");
+  if (known == problem.end() || !known->is_array()) return "";
+  std::string line;
+  for (const nlohmann::json& name : *known)
+    if (name.is_string() && name != "")
+      line += (line.empty() ? "\n  known: " : ", ") + name.get<std::string>();
+  return line;
+}
+
 }  // namespace
 
 Outcome outcome_of(ErrorCode code) {
@@ -77,7 +88,7 @@ std::string to_lines(const Error& error) {
   std::string text = slug_in(problem) + ": " + first + "\n  " + error.detail;
   if (const auto errors = problem.find("errors"); errors != problem.end())
     for (std::size_t k = 1; k < errors->size(); ++k) text += "\n  " + (*errors)[k].value("detail", "");
-  return text;
+  return text + known_in(problem);
 }
 
 }  // namespace fracture::bake

@@ -11,11 +11,13 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
 #include "common/gltf/report_text.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/pipeline/overlaps.hpp"
+#include "server/bake/failure.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/cli/options.hpp"
@@ -104,8 +106,7 @@ int refuse(const InspectOptions& options, const Error& error) {
                                    {"figures", *error.extra}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else {
-    std::printf("%s: refused: %s: %s\n  %s\n", options.input.c_str(), slug(error.code), title(error.code),
-                error.detail.c_str());
+    std::printf("%s: refused: %s\n", options.input.c_str(), printable_lines(bake::to_lines(error)).c_str());
   }
   return exit_code(error.code);
 }

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <map>
 
-#include "common/parameters/as_text.hpp"
+#include "common/parameters/groups.hpp"
+#include "common/base/nearest_name.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "server/cli/help.hpp"
 #include "server/cli/program.hpp"
 #include "server/cli/serve_settings.hpp"
 #include "server/cli/spelling.hpp"
@@ -65,32 +67,39 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
       std::string(kExitCodesInWords));
 }
 
-constexpr const char* kParameterGroup = "Parameters, as in a request to the server (written with - or _)";
-
-/// Adds the parameters as text options. The service's table validates them, as it does for HTTP requests.
-void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service) {
-  const ParameterTable table(service.max_sites, FormatSet::all());
-  for (const ParameterSpec& spec : table.specs()) {
-    CLI::Option* option = app.add_option_function<std::string>(
-        both_spellings(spec.name),
-        [&parameters, name = spec.name](const std::string& value) {
-          parameters.push_back({name, value, true});
-        },
-        spec.name == "format" ? "Mesh format, if the file name does not show it" : spec.doc);
-    option->group(kParameterGroup)->type_name("");
-    if (!spec.default_value.is_null()) option->default_str(as_text(spec.default_value).value_or(""));
-  }
+void add_parameter(CLI::App& app, std::vector<RawParameter>& parameters, const ParameterSpec& spec,
+                   const std::string& heading) {
+  app.add_option_function<std::string>(
+         both_spellings(spec.name),
+         [&parameters, name = spec.name](const std::string& value) {
+           parameters.push_back({name, value, true});
+         },
+         values_of(spec) +
+             (spec.name == "format" ? "Mesh format, if the file name does not show it" : spec.doc))
+      ->group(heading)
+      ->type_name(placeholder_of(spec));
 }
 
-void add_threads(CLI::App& app, int& threads, const char* doc) {
+/// Adds the parameters as text options, under the headings of the documents. The service's table validates them, as it does for HTTP
+/// requests.
+void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const ServiceConfig& service) {
+  const ParameterTable table(service.max_sites, FormatSet::all());
+  for (const ParameterGroup& group : parameter_groups())
+    for (const GroupedParameter& row : group.parameters)
+      if (const ParameterSpec* spec = table.find(row.name))
+        add_parameter(app, parameters, *spec, "Parameters: " + std::string(group.title));
+}
+
+void add_threads(CLI::App& app, int& threads, const char* doc, const char* heading) {
   app.add_option("--threads", threads, doc)
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(heading);
 }
 
 /// Adds an option for a number of bytes, with an optional suffix KiB, MiB or GiB.
-void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* doc) {
+void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* doc, const char* heading) {
   app.add_option_function<std::string>(
          name,
          [name, &bytes](const std::string& text) {
@@ -102,13 +111,25 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
            bytes = *given;
          },
          doc)
-      ->type_name("BYTES");
+      ->type_name("BYTES")
+      ->group(heading);
 }
 
 /// Validator: an empty value usually comes from an unset variable in a script, so it is an error.
 std::string not_empty(const std::string& text) { return text.empty() ? "a name is missing: it was ''" : ""; }
 
+Insertion insertion_of(const std::string& value) {
+  if (value == "cavity") return Insertion::kCavity;
+  if (value == "flips") return Insertion::kFlips;
+  const std::vector<std::string> choices{"cavity", "flips"};
+  const std::optional<std::string> meant = nearest_name(value, choices);
+  throw CLI::ValidationError("--insertion", "must be cavity or flips; it was '" + value + "'" +
+                                                (meant ? ". Did you mean '" + *meant + "'?" : ""));
+}
+
 void add_bake(CLI::App& app, BakeOptions& o) {
+  constexpr const char *kFilesGroup = "Files", *kWorkGroup = "Many meshes",
+                       *kSayGroup = "Messages and failures";
   app.add_option("input", o.source.inputs,
                  "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input")
       ->type_name("");
@@ -117,56 +138,68 @@ void add_bake(CLI::App& app, BakeOptions& o) {
          "For one mesh: the file to write. .glb or no extension: GLB. .gltf: a single JSON document. .obj (with "
          ".mtl and textures), .ply, .stl: geometry and appearance only. - is standard output. For several "
          "meshes: a folder, in which sub/barrel.obj becomes sub/barrel.obj.glb")
-      ->type_name("PATH");
+      ->type_name("PATH")
+      ->group(kFilesGroup);
   app.add_option("--manifest", o.source.manifest,
                  "Instead of input and --output: a file with one {\"input\": ..., \"output\": ..., "
                  "\"parameters\": {...}} per line; paths are relative to the file")
       ->type_name("FILE")
-      ->check(not_empty);
+      ->check(not_empty)
+      ->group(kFilesGroup);
   app.add_option(
          "--rules", o.source.rules,
          "JSON file that sets parameters for meshes by path, node or material: {\"rules\": [{\"match\": "
          "{\"path\": \"*_glass*\"}, \"parameters\": {\"material\": \"glass\"}}, ...]}. The first rule "
          "that matches applies. The rule overrides the command line; a manifest line overrides the rule")
       ->type_name("FILE")
-      ->check(not_empty);
+      ->check(not_empty)
+      ->group(kFilesGroup);
   app.add_flag("--explain", o.explain,
-               "Only print which rule matches each mesh, why it matches, and the parameters that result");
+               "Only print which rule matches each mesh, why it matches, and the parameters that result")
+      ->group(kFilesGroup);
   app.add_option("-j,--jobs", o.jobs, "Meshes computed at the same time; 0: one per core, or 8 with --server")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kWorkGroup);
   add_threads(app, o.threads,
-              "Threads for a single mesh; 0: one per core. Several meshes use one thread each");
+              "Threads for a single mesh; 0: one per core. Several meshes use one thread each", kWorkGroup);
   add_bytes(app, "--memory", o.memory,
             "Memory for all meshes computed at the same time, divided evenly among -j meshes; default: three "
-            "quarters of the memory of this machine or its control group");
+            "quarters of the memory of this machine or its control group",
+            kWorkGroup);
   app.add_option("--shard", o.shard,
                  "I/N: bake every N-th mesh, starting with mesh I (0 to N - 1); auto/N: take I from "
                  "FRACTURE_SHARD, JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID")
-      ->type_name("I/N");
+      ->type_name("I/N")
+      ->group(kWorkGroup);
   app.add_option(
          "--report", o.source.report,
          "Write a report with one JSON line per mesh to this file; the next run keeps the outputs that "
          "still match the report. Default: bake.ndjson in the output folder, or MANIFEST.report")
       ->type_name("FILE")
-      ->check(not_empty);
-  app.add_flag("--force", o.force, "Make all outputs again, even those that are up to date");
+      ->check(not_empty)
+      ->group(kWorkGroup);
+  app.add_flag("--force", o.force, "Make all outputs again, even those that are up to date")
+      ->group(kWorkGroup);
   app.add_option("--allow-refused", o.allow_refused, "Exit with 0 if at most this many meshes were refused")
       ->type_name("N")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kWorkGroup);
   app.add_option("--depfile", o.source.depfile,
                  "For one mesh: write a make or Ninja rule that lists the files from which the output "
                  "was made")
       ->type_name("FILE")
-      ->check(not_empty);
+      ->check(not_empty)
+      ->group(kFilesGroup);
   app.add_option("--keep-failures", o.source.failures,
                  "Save to this folder each failure caused by a bug in this program, and each result that "
                  "fails its check: mesh, parameters, versions and the command that reproduces it; at most "
                  "100 failures and 1 GiB")
       ->type_name("FOLDER")
-      ->check(not_empty);
-  app.add_flag("-q,--quiet", o.quiet, "Print no progress, notes or summary");
+      ->check(not_empty)
+      ->group(kSayGroup);
+  app.add_flag("-q,--quiet", o.quiet, "Print no progress, notes or summary")->group(kSayGroup);
 
   constexpr const char* kLookGroup = "Pictures of the results, drawn by the client's fracture-render";
   app.add_option("--preview", o.source.preview,
@@ -183,7 +216,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->group(kLookGroup);
   app.add_option("--preview-size", o.preview_size,
-                 "Width and height in pixels, 64 to 2048; default: 512 for one mesh, 256 for several")
+                 "Width and height in pixels; default: 512 for one mesh, 256 for several")
       ->check(CLI::Range(64, 2048))
       ->type_name("N")
       ->group(kLookGroup);
@@ -200,13 +233,10 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->group(kLookGroup);
 
   constexpr const char* kWatchGroup = "Flags for examining the algorithm; they do not change the output";
-  app.add_option(
-         "--insertion", o.insertion,
+  app.add_option_function<std::string>(
+         "--insertion", [&o](const std::string& value) { o.insertion = insertion_of(value); },
          "How sites are inserted into the Delaunay tetrahedralization: by cavities, or by flips as in "
          "the source paper (the number of flips is then printed)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Insertion>{{"cavity", Insertion::kCavity},
-                                                                           {"flips", Insertion::kFlips}})
-                      .description(""))
       ->type_name("cavity|flips")
       ->default_str("cavity")
       ->group(kWatchGroup);
@@ -250,13 +280,13 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - > fragments.glb\n\n" +
       std::string(kExitCodesInWords) +
       " bake exits with 3 if more meshes than --allow-refused were refused. After 130, finished files "
-      "are kept; run the same command again to continue.");
+      "are kept; run the same command again to continue. Parameters can be written with - or _.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_option("input", o.input, "Mesh file; - is standard input")->required();
   app.add_flag("--json", o.json, "Print the report as JSON");
-  add_threads(app, o.threads, "Computing threads; 0: one per core");
+  add_threads(app, o.threads, "Computing threads; 0: one per core", "Options");
   add_parameters(app, o.parameters, o.service);
   app.footer(kExitCodesInWords);
 }

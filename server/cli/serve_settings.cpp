@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "common/base/nearest_name.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/cli/memory_plan.hpp"
 #include "server/http/auth.hpp"
@@ -50,6 +51,12 @@ std::optional<std::string> first_line(const std::string& path) {
   if (!std::getline(file, line)) return std::nullopt;
   if (!line.empty() && line.back() == '\r') line.pop_back();
   return line.empty() ? std::nullopt : std::optional(line);
+}
+
+/// Returns the format that is most similar to a wrong name: "; did you mean blend?".
+std::string nearest_format(const std::string& name) {
+  const std::optional<std::string> nearest = nearest_name(name, FormatSet::all().names());
+  return nearest ? "; did you mean " + *nearest + "?" : ", such as blend or fbx";
 }
 
 /// Refuses inconsistent settings for Redis and signatures.
@@ -302,7 +309,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   judge_tiers(o, refuse);
   for (const std::string& name : o.enabled_formats)
     if (!format_from_extension(name))
-      refuse("enable-format: '" + name + "' is not a known format, such as blend or fbx");
+      refuse("enable-format: '" + name + "' is not a known format" + nearest_format(name));
   for (const std::string& origin : o.server.cors_origins)
     if (origin != "*" && !is_origin(origin))
       refuse("cors-origin must be '*' or scheme://host[:port] without a path; it was '" + origin + "'");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/text.hpp"
+#include "common/base/nearest_name.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -38,6 +39,12 @@ std::vector<std::string> split(const std::string& text) {
   return items;
 }
 
+/// Returns " (nearest: warn)"; empty if no choice is similar.
+std::string nearest_of(const std::string& given, const std::vector<std::string>& choices) {
+  const std::optional<std::string> nearest = nearest_name(given, choices);
+  return nearest ? " (nearest: " + *nearest + ")" : "";
+}
+
 Setting make(std::string name, std::string type, std::string doc,
              Setting::Kind kind = Setting::Kind::kValue) {
   Setting setting;
@@ -46,6 +53,14 @@ Setting make(std::string name, std::string type, std::string doc,
   setting.doc = std::move(doc);
   setting.kind = kind;
   return setting;
+}
+
+/// Returns "; did you mean max-body?"; empty if no setting is similar.
+std::string nearest_setting(const std::string& name, std::span<const Setting> settings) {
+  std::vector<std::string> names;
+  for (const Setting& setting : settings) names.push_back(setting.name);
+  const std::optional<std::string> nearest = nearest_name(name, names);
+  return nearest ? "; did you mean " + *nearest + "?" : "";
 }
 
 /// Returns whether the value is a number in JSON and TOML syntax.
@@ -120,7 +135,7 @@ Setting choice(std::string name, std::string& target, std::vector<std::string> c
   setting.set = [&target,
                  choices = std::move(choices)](const std::string& given) -> std::optional<std::string> {
     if (std::find(choices.begin(), choices.end(), given) == choices.end())
-      return "must be one of " + join(choices);
+      return "must be one of " + join(choices) + nearest_of(given, choices);
     target = given;
     return std::nullopt;
   };
@@ -181,7 +196,8 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
     const std::string where = path + ": " + item.fullname();
     const Setting* const setting = item.parents.empty() ? find(settings, item.name) : nullptr;
     if (!setting)
-      errors.push_back(where + " is not a setting (--print-config lists them)");
+      errors.push_back(where + " is not a setting" + nearest_setting(item.name, settings) +
+                       " (--print-config lists them)");
     else if (given.contains(item.name) ||  // the parser merges adjacent entries with the same name
              (setting->kind != Setting::Kind::kList && item.inputs.size() != 1))
       errors.push_back(where + " must be given once, with one value");

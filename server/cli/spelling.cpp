@@ -6,30 +6,10 @@
 #include <vector>
 
 #include "common/base/nearest_name.hpp"
+#include "common/parameters/groups.hpp"
 
 namespace fracture::cli {
 namespace {
-
-std::string with_dashes(std::string name) {
-  std::replace(name.begin(), name.end(), '_', '-');
-  return name;
-}
-
-class HelpFormatter : public CLI::Formatter {
- public:
-  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
-    if (is_positional) return CLI::Formatter::make_option_name(option, is_positional);
-    std::vector<std::string> names;
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-    for (const std::string& name : option->get_lnames())
-      if (const std::string shown = "--" + with_dashes(name);
-          std::find(names.begin(), names.end(), shown) == names.end())
-        names.push_back(shown);
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
-    return text;
-  }
-};
 
 /// Adds the long names of all options, including those in option groups, spelt with dashes.
 void add_options(const CLI::App& app, std::vector<std::string>& names) {
@@ -44,9 +24,12 @@ std::string unknown_option(const CLI::App& app, const std::string& word) {
   const std::string given = word.substr(0, word.find('='));
   std::vector<std::string> names;
   add_options(app, names);
-  const std::string bare = given.substr(std::min(given.find_first_not_of('-'), given.size()));
-  const std::optional<std::string> nearest = nearest_name(with_dashes(bare), names);
-  return "there is no option " + given + (nearest ? "; did you mean --" + *nearest + "?" : "");
+  for (std::string& name : names)
+    std::replace(name.begin(), name.end(), '-', '_');  // as parameters are spelt
+  std::string bare = given.substr(std::min(given.find_first_not_of('-'), given.size()));
+  std::replace(bare.begin(), bare.end(), '-', '_');
+  const std::optional<std::string> nearest = parameter_meant_by(bare, names);
+  return "there is no option " + given + (nearest ? "; did you mean --" + with_dashes(*nearest) + "?" : "");
 }
 
 /// Returns the first option that the app did not recognize.
@@ -58,12 +41,15 @@ std::optional<std::string> unknown_option_of(const CLI::App& app) {
 
 }  // namespace
 
+std::string with_dashes(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
 std::string both_spellings(const std::string& parameter) {
   const std::string dashes = with_dashes(parameter);
   return "--" + dashes + (dashes == parameter ? "" : ",--" + parameter);
 }
-
-std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
 
 std::optional<std::string> unknown_word(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();

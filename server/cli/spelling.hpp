@@ -2,25 +2,23 @@
 // Suggests corrections for misspelt options and commands.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 
 namespace CLI {
 class App;
-class FormatterBase;
 }  // namespace CLI
 
 namespace fracture::cli {
 
+/// Returns the name with dashes instead of underscores.
+std::string with_dashes(std::string name);
+
 /// Returns the names of a parameter's option for CLI::App::add_option(): "--max-fragments,--max_fragments".
 std::string both_spellings(const std::string& parameter);
 
-/// Formatter for help: of two spellings of a name, it shows only the one with dashes.
-std::shared_ptr<CLI::FormatterBase> help_formatter();
-
 /// Called after parsing failed. Returns a sentence with the first option or command that does not exist and
-/// the most similar one, or nothing if something else was wrong. The sentence replaces the less clear one of
+/// the most similar one or the one with this synonym, or nothing if something else was wrong. The sentence replaces the less clear one of
 /// CLI11.
 std::optional<std::string> unknown_word(const CLI::App& app);
 

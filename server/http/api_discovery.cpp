@@ -1,6 +1,7 @@
 // Describes the interface: index, limits, patterns, OpenAPI and problem pages. Also the health probes.
 #include <algorithm>
 
+#include "common/parameters/groups.hpp"
 #include "common/pipeline/algorithm_version.hpp"
 #include "server/http/api.hpp"
 #include "server/http/prefer.hpp"
@@ -84,7 +85,8 @@ nlohmann::ordered_json Api::describe_limits() const {
           {"max_wait_s", kLongestWait.count()},
           {"max_parameters_bytes", kMaxSmallBody},
           {"formats", service_.parameters().formats().names()},
-          {"parameters", service_.parameters().to_json()}};
+          {"parameters", service_.parameters().to_json()},
+          {"parameter_groups", parameter_groups_json()}};
 }
 
 Response Api::get_patterns() const { return lasting(patterns_text_); }

@@ -48,6 +48,7 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
       const least = width <= 760 || finger ? LEAST : CLOSE, name = path.join(pictures, `small-${width}${finger ? '-finger' : ''}`);
       await page.getByRole('slider', { name: 'Level' }).waitFor();
       assert.deepEqual(await wrong(page, 'header', width <= 760 ? LEAST : 28), []);
+      assert.deepEqual(await wrong(page, '.samples', least), [], 'the samples');
       assert.deepEqual(await wrong(page, '#viewport', LEAST), [], 'at the bench');
       await page.screenshot({ path: `${name}.png` });
       const under = await page.evaluate(() => {
@@ -55,6 +56,13 @@ describe('on a small screen', { skip, timeout: 300_000 }, () => {
         return document.elementFromPoint((left + right) / 2, (top + bottom) / 2).tagName;
       });
       assert.equal(under, 'CANVAS', 'a handle is dragged that lies under the words of the status');
+      // With a selected and a hidden fragment the list has all its controls.
+      await page.evaluate(() => {
+        const { fracture } = globalThis, [one, other] = fracture.state.shown.answer.fragments;
+        fracture.choose([other.id]);
+        fracture.hideChosen();
+        fracture.choose([one.id]);
+      });
       for (const tab of ['Mesh', 'Fragments', 'Export', 'Break']) {
         await page.getByRole('tab', { name: tab }).click();
         await page.waitForFunction(said => document.querySelector('#panel').getAttribute('aria-labelledby') === said, `tab-${{ Fragments: 'pieces', Export: 'take' }[tab] ?? tab.toLowerCase()}`);

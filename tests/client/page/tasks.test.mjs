@@ -64,7 +64,7 @@ for (const [width, height] of [[1280, 800], [360, 740]])
       await row.waitFor();
       await eventually(async () => [await page.getByRole('table').locator('tbody tr').first().textContent(), await row.textContent()], ([first, chosen]) => assert.equal(first, chosen));
       smallest = await row.getByRole('button').textContent();
-      await eventually(() => page.getByRole('region', { name: 'Sizes' }).textContent(), said => assert.match(said, new RegExp(smallest)));
+      await eventually(() => page.getByRole('region', { name: 'Selection' }).textContent(), said => assert.match(said, new RegExp(smallest)));
     });
 
     test('the curl line is taken away, and gives the same pieces', async t => {

@@ -10,8 +10,8 @@ import { promisify } from 'node:util';
 import { source } from './support.mjs';
 
 const { Asker, Gestures, History, parseNumbers, textOf, readLink, trianglesOf, samples, parametersOf, meshesOf, underPattern, placesIn, withoutPlaces, firstPlace, withoutPlace,
-  handlesOf, presetOf, readPreset, countRemark, remarkLists, withChoice, choiceButtons, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
-  'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'panels/choices', 'take/snippets', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
+  handlesOf, found, presetOf, readPreset, countRemark, remarkLists, withChoice, choiceButtons, snippets, Ray, Vector3 } = await source('service/asker', 'state/request', 'panels/lists', 'take/link', 'mesh/preview', 'mesh/samples', 'mesh/files',
+  'state/places', 'scene/gizmos', 'take/presets', 'panels/remarks', 'panels/choices', 'take/snippets', 'panels/finding', '../node_modules/three/src/math/Ray.js', '../node_modules/three/src/math/Vector3.js');
 
 describe('Asker', () => {
   /** An Asker whose questions are answered when the test says so. */
@@ -191,6 +191,23 @@ test('LinksThatAreNoneAreNotFollowed', () => {
 test('HitsBecomeParameters', () => {
   assert.deepEqual(parametersOf({ settings: { sites: 5 }, hits: [{ point: [1, 2, 3], radius: 0.1 }] }),
     { sites: 5, local_point: [[1, 2, 3]], local_radius: [0.1], local_rest: 'fractured' });
+});
+
+test('TheSitesOfAHitAreGivenToAllHitsIfOneHasThem', () => {
+  const hits = [{ point: [1, 2, 3], radius: 0.1 }, { point: [4, 5, 6], radius: 0.2, sites: 80 }];
+  assert.deepEqual(parametersOf({ settings: {}, hits }).local_sites, [30, 80]);
+  assert.deepEqual(readLink('#sample=cube&hits=[[1,2,3,0.5,80]]').wish.hits, [{ point: [1, 2, 3], radius: 0.5, sites: 80 }]);
+});
+
+describe('search', () => {
+  const parameters = [
+    { name: 'radius', description: 'Radius of the area with pieces.' }, { name: 'fragments', description: 'Number of fragments.', synonyms: ['pieces', 'shards'] },
+    { name: 'rough_amplitude', description: 'How far noise moves cut faces.', synonyms: ['jagged'] },
+  ];
+  const names = search => found(parameters, search).map(({ name }) => name);
+  test('ASynonymComesBeforeADescription', () => assert.deepEqual(names('pieces'), ['fragments', 'radius']));
+  test('EveryWordMustOccurInAnyOrder', () => assert.deepEqual([names('noise rough'), names('noise pieces')], [['rough_amplitude'], []]));
+  test('SpacesAreUnderscores', () => assert.deepEqual(names('Rough Amp'), ['rough_amplitude']));
 });
 
 /** Some parameters as /limits describes them. */

@@ -103,5 +103,12 @@ TEST(BakeFailure, EverythingThatIsWrongIsSaidInALineOfItsOwn) {
   EXPECT_EQ(to_problem(error).at("errors"), errors);
 }
 
+TEST(BakeFailure, TheNamesThatAMessageRefersToAreShown) {
+  const Error error{ErrorCode::kBadParameter, "The member 'known' lists the names.", "nodes",
+                    Figures(json{{"known", {"lid", "body"}}})};
+  EXPECT_EQ(to_lines(error), std::string("bad-parameter: ") + title(error.code) +
+                                 "\n  The member 'known' lists the names.\n  known: lid, body");
+}
+
 }  // namespace
 }  // namespace fracture::bake

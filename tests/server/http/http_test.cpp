@@ -224,6 +224,7 @@ TEST(Http, DiscoveryDescribesThisServer) {
   EXPECT_EQ(server.get("/version").json().at("algorithm"), kAlgorithmVersion);
   EXPECT_EQ(server.get("/limits").json().at("max_body_bytes"), 12345);
   EXPECT_EQ(server.get("/limits").json().at("parameters").at(0).at("name"), "material");
+  EXPECT_EQ(server.get("/limits").json().at("parameter_groups").at(0).at("title"), "The mesh");
   EXPECT_EQ(server.get("/openapi.json").json().at("openapi"), "3.1.0");
   EXPECT_EQ(server.get("/version", "Accept: text/html\r\n").status, 406);
   const Reply text = server.get("/llms.txt");

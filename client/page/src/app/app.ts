@@ -115,6 +115,35 @@ export class App {
     else next.delete(id);
     this.choose(next);
   }
+  /** Selects the fragment that was clicked in the view, and shows what can be done with it. */
+  chooseInView(id: number, more: boolean): void {
+    this.toggle(id, more);
+    if (this.state.look.chosen.size > 0) this.set({ tab: 'pieces' });
+  }
+  /** Fills the view with the selected fragments. */
+  frameChosen(): void {
+    const { view, stage } = this, around = view?.around(this.state.look.chosen);
+    if (around) stage?.aim(around.center, around.radius);
+  }
+  /** Hides the selected fragments and ends the selection. */
+  hideChosen(): void {
+    const { chosen, hidden } = this.state.look;
+    this.look({ hidden: new Set([...hidden, ...chosen]), chosen: new Set() });
+  }
+  showAll(): void {
+    this.look({ hidden: new Set() });
+  }
+  /** Gives a fragment a name, which the list and saved files use. The server's name is used again if the text is empty or equals it. */
+  nameFragment(id: number, text: string): void {
+    const names = new Map(this.state.names), name = text.trim();
+    if (name === '' || name === this.state.shown?.answer.fragment(id)?.name) names.delete(id);
+    else names.set(id, name);
+    this.set({ names });
+  }
+  nameOf({ id, name }: { id: number; name: string }): string {
+    return this.state.names.get(id) ?? name;
+  }
+
   /** Selects a fragment and moves the fragments apart, because it may be hidden among the others. */
   chooseAndShow(id: number): void {
     this.look({ chosen: new Set([id]), explode: Math.max(0.5, this.state.look.explode) });

@@ -3,6 +3,8 @@ import { type Answer, FractureError, type Mesh, type ParameterValue, type Vector
 import { Asker } from '../service/asker';
 import { firstPlace, placesIn, withoutPlace } from '../state/places';
 import { Gestures, type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
+import { localProblem } from '../take/problems';
+import { words } from '../words/words';
 import type { App } from './app';
 import type { Shown } from './state';
 
@@ -39,6 +41,13 @@ export class Breaking {
   }
   owns(settings: Settings): void {
     this.own = settings;
+  }
+  /** Returns the settings with which a mesh of the user starts: it looks as it is, so it has no material, and nothing that the page chose
+   * for a sample. */
+  startOf(settings: Settings): Settings {
+    const { service } = this.app, kept = Object.fromEntries(Object.entries(settings).filter(([name, value]) => name !== 'material' && JSON.stringify(this.own[name]) !== JSON.stringify(value)));
+    const start = kept['exterior'] === 'material' ? withSetting(kept, 'exterior', undefined) : kept;
+    return underPattern({ settings: start, hits: [] }, service.patternOf(start), service.parameters, 1).settings;
   }
   cancel(): void {
     this.asker.cancel();
@@ -89,9 +98,13 @@ export class Breaking {
   /** Handles a click with the Hit tool, which breaks the area around the point. The first click also sets the pattern's impact, if
    * the pattern uses impacts. */
   hitAt(point: Vector3): void {
-    const { wish, shown, radius } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
+    const { wish, shown, radius, sites } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
     if (!shown || this.asker.busy) return;
-    const hit = { point: rounded, radius };
+    if (this.onlyOne !== undefined) {
+      this.app.set({ problem: localProblem(words.pieces.noHit) });
+      return;
+    }
+    const hit = { point: rounded, radius, ...(sites === undefined ? {} : { sites }) };
     if (wish.settings['impacts'] === undefined && wish.hits.length === 0 && this.takesImpacts(wish.settings)) {
       this.wishFor({ hits: [hit], settings: { ...wish.settings, impacts: [rounded] } }, 'impacts', true);
       return;
@@ -113,6 +126,22 @@ export class Breaking {
     return patterns.find(({ name }) => name === pattern)?.parameters.some(({ name }) => name === 'impacts') ?? false;
   }
 
+  /** The fragment of which only the pieces are shown; undefined if the whole mesh is shown. */
+  get onlyOne(): number | undefined {
+    return this.app.state.wish.settings['fragment'] as number | undefined;
+  }
+  /** Breaks a fragment again. The answer contains only the pieces of this fragment. */
+  again(id: number): void {
+    const { wish } = this.app.state;
+    this.app.set({ look: { ...this.app.state.look, chosen: new Set(), hidden: new Set() } });
+    this.wishFor({ ...wish, settings: { ...wish.settings, fragment: id } }, '', true);
+  }
+  /** Shows the whole mesh again. */
+  allFragments(): void {
+    const { wish } = this.app.state, settings = Object.fromEntries(Object.entries(wish.settings).filter(([name]) => !/^fragment(_|$)/.test(name)));
+    this.wishFor({ ...wish, settings }, '', true);
+  }
+
   /** Removes all hits and impacts, and requests an answer without them. */
   clearHits(): void {
     this.wishFor({ settings: withSetting(this.app.state.wish.settings, 'impacts', undefined), hits: [] }, '', true);
@@ -121,7 +150,7 @@ export class Breaking {
   private async answerTo({ wish, hitOn }: Question, signal: AbortSignal): Promise<Answer> {
     // Two retries, because the server may have forgotten the mesh, which is then sent again.
     const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
-    if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, options);
+    if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, { ...options, ...(hitOn.hit.sites === undefined ? {} : { sites: hitOn.hit.sites }) });
     const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
     void this.estimate(mesh, wish, signal);
     return mesh.fracture(parametersOf(wish), options);
@@ -141,9 +170,9 @@ export class Breaking {
   }
 
   async showAnswer(answer: Answer, wish: Wish, toAnswer: number, at: number): Promise<void> {
-    const still = new Set([...this.app.state.look.chosen].filter(id => answer.fragment(id)));
+    const { look } = this.app.state, [still, hidden] = [look.chosen, look.hidden].map(ids => new Set([...ids].filter(id => answer.fragment(id)))) as [Set<number>, Set<number>];
     const source = this.app.bringing.sourceOf(answer) ?? this.app.state.source;
-    this.app.set({ source, problem: undefined, refused: undefined, job: undefined, look: { ...this.app.state.look, chosen: still } });
+    this.app.set({ source, problem: undefined, refused: undefined, job: undefined, look: { ...look, chosen: still, hidden } });
     const shown: Shown = { answer, wish, toAnswer, toPicture: 0 };
     await this.app.view?.show(answer, false);
     // If the user is playing, physics restarts with the new fragments.
@@ -152,7 +181,9 @@ export class Breaking {
     this.app.view?.apply(this.app.state.look);
     this.app.view?.mark([]);
     this.app.showPlaces();
+    const alone = (before: Shown | undefined) => before?.answer.parameters['fragment'] as number | undefined, turned = alone(this.app.state.shown) !== alone(shown);
     this.app.set({ shown });
+    if (turned) this.app.fit();
     if (plays) void this.app.playing.enter();
     await this.app.stage?.drawn();
     if (this.app.marks.at['picture'] === undefined) {
@@ -169,6 +200,11 @@ export class Breaking {
     // This takes too long for a live answer, so it becomes a job with progress.
     if (['deadline-exceeded', 'overloaded', 'over-share', 'request-timeout', 'timed-out'].includes(problem)) {
       void this.runJob(question);
+      return;
+    }
+    // The fragment that was broken again does not exist with these settings.
+    if (problem === 'no-such-fragment' && this.onlyOne !== undefined && this.app.state.wish === question.wish) {
+      this.allFragments();
       return;
     }
     // Settings of the user take precedence over those that the page chose.

@@ -165,12 +165,15 @@ export class Bringing {
     this.app.breaking.history.clear();
     this.before = undefined;
     this.app.playing.leave();
-    this.app.set({ source, bringing: undefined, shown: undefined, wanted: undefined, note });
+    if (!source.sample) this.app.breaking.owns({});
+    // A repair or a unit opens the same mesh again; its fragments keep the names that the user gave them.
+    const names = source.mesh.id === this.app.state.source?.mesh.id ? this.app.state.names : new Map<number, string>();
+    this.app.set({ source, bringing: undefined, shown: undefined, wanted: undefined, note, names });
     this.app.breaking.ask(wish);
     await this.app.view?.show(source.whole, true);
     this.app.view?.repaired(source.whole);
     this.app.view?.mark([]);
-    this.app.set({ wish, radius: Number((0.12 * (this.app.view?.size ?? 1)).toPrecision(2)), look: { ...this.app.state.look, explode: firstState().look.explode, chosen: new Set() } });
+    this.app.set({ wish, radius: Number((0.12 * (this.app.view?.size ?? 1)).toPrecision(2)), look: { ...this.app.state.look, explode: firstState().look.explode, chosen: new Set(), hidden: new Set() } });
     this.app.view?.apply({ ...this.app.state.look, explode: 0 });
   }
 
@@ -183,10 +186,11 @@ export class Bringing {
     const names = new Set(this.app.service.parameters.map(({ name }) => name));
     return Object.fromEntries(Object.entries(settings).filter(([name]) => names.has(name)));
   }
-  /** Returns the settings that also make sense for another mesh. These exclude points and regions. */
+  /** Returns the settings that also make sense for another mesh. These exclude points, regions and the material. */
   private keepable(settings: Settings): Settings {
     const solid = this.app.service.solidParameters;
-    return Object.fromEntries(Object.entries(withoutPlaces(settings, this.app.service.parameters)).filter(([name]) => !solid.has(name)));
+    const kept = Object.fromEntries(Object.entries(withoutPlaces(settings, this.app.service.parameters)).filter(([name]) => !solid.has(name)));
+    return this.app.breaking.startOf(kept);
   }
 }
 

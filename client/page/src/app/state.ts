@@ -2,6 +2,7 @@
 import type { Answer, Estimate, FractureError, JobDocument, Mesh, MeshInput } from 'fracture-client';
 import type { Look } from '../scene/view';
 import type { Wish } from '../state/request';
+import type { Names } from '../take/pieces';
 
 /** A mesh offered by the server; `file` is relative to /page/. */
 export interface Offered {
@@ -71,6 +72,10 @@ export interface State {
   tool: Tool;
   /** The radius of the next hit, in metres. */
   radius: number;
+  /** The number of sites that the next hit adds; undefined: the server's default. */
+  sites: number | undefined;
+  /** The names that the user gave to fragments, by id. */
+  names: Names;
   look: Look;
   tab: Tab;
   sheet: Sheet;
@@ -87,9 +92,9 @@ export interface State {
 
 export const firstState = (): State => ({
   source: undefined, bringing: undefined, wanted: undefined, wish: { settings: {}, hits: [] }, shown: undefined, unmet: undefined, problem: undefined, refused: undefined, note: undefined, leftOut: undefined, offered: [],
-  inFlight: 0, expected: undefined, job: undefined, tool: 'hit', radius: 0.1,
+  inFlight: 0, expected: undefined, job: undefined, tool: 'hit', radius: 0.1, sites: undefined, names: new Map(),
   look: {
-    explode: 0.18, cutsOnly: false, colours: 'material', level: 99, bonds: false, wireframe: false, repairs: false, person: false, chosen: new Set(),
+    explode: 0.18, cutsOnly: false, colours: 'material', level: 99, bonds: false, wireframe: false, repairs: false, person: false, chosen: new Set(), hidden: new Set(),
   },
   tab: 'break', sheet: undefined, filter: '', more: false, sort: { by: 'volume', down: true }, rows: 50, play: undefined, webgl: true, lost: false,
 });

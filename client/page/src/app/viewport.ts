@@ -105,7 +105,7 @@ export function use(app: App, x: number, y: number, more = false): void {
     return;
   }
   if (tool === 'select') {
-    if (picked.id !== undefined) app.toggle(picked.id, more);
+    if (picked.id !== undefined) app.chooseInView(picked.id, more);
   } else if (tool === 'aim') app.breaking.aimAt(picked.point as Vector3);
   else app.breaking.hitAt(picked.point as Vector3);
 }

@@ -23,6 +23,8 @@ export const icons = {
   seal: icon(svg`<path d="M10 2.500l6 2v5.500c0 4-2.600 6.500-6 7.500-3.400-1-6-3.500-6-7.500V4.500z"/><path d="M7 10l2.200 2.200L13.200 8"/>`),
   unsealed: icon(svg`<path d="M10 2.500l6 2v5.500c0 4-2.600 6.500-6 7.500-3.400-1-6-3.500-6-7.500V4.500z"/><path d="M10 6.500v4.500M10 13.300v.200"/>`),
   dice: icon(svg`<rect x="3.500" y="3.500" width="13" height="13" rx="2.500"/><path d="M7 7v.100M13 13v.100M10 10v.100M13 7v.100M7 13v.100" class="dots"/>`),
+  none: html`<svg class="icon none" viewBox="0 0 44 44" aria-hidden="true"><rect x="1" y="1" width="42" height="42" rx="7"/><path d="M6 38 38 6"/></svg>`,
+  open: icon(svg`<path d="M2.500 16V4.500h5l1.500 2h6.500v2.500M2.500 16l2.500-7h13l-2.500 7z"/>`),
   reset: icon(svg`<path d="M5 5l10 10M15 5 5 15"/>`),
   file: icon(svg`<path d="M10 13V4M6.500 7.500 10 4l3.500 3.500M3.500 13v3.500h13V13"/>`),
 };

@@ -1,12 +1,10 @@
 // The mesh panel: choose a mesh, and see the report on it.
 import { html, nothing, type TemplateResult } from 'lit';
 import type { App } from '../app/app';
-import { chosenFiles } from '../mesh/files';
-import { samples } from '../mesh/samples';
 import { words } from '../words/words';
 import { choiceButtons } from './choices';
 import { bytes, digits, metric, title } from './format';
-import { icons } from './icons';
+import { chooser, offersSamples, sampleChips } from './opening';
 import { remarkLists } from './remarks';
 
 export function meshPanel(app: App): TemplateResult {
@@ -15,25 +13,14 @@ export function meshPanel(app: App): TemplateResult {
     ${wanted ? html`<div class="notice"><b>${words.mesh.wanted(wanted.name)}</b> ${words.mesh.wantedHint}<div class="mono wrap">${wanted.mesh}</div></div>` : nothing}
     ${note === 'digest' ? html`<div class="notice">${words.mesh.otherDigest}</div>` : nothing}
     <section aria-label=${words.mesh.of}>
-      <div class="row">
-        ${chooser(app, words.mesh.file, false)}${chooser(app, words.mesh.folder, true)}
-      </div>
+      <div class="row">${chooser(app, words.mesh.folder, true)}</div>
       <p class="hint">${words.mesh.drop}: ${words.mesh.dropMore}</p>
-      <h3>${words.mesh.samples}</h3>
-      <div class="chips">${samples.map(({ name }) => html`<button class="chip" aria-pressed=${source?.sample === name}
-        ?disabled=${app.service.state !== 'ready'} @click=${() => app.bringing.sample(name)}>${name}</button>`)}${app.state.offered.map(offer => html`<button class="chip" aria-pressed=${source?.fetched === true && source.label === offer.name}
-        title=${bytes(offer.bytes)} ?disabled=${app.service.state !== 'ready'} @click=${() => void app.bringing.offered(offer)}>${offer.name}</button>`)}</div>
+      ${offersSamples(app) ? nothing : html`<h3>${words.mesh.samples}</h3><div class="chips">${sampleChips(app)}</div>`}
+      ${app.state.offered.length === 0 ? nothing : html`<h3>${words.mesh.offered}</h3>
+      <div class="chips">${app.state.offered.map(offer => html`<button class="chip" aria-pressed=${source?.fetched === true && source.label === offer.name}
+        title=${bytes(offer.bytes)} ?disabled=${app.service.state !== 'ready'} @click=${() => void app.bringing.offered(offer)}>${offer.name}</button>`)}</div>`}
     </section>
     ${source ? report(app) : nothing}`;
-}
-
-function chooser(app: App, label: string, folder: boolean): TemplateResult {
-  return html`<label class="button">${folder ? nothing : icons.file} ${label}<input class="hidden-input" type="file" multiple ?webkitdirectory=${folder}
-    @change=${(event: Event) => {
-      const input = event.target as HTMLInputElement, dropped = chosenFiles(input.files ?? []);
-      input.value = '';
-      if (dropped) app.whenReady(() => app.bringing.files(dropped));
-    }}></label>`;
 }
 
 function report(app: App): TemplateResult {

@@ -10,12 +10,14 @@ import { choiceButtons } from './choices';
 import { css } from './css';
 import { digits, kilograms, metric, milliseconds } from './format';
 import { remarkLists } from './remarks';
+import { onlyOneNotice, selected } from './selected';
 
 export function piecesPanel(app: App): TemplateResult {
-  const { shown, look: { chosen } } = app.state;
+  const { shown } = app.state;
   if (!shown) return html`<p class="hint">${words.pieces.none}</p>`;
-  const { answer } = shown, { fragments } = answer, [first] = chosen;
+  const { answer } = shown, { fragments } = answer;
   return html`
+    ${onlyOneNotice(app)}
     <section aria-label=${words.pieces.list}>
       <div class="row between"><h2>${words.pieces.count(fragments.length)}</h2>${sealButton(app)}</div>
       ${remarkLists(answer.warnings, answer.notes)}
@@ -26,11 +28,9 @@ export function piecesPanel(app: App): TemplateResult {
       <div class="row">
         <button @click=${() => find(app, extreme(fragments, -1))}>${words.pieces.smallest}</button>
         <button @click=${() => find(app, extreme(fragments, 1))}>${words.pieces.largest}</button>
-        ${chosen.size > 0 ? html`<button @click=${() => app.choose([])}>${words.pieces.unselect}</button>` : nothing}
       </div>
-      ${chosen.size > 1 ? html`<p class="hint">${words.pieces.selected(chosen.size)}</p>` : nothing}
-      ${chosen.size === 1 && first !== undefined ? details(answer.fragment(first)) : nothing}
     </section>
+    ${selected(app)}
     <section>${table(app, answer)}</section>
     <section aria-label=${words.pieces.timings}><h3>${words.pieces.timings}</h3>${timings(shown)}</section>`;
 }
@@ -42,12 +42,6 @@ const extreme = (fragments: readonly Fragment[], sign: 1 | -1): number =>
 function find(app: App, id: number): void {
   app.chooseAndShow(id);
   requestAnimationFrame(() => document.querySelector('.fragments tr.chosen')?.scrollIntoView({ block: 'nearest' }));
-}
-
-function details(fragment: Fragment | undefined): TemplateResult {
-  if (!fragment) return html``;
-  const { name, volume, mass, area, exteriorArea, hulls, anchored } = fragment;
-  return html`<p class="hint"><b>${name}</b> ${words.pieces.details(metric(volume, 3), kilograms(mass), metric(area, 2), metric(exteriorArea, 2))}, ${words.pieces.hulls(hulls.length)}${anchored ? `, ${words.pieces.anchored}` : ''}</p>`;
 }
 
 /** Draws a histogram of sizes with bars of equal width on a logarithmic scale. A click on a bar selects its fragments. */
@@ -65,14 +59,14 @@ function histogram(app: App, fragments: readonly Fragment[]): TemplateResult {
     <div class="row between hint"><span>${metric(10 ** low, 3)}</span><span>${metric(10 ** high, 3)}</span></div>`;
 }
 
-const VALUES: Record<State['sort']['by'], (fragment: Fragment) => number | string> = {
-  name: ({ name }) => name, volume: ({ volume }) => volume, mass: ({ mass }) => mass, triangles: ({ triangles }) => triangles.length,
+const VALUES: Record<State['sort']['by'], (fragment: Fragment, app: App) => number | string> = {
+  name: (fragment, app) => app.nameOf(fragment), volume: ({ volume }) => volume, mass: ({ mass }) => mass, triangles: ({ triangles }) => triangles.length,
 };
 
 function table(app: App, answer: Answer): TemplateResult {
-  const { sort, rows, look: { chosen } } = app.state, value = VALUES[sort.by];
+  const { sort, rows, look: { chosen, hidden } } = app.state, value = VALUES[sort.by];
   const sorted = [...answer.fragments].sort((a, b) => {
-    const [x, y] = [value(a), value(b)];
+    const [x, y] = [value(a, app), value(b, app)];
     return (sort.down ? -1 : 1) * (x < y ? -1 : x > y ? 1 : 0);
   });
   // A selected fragment is listed, however far down it is.
@@ -81,8 +75,8 @@ function table(app: App, answer: Answer): TemplateResult {
     <button class="plain" @click=${() => app.set({ sort: { by, down: sort.by === by ? !sort.down : by !== 'name' } })}>${label}<span aria-hidden="true" class="arrow">${sort.by === by ? (sort.down ? '▾' : '▴') : ''}</span></button></th>`;
   return html`<div class="scroll"><table class="fragments">
     <thead><tr>${head('name', words.pieces.name)}${head('volume', words.pieces.volume)}${head('mass', words.pieces.mass)}${head('triangles', words.pieces.triangles)}</tr></thead>
-    <tbody>${repeat(listed, ({ id }) => id, ({ id, name, volume, mass, triangles }, k) => html`<tr class="${chosen.has(id) ? 'chosen' : ''} ${k >= rows ? 'beyond' : ''}">
-      <td><button class="plain" aria-pressed=${chosen.has(id)} @click=${(event: MouseEvent) => app.toggle(id, event.ctrlKey || event.metaKey || event.shiftKey)}>${name}</button></td>
+    <tbody>${repeat(listed, ({ id }) => id, ({ id, name, volume, mass, triangles }, k) => html`<tr class="${chosen.has(id) ? 'chosen' : ''} ${hidden.has(id) ? 'hidden' : ''} ${k >= rows ? 'beyond' : ''}">
+      <td><button class="plain" aria-pressed=${chosen.has(id)} @click=${(event: MouseEvent) => app.toggle(id, event.ctrlKey || event.metaKey || event.shiftKey)}>${app.nameOf({ id, name })}</button></td>
       <td>${metric(volume, 3)}</td><td>${kilograms(mass)}</td><td>${(triangles.length / 3).toLocaleString('en')}</td></tr>`)}</tbody>
   </table></div>
   ${sorted.length > listed.length ? html`<button class="wide" @click=${() => app.set({ rows: rows + 200 })}>${words.pieces.more(sorted.length - listed.length)}</button>` : nothing}`;

@@ -11,6 +11,7 @@ import { css } from './css';
 import { milliseconds } from './format';
 import { icons } from './icons';
 import { meshPanel } from './mesh';
+import { chooser, sampleBar } from './opening';
 import { piecesPanel } from './pieces';
 import { playBar } from './playing';
 import { problemNotice } from './problem';
@@ -24,6 +25,7 @@ export function shell(app: App, canvas: HTMLCanvasElement): TemplateResult {
   const { tab } = app.state, panel = TABS.find(([name]) => name === tab)![1];
   return html`
     ${header(app)}
+    ${sampleBar(app)}
     <main class=${app.state.play ? 'playing' : ''}>
       <div class="viewport ${app.isOfEarlier ? 'earlier' : ''}" id="viewport">
         ${canvas}
@@ -64,7 +66,8 @@ function header(app: App): TemplateResult {
   const text = state === 'ready' ? words.header.ready(knowledge!.version.version, knowledge!.version.algorithm) : state === 'absent' ? words.header.away
     : state === 'token' ? words.header.token : words.header.connecting;
   return html`<header>
-    <h1><img src="/page/icon.svg" alt="" width="20" height="20">${words.title}</h1>
+    <h1><img src="/page/icon.svg" alt="" width="20" height="20"><span>${words.title}</span></h1>
+    ${chooser(app, words.mesh.open, false, 'primary')}
     <span class="mesh-name">${app.state.source?.label ?? ''}</span>
     <span class="server ${state}" role="status"><i></i><span>${text}</span></span>
     <span class="spring"></span>

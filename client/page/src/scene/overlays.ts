@@ -100,7 +100,8 @@ export class BondGraph {
       middle(b, to);
       const length = from.distanceTo(to);
       turn.setFromUnitVectors(up, to.clone().sub(from).divideScalar(length || 1));
-      matrix.compose(from.add(to).multiplyScalar(0.5), turn, scale.set(thick, length, thick));
+      const drawn = this.batch.poses.visible(a) && this.batch.poses.visible(b) ? thick : 0;
+      matrix.compose(from.add(to).multiplyScalar(0.5), turn, scale.set(drawn, drawn && length, drawn));
       this.bars.setMatrixAt(k, matrix);
     });
     this.bars.instanceMatrix.needsUpdate = true;

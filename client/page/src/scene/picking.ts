@@ -1,6 +1,6 @@
 // Finds the fragment under the pointer: first by the fragments' spheres, then by their triangles, at their drawn positions.
 import { Quaternion, Ray, Vector3 } from 'three';
-import type { Batch } from './batch';
+import type { Batch, DrawnPiece } from './batch';
 
 export interface Picked {
   /** The piece's index in its batch. */
@@ -14,15 +14,23 @@ export interface Picked {
   interior: boolean;
 }
 
-export function pick(batch: Batch, ray: Ray, sees: { exterior: boolean; interior: boolean }): Picked | undefined {
+/** The position of a piece. */
+export interface Placed {
+  at: readonly [number, number, number];
+  turn: Quaternion;
+}
+
+/** `place`: the place of a piece; by default, where it is drawn. */
+export function pick(batch: Batch, ray: Ray, sees: { exterior: boolean; interior: boolean }, place?: (piece: DrawnPiece) => Placed): Picked | undefined {
   const local = new Ray(), at = new Vector3(), turn = new Quaternion(), back = new Quaternion();
   const [a, b, c, found] = [new Vector3(), new Vector3(), new Vector3(), new Vector3()];
   let nearest = Infinity, picked: Picked | undefined;
   batch.pieces.forEach((piece, k) => {
     if (!batch.poses.visible(k)) return;
-    const pose = batch.poses.get(k);
-    at.set(...pose.at);
-    turn.set(...pose.turn);
+    const pose = batch.poses.get(k), own = place?.(piece);
+    at.set(...(own?.at ?? pose.at));
+    if (own) turn.copy(own.turn);
+    else turn.set(...pose.turn);
     back.copy(turn).invert();
     local.origin.copy(ray.origin).sub(at).applyQuaternion(back);
     local.direction.copy(ray.direction).applyQuaternion(back);

@@ -140,6 +140,17 @@ export class Stage {
     this.placed = { at: this.camera.position.clone(), target: middle.clone(), fit: this.distanceFor(1) };
   }
 
+  /** Moves the camera so that this sphere fills the view, in the direction in which it looks. Light and ground stay. */
+  aim(middle: Vector3, radius: number): void {
+    const distance = this.distanceFor(Math.max(1e-9, radius));
+    const along = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.room = 1;
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(along, Math.max(distance, this.controls.minDistance));
+    this.controls.update();
+    this.invalidate(false);
+  }
+
   /** The camera position that the stage chose, and `distanceFor(1)`. Until a user moves the camera, it follows the window size. */
   private placed: { at: Vector3; target: Vector3; fit: number } | undefined;
   private get isAsPlaced(): boolean {

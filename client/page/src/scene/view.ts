@@ -1,12 +1,13 @@
 // The contents of the stage: the whole mesh or its fragments, and how they are exploded, coloured and marked.
 import type { Answer } from 'fracture-client';
 import { materialsOf } from 'fracture-client/three';
-import { Color, DoubleSide, FrontSide, Group, type Material, Mesh, MeshBasicMaterial, Texture, Vector3 } from 'three';
+import { Color, DoubleSide, FrontSide, Group, type Material, Mesh, MeshBasicMaterial, type Sphere, Texture, Vector3 } from 'three';
+import { pickOnSurface } from './assembled';
 import { Batch } from './batch';
 import { clustersAt, type ColourMode, coloursOf } from './colours';
 import { dotsOf, type Handle, handlesOf } from './gizmos';
 import { BondGraph, disposeOf, hitSphere, markers, person, RED, repairsOf, ring } from './overlays';
-import { pick, type Picked } from './picking';
+import type { Picked } from './picking';
 import { plain } from './plain';
 import { rawMesh } from './raw';
 import { regionsOf } from './regions';
@@ -26,6 +27,8 @@ export interface Look {
   repairs: boolean;
   person: boolean;
   chosen: ReadonlySet<number>;
+  /** The fragments that are not drawn. */
+  hidden: ReadonlySet<number>;
 }
 
 /** The largest explode factor at which everything that the camera frames stays in the picture. */
@@ -57,6 +60,8 @@ export class View {
   private raw: ReturnType<typeof rawMesh> | undefined;
   private centers: Vector3[] = [];
   private middle = new Vector3();
+  /** The point from which exploded fragments move away. */
+  private readonly from = new Vector3();
   size = 1;
   private corners: Bounds = { low: [0, 0, 0], high: [1, 1, 1] };
   /** True while physics moves the fragments. The look then does not position them. */
@@ -96,6 +101,9 @@ export class View {
       this.stage.frame(min, max, true);
       this.stage.hold(SOON);
     } else this.stage.release();
+    // The pieces of one fragment that was broken again move away from their own centre.
+    const { min: low, max: high } = answer.parameters['fragment'] === undefined ? { min: this.middle, max: this.middle } : batch.bounds();
+    this.from.addVectors(low, high).multiplyScalar(0.5);
     this.centers = answer.fragments.map(({ centerOfMass }) => new Vector3(...centerOfMass));
     if (this.look) this.apply(this.look);
   }
@@ -118,6 +126,7 @@ export class View {
     this.look = look;
     if (!batch) return;
     if (!this.held) this.spread(batch, look);
+    batch.pieces.forEach(({ id }, k) => batch.poses.show(k, this.held || id === undefined || !look.hidden.has(id)));
     this.paint(batch, look);
     for (const mesh of batch.exterior) mesh.visible = !look.cutsOnly;
     for (const mesh of batch.interior) {
@@ -131,7 +140,7 @@ export class View {
       disposeOf(this.bonds.group);
       this.bonds = undefined;
     }
-    if (this.bonds && (before?.explode !== look.explode || before.level !== look.level)) this.bonds.update();
+    if (this.bonds && (before?.explode !== look.explode || before.level !== look.level || before.hidden !== look.hidden)) this.bonds.update();
     if (this.repairs) this.repairs.visible = look.repairs;
     this.haloes(batch, look);
     // The person is hidden if the mesh is far larger or smaller than a person, like a city or a nut.
@@ -144,6 +153,7 @@ export class View {
     this.held = true;
     this.rings.clear();
     this.reach.visible = false;
+    this.batch?.pieces.forEach((_, k) => this.batch!.poses.show(k, true));
   }
   /** Ends hold(): the look positions the fragments again. */
   letGo(look: Look): void {
@@ -162,7 +172,7 @@ export class View {
     const centerOf = new Map<number, Vector3>((levels?.['id'] as number[] ?? []).map((id, k) => [id, new Vector3(...levels!['center_of_mass'][k] as [number, number, number])]));
     const away = new Vector3();
     batch.answer.fragments.forEach(({ id, translation }, k) => {
-      away.copy(centerOf.get(clusters?.get(id) ?? -1) ?? this.centers[k]!).sub(this.middle).multiplyScalar(explode);
+      away.copy(centerOf.get(clusters?.get(id) ?? -1) ?? this.centers[k]!).sub(this.from).multiplyScalar(explode);
       batch.poses.place(k, translation[0] + away.x, translation[1] + away.y, translation[2] + away.z);
       batch.poses.turn(k, 0, 0, 0, 1);
     });
@@ -268,7 +278,15 @@ export class View {
 
   pick(x: number, y: number): Picked | undefined {
     if (!this.batch) return undefined;
-    return pick(this.batch, this.stage.ray(x, y), { exterior: !this.look?.cutsOnly, interior: true });
+    // Physics moves each fragment by itself, so there is no assembled surface.
+    const explode = this.held ? 0 : this.look?.explode ?? 0;
+    return pickOnSurface(this.batch, this.stage.ray(x, y), { exterior: !this.look?.cutsOnly, interior: true }, explode, this.from);
+  }
+
+  /** Returns a sphere around fragments where they are drawn; undefined if there are none. */
+  around(ids: ReadonlySet<number>): Sphere | undefined {
+    const { batch } = this, spheres = [...ids].flatMap(id => batch?.indexOf.get(id) ?? []).map(k => batch!.pieces[k]!.bounds.clone().translate(new Vector3(...batch!.poses.get(k).at)));
+    return spheres.length === 0 ? undefined : spheres.slice(1).reduce((all, each) => all.union(each), spheres[0]!);
   }
 
   /** Shows the sphere of a hit, or no sphere if `at` is undefined. */

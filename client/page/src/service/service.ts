@@ -69,6 +69,11 @@ export class Service {
     this.changed();
   }
 
+  /** The headings under which the documents list parameters. A parameter that is in none of them follows without a heading. */
+  get groups(): { title: string; description: string; parameters: string[] }[] {
+    return this.knowledge?.limits['parameter_groups'] ?? [];
+  }
+
   /** Every parameter once. `patterns` lists the patterns that use it; it is absent if all patterns do. */
   get parameters(): (ParameterDescription & { patterns?: string[] })[] {
     if (!this.knowledge) return [];

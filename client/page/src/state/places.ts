@@ -32,7 +32,7 @@ export const radiusOf = (center: string): string => center.replace(/_center$/, '
 
 /** Returns the settings that also apply to other meshes: no lists in metres, no planes, and no radius without its centre. */
 export function withoutPlaces(settings: Settings, parameters: readonly ParameterDescription[]): Settings {
-  const places = placesIn(parameters), gone = new Set(['local_radius', 'local_sites', 'broken']);  // for hits and fragments
+  const places = placesIn(parameters), gone = new Set(['local_radius', 'local_sites', 'broken', 'fragment', 'fragment_sites', 'fragment_seed']);  // for hits and fragments
   for (const { name, type, unit } of parameters) {
     const kind = places.get(name);
     if (type !== 'array' || (unit !== 'm' && kind !== 'plane')) continue;

@@ -7,7 +7,12 @@ export interface Hit {
   point: Vector3;
   /** In metres. */
   radius: number;
+  /** The number of sites that the hit adds; undefined: the server's default. */
+  sites?: number | undefined;
 }
+
+/** The server's default for local_sites. */
+export const HIT_SITES = 30;
 
 export interface Wish {
   settings: Settings;
@@ -19,6 +24,7 @@ export function parametersOf({ settings, hits }: Wish): Record<string, Parameter
   if (hits.length === 0) return { ...settings };
   return {
     ...settings, local_point: hits.map(({ point }) => point), local_radius: hits.map(({ radius }) => radius), local_rest: 'fractured',
+    ...(hits.some(({ sites }) => sites !== undefined) ? { local_sites: hits.map(({ sites = HIT_SITES }) => sites) } : {}),
   };
 }
 

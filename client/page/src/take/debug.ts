@@ -6,7 +6,7 @@ import { linkOf } from './link';
 export function debugInformation(app: App): string {
   const { source, shown, problem, wish, look } = app.state, { knowledge } = app.service;
   return JSON.stringify({
-    server: knowledge?.version, page: { link: source ? linkOf(app) : location.href, browser: navigator.userAgent, view: { ...look, chosen: [...look.chosen] } },
+    server: knowledge?.version, page: { link: source ? linkOf(app) : location.href, browser: navigator.userAgent, view: { ...look, chosen: [...look.chosen], hidden: [...look.hidden] } },
     mesh: source && { id: source.mesh.id, name: source.label, stored: source.mesh.stored },
     asked: parametersOf(wish),
     answer: shown && {

@@ -4,7 +4,9 @@ import type { App } from '../app/app';
 import { asProblem } from '../app/failures';
 import { parametersOf } from '../state/request';
 import { saveAs } from './browser';
+import { piecesAlone, renamed } from './pieces';
 
+const GLB = { type: 'model/gltf-binary' };
 const nameOf = (app: App, ending: string) => `${(app.state.source?.label ?? 'mesh').replace(/\.[^.]*$/, '')}_fragments${ending}`;
 
 export async function saveGlb(app: App, variant: Parameters): Promise<void> {
@@ -13,10 +15,18 @@ export async function saveGlb(app: App, variant: Parameters): Promise<void> {
   const changed = Object.entries(variant);
   try {
     const answer = changed.length === 0 ? shown.answer : await source.mesh.fracture({ ...parametersOf(shown.wish), ...variant });
-    saveAs(answer.blob(), nameOf(app, `${changed.map(([, value]) => `_${String(value)}`).join('')}.glb`));
+    saveAs(new Blob([renamed(answer.document, app.state.names) as BlobPart], GLB), nameOf(app, `${changed.map(([, value]) => `_${String(value)}`).join('')}.glb`));
   } catch (error) {
     if (!app.service.noticed(error)) app.set({ problem: asProblem(error) });
   }
+}
+
+/** Saves the selected fragments alone. */
+export function saveChosen(app: App): void {
+  const { shown, look: { chosen }, names } = app.state, [first] = chosen;
+  if (!shown || first === undefined) return;
+  const one = chosen.size === 1 ? shown.answer.fragment(first) : undefined, word = one ? app.nameOf(one).replace(/[^\p{L}\p{N}._-]+/gu, '_') : 'pieces';
+  saveAs(new Blob([piecesAlone(shown.answer.document, chosen, names) as BlobPart], GLB), nameOf(app, `_${word}.glb`));
 }
 
 /** Saves a sample, or a mesh offered by the server, because neither is on the user's disk. */

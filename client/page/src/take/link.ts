@@ -20,7 +20,7 @@ export function hashOf(app: App): string {
     parts.set('name', source.label);
   }
   parts.set('set', JSON.stringify(settings));
-  if (hits.length > 0) parts.set('hits', JSON.stringify(hits.map(({ point, radius }) => [...point, radius])));
+  if (hits.length > 0) parts.set('hits', JSON.stringify(hits.map(({ point, radius, sites }) => [...point, radius, ...(sites === undefined ? [] : [sites])])));
   return `#${parts}`;
 }
 export const linkOf = (app: App): string => `${location.origin}${location.pathname}${hashOf(app)}`;
@@ -32,8 +32,8 @@ export function readLink(hash: string): Link | undefined {
   try {
     const settings = JSON.parse(parts.get('set') ?? '{}') as Wish['settings'], hits = JSON.parse(parts.get('hits') ?? '[]') as number[][];
     if (typeof settings !== 'object' || settings === null || Array.isArray(settings) || !Array.isArray(hits)) return undefined;
-    const good = hits.filter(hit => Array.isArray(hit) && hit.length === 4 && hit.every(Number.isFinite));
-    return { sample, mesh, name: parts.get('name') ?? 'mesh', wish: { settings, hits: good.map(([x, y, z, radius]) => ({ point: [x!, y!, z!], radius: radius! })) } };
+    const good = hits.filter(hit => Array.isArray(hit) && (hit.length === 4 || hit.length === 5) && hit.every(Number.isFinite));
+    return { sample, mesh, name: parts.get('name') ?? 'mesh', wish: { settings, hits: good.map(([x, y, z, radius, sites]) => ({ point: [x!, y!, z!], radius: radius!, ...(sites === undefined ? {} : { sites }) })) } };
   } catch {
     return undefined;
   }
