@@ -133,11 +133,12 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
 }
 
 std::optional<std::string> likely_unit(const Vec3d& place, const Box& box) {
+  // A place in another unit is in the box, and not just near the origin because it was scaled down.
   const double near = kFarFromSolid * box.longest_side();
   const std::pair<double, const char*> units[] = {
       {0.01, "centimetres"}, {0.001, "millimetres"}, {0.0254, "inches"}};
   for (const auto& [metres, name] : units)
-    if (square_distance(box, metres * place) <= near * near) return name;
+    if (square_distance(box, metres * place) <= near * near && length(metres * place) >= near) return name;
   return std::nullopt;
 }
 

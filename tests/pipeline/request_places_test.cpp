@@ -102,7 +102,7 @@ TEST(RequestPlaces, PointsWithoutEffectAreNamed) {
     p.pattern = PointsPattern{std::move(points)};
     return fracture_mesh(cube(), p).report.remarks.warnings;
   };
-  EXPECT_TRUE(warnings({{0.1, 0, 0}, {-0.1, 0, 0}, {0.8, 0, 0}}).empty());
+  EXPECT_TRUE(warnings({{0.1, 0, 0}, {-0.1, 0, 0}, {0.55, 0, 0}}).empty());
   const auto equal = warnings({{0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 0}});
   EXPECT_TRUE(any_has(equal, "2 of the 'points' are at the places of others"));
   const auto outside = warnings({{10, 0, 0}, {20, 0, 0}});

@@ -196,8 +196,8 @@ TEST(FragmentNumber, ABudgetOfTrianglesThatDoesNotBindChangesNothing) {
   }
 }
 
-TEST(FragmentNumber, WhatCrumbsLeaveOfOnePartsShareOthersHave) {
-  // The hit is on a small part, and most of its cells are crumbs compared with the mean.
+TEST(FragmentNumber, ASmallPartThatIsHitHasItsShareAndNoCrumbs) {
+  // Half of the pieces are for the small part, and half are shared by volume.
   const Mesh mesh =
       with_traced_triangles(joined({box({0, 0, 0}, {10, 10, 10}), box({12, 0, 0}, {13, 1, 0.5})}));
   FractureParameters p =
@@ -206,8 +206,12 @@ TEST(FragmentNumber, WhatCrumbsLeaveOfOnePartsShareOthersHave) {
   const Fractured made = fracture_mesh(mesh, p);
   expect_sound(made.set, mesh);
   EXPECT_EQ(made.set.fragments.size(), 80u);
-  const double mean = made.solid.report.volume / 80;
-  for (const Fragment& f : made.set.fragments) EXPECT_GE(f.mass.volume, 0.999 * kLeastOfMean * mean);
+  const double all = 1000.5, small = 0.5;
+  const double share[] = {0.5 * 1000 / all, 0.5 + 0.5 * small / all}, volume[] = {1000, small};
+  std::map<std::uint32_t, std::uint32_t> counts = fragments_of_parts(made.set);
+  EXPECT_NEAR(counts[1], 40, 8);
+  for (const Fragment& f : made.set.fragments)
+    EXPECT_GE(f.mass.volume * share[f.part] / volume[f.part], 0.999 * kLeastOfMean / 80);
 }
 
 TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {

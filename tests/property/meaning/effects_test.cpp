@@ -275,11 +275,12 @@ TEST(Effects, EveryParameterHasACase) {
       "levels",   "keep_center", "keep_radius",       "local_point",    "local_radius",   "of",
       "delta",    "local_new",   "fragment",          "fragment_sites", "fragment_seed",  "hull_excess"};
   for (const Case& c : kCases) known.insert(c.parameter);
-  for (const ParameterSpec& row : ParameterTable(1'000, FormatSet()).specs())
+  const ParameterTable table(1'000, FormatSet());
+  for (const ParameterSpec& row : table.specs())
     EXPECT_TRUE(known.contains(row.name)) << "a value that should matter is missing for " << row.name;
   std::set<std::string> idle;
   for (const Case& c : kIdle) idle.insert(c.parameter);
-  for (const ParameterSpec& row : ParameterTable(1'000, FormatSet()).specs())
+  for (const ParameterSpec& row : table.specs())
     if (has_effect_check(row.name) && row.name != "hull_excess" && row.name != "mortar") {
       EXPECT_TRUE(idle.contains(row.name)) << row.name;
     }
