@@ -170,6 +170,8 @@ std::string placeholder_of(const ParameterSpec& spec) {
       return "X,Y,Z;...";
     case ParameterSpec::Type::kMatrix:
       return "A,B,C;D,E,F;G,H,I";
+    case ParameterSpec::Type::kAssignments:
+      return "SELECTOR:MATERIAL;...";
   }
   return "";
 }
