@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/parameters/groups.hpp"
 #include "common/base/nearest_name.hpp"
+#include "common/parameters/groups.hpp"
 
 namespace fracture {
 namespace {

@@ -338,8 +338,14 @@ nlohmann::json canonical_solid_parameters(const RequestParameters& parameters) {
 }
 
 nlohmann::json canonical_site_parameters(const RequestParameters& parameters) {
-  return canonical(parameters, false,
-                   [](const ParameterSpec& row) { return row.decides == Decides::kSites; });
+  nlohmann::json json =
+      canonical(parameters, false, [](const ParameterSpec& row) { return row.decides == Decides::kSites; });
+  // Barycentric cells have no frames and keep no region, so only then do they have other sites.
+  const FractureParameters& fracture = parameters.fracture;
+  if (fracture.dual == Dual::kBarycenter &&
+      (fracture.keep || std::holds_alternative<RadialPattern>(fracture.pattern)))
+    json["dual"] = "barycenter";
+  return json;
 }
 
 RequestParameters baseline_of(const RequestParameters& parameters) {

@@ -23,7 +23,6 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
            "tetrahedra's barycentres. These cells look softer, but the fragments overlap and leave gaps, and size limits never "
            "merge fragments."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
-  rows.back().decides = Decides::kSites;  // shapes of parts and kept regions decide the sites only without it
   rows.push_back(with_member(
       {.name = "drop_above",
        .type = Type::kNumber,

@@ -138,7 +138,7 @@ std::vector<ParameterSpec> solid_parameter_rows() {
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
-       .doc = 
+       .doc =
            "Break only these nodes (comma-separated names, patterns such as `Wall_*`, or indices), with all nodes below them; all other "
            "nodes stay whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));

@@ -10,8 +10,8 @@
 #include "common/contacts/contacts.hpp"
 #include "common/fragment/fragment_mesh.hpp"
 #include "common/fragment/sheet_mesh.hpp"
-#include "common/solid/sheet_surface.hpp"
 #include "common/pipeline/part_sets.hpp"
+#include "common/solid/sheet_surface.hpp"
 
 namespace fracture {
 namespace {

@@ -75,11 +75,13 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
     remarks.note(
         counted(faults.nonmanifold + faults.one_way, "non-manifold edge was", "non-manifold edges were") +
         " split, the first at " + place((*faults.first_nonmanifold)[0]) + ".");
-  const std::string of_thickness = std::string(" of the ") +
-                                   (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +
-                                   short_number(thickness) + " m";
+  const std::string of_thickness =
+      std::string(" of the ") +
+      (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +
+      short_number(thickness) + " m";
   if (const std::uint64_t sheets = report.sheets_thickened - report.rooms_walled; sheets > 0)
-    remarks.note(counted(sheets, "open sheet became a slab", "open sheets became slabs") + of_thickness + ".");
+    remarks.note(counted(sheets, "open sheet became a slab", "open sheets became slabs") + of_thickness +
+                 ".");
   if (report.rooms_walled > 0)
     remarks.note(counted(report.rooms_walled, "closed piece faces", "closed pieces face") +
                  " inwards, like a room that is seen from inside. " +

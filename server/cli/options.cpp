@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <map>
 
-#include "common/parameters/groups.hpp"
 #include "common/base/nearest_name.hpp"
+#include "common/parameters/groups.hpp"
 #include "common/pipeline/algorithm_version.hpp"
 #include "server/cli/help.hpp"
 #include "server/cli/program.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/base/text.hpp"
 #include "common/base/nearest_name.hpp"
+#include "common/base/text.hpp"
 
 namespace fracture::cli {
 namespace {

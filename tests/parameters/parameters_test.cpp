@@ -315,6 +315,17 @@ TEST(Parameters, OnlyWhatDecidesTheSitesIsInTheirKey) {
             key({{"pattern", "impact"}, {"impacts", "0,0,1"}}));
 }
 
+TEST(Parameters, BarycentricCellsHaveSitesOfTheirOwnOnlyWithAKeptRegionOrSpokes) {
+  const auto key = [](std::vector<RawParameter> given, const char* dual) {
+    given.push_back({"dual", dual});
+    return canonical_site_parameters(*table().parse(given)).dump();
+  };
+  for (const std::vector<RawParameter>& given :
+       {std::vector<RawParameter>{{"keep_box", "0,0,0;1,1,1"}}, {{"pattern", "radial"}}})
+    EXPECT_NE(key(given, "barycenter"), key(given, "circumcenter"));
+  EXPECT_EQ(key({}, "barycenter"), key({}, "circumcenter"));
+}
+
 TEST(Parameters, TheGapOfContactsDecidesTheSolidAndTheirStrengthTheAnswer) {
   const auto parsed = table().parse({{"contact_gap", "0.02"}, {"contact_strength", "0.5"}});
   ASSERT_TRUE(parsed);
