@@ -69,7 +69,8 @@ class Thickener {
       }
     }
     sort_with_polls(execution_, front.begin(), front.end());
-    if (!place_back_vertices(front)) {
+    // A mitre can move a corner exactly onto another one, next to a triangle that is as narrow as the thickness.
+    if (!place_back_vertices(front, true) && !place_back_vertices(front, false)) {
       // Without mirrored triangles, every seed in it gives this front. With them, another choice of sides may
       // work.
       lost_[shell] += front.size();
@@ -141,16 +142,19 @@ class Thickener {
 
   /// Returns the offset of each vertex of the front: the mean of the different normals of its triangles. Each direction counts
   /// once, however many triangles have it. So a corner of a box has the same distance from its three faces.
+  /// `mitred` false: the mean of all normals, weighted by area, and no mitre.
   template <class Index>
   std::vector<Offset> offsets_at(const std::vector<TriangleId>& front, std::size_t vertices,
-                                 const Index& index) {
+                                 const Index& index, bool mitred) {
     std::vector<std::size_t> first(vertices + 1, 0);
     std::vector<Vec3d> unit(front.size());
+    std::vector<double> weight(front.size(), 1);
     for (std::size_t i = 0; i < front.size(); ++i) {
       pacer_.step(8);
       const Triangle& c = surface_.triangles[front[i]];
       const Vec3d n = cross(at(c[1]) - at(c[0]), at(c[2]) - at(c[0]));
       if (const double size = length(n); size > 0) unit[i] = (1 / size) * n;
+      if (!mitred) weight[i] = length(n);
       for (const VertexId v : c) ++first[index(v) + 1];
     }
     for (std::size_t k = 0; k < vertices; ++k) first[k + 1] += first[k];
@@ -165,15 +169,16 @@ class Thickener {
       const std::span<const std::size_t> fan(of_vertex.data() + first[k], first[k + 1] - first[k]);
       Vec3d sum;
       for (std::size_t i = 0; i < fan.size(); ++i) {
-        const auto compared = fan.first(std::min(i, kCompared));
+        const auto compared = fan.first(mitred ? std::min(i, kCompared) : 0);
         const bool is_known = std::any_of(compared.begin(), compared.end(), [&](std::size_t j) {
           return dot(unit[fan[i]], unit[j]) > kSameNormal;
         });
-        if (!is_known) sum = sum + unit[fan[i]];
+        if (!is_known) sum = sum + weight[fan[i]] * unit[fan[i]];
       }
       const double l = length(sum);
       if (!(l > 0)) continue;
       offsets[k].normal = (1 / l) * sum;
+      if (!mitred) continue;
       for (const std::size_t i : fan)
         if (dot(unit[i], unit[i]) > 0)
           offsets[k].least = std::fmin(offsets[k].least, std::fmax(dot(offsets[k].normal, unit[i]), 0));
@@ -181,7 +186,8 @@ class Thickener {
     return offsets;
   }
 
-  bool place_back_vertices(const std::vector<TriangleId>& front) {
+  /// Returns false if the corners of a triangle or of a wall would coincide, so that the front cannot be moved.
+  bool place_back_vertices(const std::vector<TriangleId>& front, bool mitred) {
     std::vector<VertexId> vertices;
     for (const TriangleId t : front) {
       pacer_.step();
@@ -193,7 +199,7 @@ class Thickener {
       return static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
                                       vertices.begin());
     };
-    const std::vector<Offset> offsets = offsets_at(front, vertices.size(), index);
+    const std::vector<Offset> offsets = offsets_at(front, vertices.size(), index, mitred);
     std::vector<Vec3f> back(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       pacer_.step();

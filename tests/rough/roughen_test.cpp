@@ -237,8 +237,10 @@ TEST(Roughen, TheSameBytesForAnyNumberOfThreads) {
 TEST(Roughen, CellsThatStayTogetherAreInNobodysWay) {
   FractureParameters p = rough(300, 0.02, 5, 1);
   const auto calmed = [&] { return fracture_roughly(cube(), p).report.rough_cuts.value().calmed_vertices; };
+  p.sites = 6 * 300;
   const std::uint64_t apart = calmed();
-  p.keep = Region{.center = box_of(cube()).center(), .radius = 0.3};
+  p.sites = 300;
+  p.aggregation.cells = 6;
   EXPECT_LE(calmed(), apart + 5);
 }
 

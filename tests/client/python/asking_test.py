@@ -222,7 +222,7 @@ class Sending(unittest.TestCase):
             self.assertEqual([a.field("Priority") for a in server.asked], ["u=3", "u=1", "u=1", "u=3"])
 
     def test_parameters_beyond_the_paths_limit_go_with_the_mesh_as_a_form(self):
-        points = [[k / 7, 0, 0] for k in range(400)]
+        points = [[k / 7, 0, 0] for k in range(5000)]
         with FaultServer(known) as server, Client(server.url, settings=quick()) as client:
             client.put(b"glTFmesh").fracture(pattern="points", points=points)
             form = server.asked[1]

@@ -108,7 +108,7 @@ class Contract(unittest.TestCase):
                              (put(["/problems/tea"], *problem), "the problem tea"),
                              (put(["queued", "steeping"], "components", "schemas", "JobState", "enum"), "steeping"),
                              (put({}, "components", "schemas", "Job", "properties", "tea"), "the member tea"),
-                             (lambda document: document["paths"].pop("/limits"), "getLimits is no operation")):
+                             (lambda document: document["paths"].pop("/limits"), "getLimits is no longer an operation")):
             document = copy.deepcopy(interface())
             change(document)
             self.assertTrue(any(said in offence for offence in offences(document)), said)

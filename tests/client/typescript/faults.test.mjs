@@ -207,7 +207,7 @@ test('an answer over the limit is refused unread', async t => {
 
 test('parameters over the limit go with the mesh, or nowhere', async t => {
   const server = await fake(t, ({ target }) => (target === '/fracture' ? fragments() : stored(meshId)));
-  const client = new Client(server.url), points = Array.from({ length: 500 }, (_, k) => [k, 0.25, -k]);
+  const client = new Client(server.url), points = Array.from({ length: 5000 }, (_, k) => [k, 0.25, -k]);
   await (await client.put(mesh)).fracture({ pattern: 'points', points });
   assert.match(server.requests.at(-1).body.toString(), /name="params"\r\nContent-Type: application\/json\r\n\r\n\{"pattern":"points","points":\[\[0,0\.25,0\]/);
   const before = server.requests.length;

@@ -156,7 +156,7 @@ TEST(RemoteBaker, AsksForGltfWhereThatIsWanted) {
 TEST(RemoteBaker, ParametersTooLongForThePathOfAMeshGoWithIt) {
   Farm farm;
   json points = json::array();
-  for (int k = 0; k < 400; ++k) points.push_back({k * 0.001, 0.5, -k * 0.002});
+  for (int k = 0; k < 5000; ++k) points.push_back({k * 0.001, 0.5, -k * 0.002});
   expect_local_file(*baker_for(farm), {.parameters = {{"pattern", "points"}, {"points", points}}});
   EXPECT_EQ(farm.count("POST /fracture "), 1);
   EXPECT_EQ(farm.count("PUT "), 0);

@@ -351,7 +351,7 @@ TEST_F(BakeRulesTest, ParametersOfARuleAreCheckedWithThoseOfTheCommandLineBefore
   const ParameterTable table{100'000, FormatSet::all()};
   const auto parse = [&](const std::vector<RawParameter>& given) { return table.parse(given); };
   const RuleFile file = rules(R"({"rules": [{"match": {"path": "a"}, "parameters": {"sites": 7}},
-                                            {"match": {"path": "b"}, "parameters": {"impacts": [[0, 0, 0]]}}]})");
+                                            {"match": {"path": "b"}, "parameters": {"radius": 0.1}}]})");
   const std::vector<RawParameter> impact{{"pattern", "impact", true}};
   EXPECT_TRUE(check_rules(file, impact, parse));
   const auto alone = check_rules(file, {}, parse);

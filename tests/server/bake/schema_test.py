@@ -137,7 +137,7 @@ class Schemas(unittest.TestCase):
                 fits.validate(line)
             self.assertEqual([line["status"] for line in lines],
                              ["made", "made", "refused", "unreadable", "unwritable", "refused"], turn)
-            self.assertIn("outside", lines[1]["warnings"][0])
+            self.assertIn("contains nothing of the mesh", lines[1]["warnings"][0])
             self.assertIn("1 hole was filled", lines[1]["notes"][0])
             self.assertFalse({"warnings", "notes"} & set(lines[0]), "nothing to say of a box")
             self.assertEqual(lines[5]["problem"]["known"], ["lid"])
@@ -194,7 +194,7 @@ class Schemas(unittest.TestCase):
         ended = self.bake("--manifest", "m", "--rules", "r", "--explain", "--seed", "3", "--sites", "9")
         self.assertEqual(ended.returncode, 0, ended.stderr)
         self.assertEqual(ended.stdout.splitlines(), [
-            "box.obj -> a.glb", "  rule 1 of r: node 'l?d' matches 'lid'", '  material="glass"  (rule 1)',
+            "box.obj -> a.glb", "  rule 1 of r: node 'l?d' matches 'lid'", '  assign=l?d:glass  (rule 1)',
             "  seed=3  (command line)", "  sites=4  (line 1 of the manifest)", "open.obj -> b.glb",
             "  no rule of r matches", "  seed=3  (command line)", "  sites=9  (command line)"])
         self.write("r", rule({"path": "*.fbx"}))

@@ -200,7 +200,8 @@ TEST(Meshes, TheBodyOfACollisionIsSmallAndJson) {
   TestServer server;
   const std::string path = "/meshes/" + id_of("mesh");
   server.put(path, "mesh");
-  EXPECT_EQ(server.post_json(path + "/fracture", "{\"sites\": 1" + std::string(70'000, ' ') + "}").status, 413);
+  EXPECT_EQ(server.post_json(path + "/fracture", "{\"sites\": 1" + std::string(70'000, ' ') + "}").status,
+            413);
   EXPECT_EQ(server.post(path + "/fracture", "{}", "Content-Type: text/plain\r\n").problem(),
             "unsupported-media-type");
   EXPECT_EQ(server.post_json(path + "/fracture", "[]").problem(), "bad-json");
