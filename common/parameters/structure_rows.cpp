@@ -94,7 +94,9 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000,
-       .doc = "The smallest fragments are merged until at most this many fragments are left. 0: no limit."},
+       .doc =
+           "The smallest fragments are merged until at most this many fragments are left. Pieces broken off by hits "
+           "(`local_point`) do not count. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
@@ -104,7 +106,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .max = 1'000'000'000,
        .doc =
            "The smallest fragments are merged until all fragments together have at most this many triangles. A limit below the "
-           "triangle count of the uncut mesh has no effect. 0: no limit."},
+           "triangle count of the uncut mesh has no effect. Pieces broken off by hits (`local_point`) do not count. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }

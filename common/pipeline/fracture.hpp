@@ -63,7 +63,8 @@ struct FractureParameters : SiteParameters {
   double contact_strength = 1;
 };
 
-/// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
+/// The reusable result for (mesh, site parameters): the pattern's sites and their tetrahedralization. Hits have diagrams of
+/// their own (local_impact.hpp).
 struct Diagram {
   std::vector<Vec3d> sites;
   std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
@@ -73,10 +74,9 @@ struct Diagram {
   Remarks remarks{};                      ///< about the sites
   Tetrahedralization tetrahedralization;  ///< canonical
   SplitFigures split{};                   ///< effect of FractureParameters::max_volume
-  std::size_t of_pattern = 0;             ///< number of `sites`, from the first one, that are not of hits
 };
 
-/// Makes the diagram. Errors: those of plan_sites() and tetrahedralize(), or an interruption.
+/// Makes the diagram. Errors: those of plan_sites(), tetrahedralize() and check_sites_of_hits(), or an interruption.
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings);
 

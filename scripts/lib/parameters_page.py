@@ -40,7 +40,8 @@ SUBJECTS = [
     ("Number and size of fragments", "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
      ["fragments", "parts", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
     ("Regions without cuts", "", ["keep_center", "keep_radius", "keep_box"]),
-    ("Local hits", "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
+    ("Local hits", "The guide [compares local hits with `impacts`](guides/more-pieces-where-it-is-hit.md). "
+     "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
      ["local_point", "local_radius", "local_sites", "local_rest", "of", "delta", "local_new"]),
     ("Break one fragment again", "", ["fragment", "fragment_sites", "fragment_seed"]),
     ("Anchors and support", "`report.support` shows the load on each bond, the bonds that are too weak, and the fragments that fall.",
