@@ -161,8 +161,7 @@ class Assembler {
             for (const CutVertexId v : face->v) *index++ = exterior_vertex(v, face->source);
             continue;
           }
-          if (is_cap(face->source))
-            add_cap(static_cast<std::uint32_t>(index - out_.indices.data()), s_.caps);
+          if (is_cap(face->source)) add_cap(static_cast<std::uint32_t>(index - out_.indices.data()), s_.caps);
           // Regions of one facet share their plane but not their vertices. The faces of a region are
           // consecutive and in the order of its triangles.
           if (face->source != flat) {

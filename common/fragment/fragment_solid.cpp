@@ -158,7 +158,8 @@ class Builder {
       s.parts.push_back({{}, largest, {}, 0, f_.triangle_parts.empty() ? f_.node : part.node, part.color});
     }
     std::vector<exact::VolumeSum> sums;
-    for (const std::uint32_t t : first_of_shell_) sums.emplace_back(to_double(s.positions[s.triangles[t][0]]));
+    for (const std::uint32_t t : first_of_shell_)
+      sums.emplace_back(to_double(s.positions[s.triangles[t][0]]));
     for (std::size_t t = 0; t < triangle_count(); ++t) {
       pacer_.step(8);
       const auto& v = s.triangles[t];

@@ -93,9 +93,8 @@ Rest rest_of_changed(const Solid& solid, const BrokenSolid& broken, const Change
     bodies.fragments.push_back(&kept->fragment);
     bodies.hulls.push_back(&kept->hulls);
   }
-  Rest rest =
-      find_rest(bodies, cells_of_bodies(parameters, broken.map, broken.cut.set.certificate.islands),
-                rest_tolerance(solid), parameters.filters, execution);
+  Rest rest = find_rest(bodies, cells_of_bodies(parameters, broken.map, broken.cut.set.certificate.islands),
+                        rest_tolerance(solid), parameters.filters, execution);
   keep_rest_of(rest, changes.numbers, changes.delta);
   return rest;
 }
@@ -118,8 +117,9 @@ CutCells::Whole figures_of(const BrokenSolid& broken, const Execution& execution
 }
 
 /// Bonds with at least one new or changed fragment, across caps and across parts.
-std::vector<Bond> changed_bonds(const Solid& solid, const BrokenSolid& broken, const std::vector<char>& wanted,
-                                const FractureParameters& parameters, const Execution& execution) {
+std::vector<Bond> changed_bonds(const Solid& solid, const BrokenSolid& broken,
+                                const std::vector<char>& wanted, const FractureParameters& parameters,
+                                const Execution& execution) {
   Pacer pacer(execution);
   std::vector<Bond> bonds;
   for (const Bond& bond : broken.cut.set.bonds) {
@@ -175,8 +175,8 @@ Expected<std::optional<FracturedSolid>> only_changed(const Solid& solid, const B
     bond.b = index[bond.b];
   }
   point_upwards(cut.set.bonds, execution);
-  Expected<FracturedSolid> completed = complete(solid, broken.notes, parameters, std::move(cut),
-                                                {*broken.points, broken.map}, execution);
+  Expected<FracturedSolid> completed =
+      complete(solid, broken.notes, parameters, std::move(cut), {*broken.points, broken.map}, execution);
   if (!completed) return tl::unexpected(std::move(completed.error()));
   completed->delta = std::move(delta);
   return std::move(*completed);
@@ -191,7 +191,8 @@ std::size_t memory_size(const FracturedBase& base) {
   if (broken.points) bytes += heap(*broken.points);
   for (const SharedFragment& kept : broken.fragments) bytes += memory_size(*kept);
   for (const FragmentHulls& hulls : base.stated_hulls)
-    for (const CollisionHull& hull : hulls.hulls) bytes += sizeof hull + heap(hull.points) + heap(hull.triangles);
+    for (const CollisionHull& hull : hulls.hulls)
+      bytes += sizeof hull + heap(hull.points) + heap(hull.triangles);
   return bytes;
 }
 
@@ -236,7 +237,8 @@ Expected<KeptAnswer> fracture_delta(const Solid& solid, const FracturedBase& bas
     if (auto hit = apply_hits(solid, parameters, broken, execution); !hit)
       return tl::unexpected(std::move(hit.error()));
     Changes changes = changes_between(base.broken, broken, execution);
-    const bool as_stated = base.stated_hulls.empty();  // unchanged fragments have the hulls that the answer stated
+    const bool as_stated =
+        base.stated_hulls.empty();  // unchanged fragments have the hulls that the answer stated
     if (new_hits.only_changed && as_stated) {
       auto part = only_changed(solid, broken, changes, parameters, execution);
       if (!part) return tl::unexpected(std::move(part.error()));

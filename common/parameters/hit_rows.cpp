@@ -108,9 +108,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "What the hits break. `whole`: the mesh, and each part that no hit reaches stays one piece. `fractured`: the pieces "
-           "that the pattern makes. What is left of a piece keeps its ID. If `of` refers to an answer without hits, `fractured` "
-           "always applies."},
+           "The pieces that the hits break. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
+           "`fractured`: the pieces that the pattern makes. The remaining part of a piece keeps its ID. If `of` refers to an answer "
+           "without hits, `fractured` always applies."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;

@@ -145,8 +145,8 @@ class Hit {
           continue;
         }
         // Islands of one cell have the same name, and are numbered in their order.
-        const auto island = static_cast<std::uint64_t>(
-            std::count(made.names.begin(), made.names.begin() + static_cast<std::ptrdiff_t>(k), made.names[k]));
+        const auto island = static_cast<std::uint64_t>(std::count(
+            made.names.begin(), made.names.begin() + static_cast<std::ptrdiff_t>(k), made.names[k]));
         f.id = mix64(mix64(mix64(id, broken_.hits + 1), made.names[k]), island) >> 11;
         fresh.emplace_back(f.id, &f);
       }
@@ -314,9 +314,9 @@ class Hit {
   BrokenSolid& broken_;
   const Execution& execution_;
   Pacer pacer_;
-  std::vector<std::uint32_t> touched_;                  // numbers of the fragments that are cut, ascending
-  std::vector<std::optional<PiecesOfFragment>> made_;   // for each of them
-  std::vector<std::uint32_t> first_;                    // per fragment before: its number or that of its first piece
+  std::vector<std::uint32_t> touched_;                 // numbers of the fragments that are cut, ascending
+  std::vector<std::optional<PiecesOfFragment>> made_;  // for each of them
+  std::vector<std::uint32_t> first_;  // per fragment before: its number or that of its first piece
 };
 
 }  // namespace
@@ -324,8 +324,8 @@ class Hit {
 Expected<void> apply_hits(const Solid& solid, const FractureParameters& parameters, BrokenSolid& broken,
                           const Execution& execution) {
   for (; broken.hits < parameters.hits.size(); ++broken.hits) {
-    Expected<HitCells> cells = cells_of_hit(solid, parameters, parameters.hits, broken.hits,
-                                            broken.notes.remarks, execution);
+    Expected<HitCells> cells =
+        cells_of_hit(solid, parameters, parameters.hits, broken.hits, broken.notes.remarks, execution);
     if (!cells) return tl::unexpected(std::move(cells.error()));
     SiteFigures& figures = broken.notes.figures;
     figures.given += cells->sites + cells->duplicates;

@@ -21,8 +21,8 @@ struct BrokenSolid {
   std::shared_ptr<const std::vector<Vec3d>> points;
   CellMap map{};
   bool with_hulls = false;
-  double surface_area = 0;  ///< m², of all fragments without caps
-  std::size_t hits = 0;     ///< number of hits so far
+  double surface_area = 0;                 ///< m², of all fragments without caps
+  std::size_t hits = 0;                    ///< number of hits so far
   LocalRest rest = LocalRest::kFractured;  ///< what the first hit broke
 };
 

@@ -102,9 +102,8 @@ CollisionHull common_of(CollisionHull hull, const CollisionHull& within, const V
     if (!(l > 0)) continue;
     const Vec3d normal = (1 / l) * n;
     const double offset = dot(normal, a);
-    const bool reaches_out = std::any_of(hull.points.begin(), hull.points.end(), [&](const Vec3f& p) {
-      return dot(normal, to_double(p)) > offset;
-    });
+    const bool reaches_out = std::any_of(hull.points.begin(), hull.points.end(),
+                                         [&](const Vec3f& p) { return dot(normal, to_double(p)) > offset; });
     if (reaches_out) hull = trimmed(hull, normal, offset, execution);
     if (hull.triangles.empty()) return hull;
   }
@@ -130,8 +129,7 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
                                                     const Execution& execution) {
   FragmentSolid made = solid_of_fragment(kept.fragment, kept.world(), hit.solid, execution);
   Solid& solid = made.solid;
-  if (solid.parts.size() > 1 && hit.solid.contacts)
-    keep_contacts(solid, hit.solid.contacts->gap, execution);
+  if (solid.parts.size() > 1 && hit.solid.contacts) keep_contacts(solid, hit.solid.contacts->gap, execution);
   const SeenSolid seen(solid, hit.cells.map, execution);
   RestrictedDiagram restricted = restrict_to_solid(seen, hit.diagram, execution);
   restricted.part_in_whole = &made.parts;
@@ -158,7 +156,8 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
   Pacer pacer(execution);
   for (Fragment& f : cut.set.fragments) {
     pacer.step(64);
-    out.is_rest.push_back(std::any_of(f.sites.begin(), f.sites.end(), [&](SiteId s) { return groups[s] == 0; }));
+    out.is_rest.push_back(
+        std::any_of(f.sites.begin(), f.sites.end(), [&](SiteId s) { return groups[s] == 0; }));
     out.names.push_back(name_of(f, hit.cells));
     out.pieces.push_back(kept_with_pivot(std::move(f), hit.parameters.pivot, execution));
   }

@@ -19,19 +19,20 @@ namespace fracture {
 /// The pieces of a fragment. Without ids; other fields are complete, except Fragment::density_share.
 struct PiecesOfFragment {
   std::vector<KeptFragment> pieces;
-  std::vector<char> is_rest;     ///< per piece: whether a guard's cell is part of it
-  std::vector<std::uint64_t> names;  ///< per piece: a number that depends on its sites of the hit and its parts
+  std::vector<char> is_rest;  ///< per piece: whether a guard's cell is part of it
+  std::vector<std::uint64_t>
+      names;  ///< per piece: a number that depends on its sites of the hit and its parts
   /// Per piece: its triangles that the fragment had as cuts already, and that another fragment has mirrored.
   std::vector<std::vector<IndexRange>> earlier_caps;
-  std::vector<Bond> bonds;       ///< between the pieces
-  Certificate certificate;       ///< of the pieces as a partition of the fragment
+  std::vector<Bond> bonds;  ///< between the pieces
+  Certificate certificate;  ///< of the pieces as a partition of the fragment
   SizeFigures size;
   RoughReport rough;
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
 };
 
-/// What all fragments that a hit cuts have in common. Borrows all.
+/// The same for all fragments that a hit cuts. Borrows all.
 struct HitOnFragments {
   const Solid& solid;  ///< the whole
   const HitCells& cells;

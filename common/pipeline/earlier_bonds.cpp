@@ -19,12 +19,12 @@ struct Triangle {
   std::uint32_t first;        ///< index of its first corner
 };
 
-/// What two pieces share.
+/// The triangles that two pieces share.
 struct Share {
-  std::uint32_t a, b;                 ///< numbers after the hit, a < b
-  std::uint32_t before_a, before_b;   ///< numbers before the hit, in the same order as a and b
-  double area = 0;                    ///< m²
-  Vec3d moment{}, normal{};           ///< the normal points from a to b
+  std::uint32_t a, b;                ///< numbers after the hit, a < b
+  std::uint32_t before_a, before_b;  ///< numbers before the hit, in the same order as a and b
+  double area = 0;                   ///< m²
+  Vec3d moment{}, normal{};          ///< the normal points from a to b
 };
 
 class Matcher {
@@ -37,9 +37,10 @@ class Matcher {
     for (std::uint32_t c = 0; c < cuts_.size(); ++c)
       for (const IndexRange& range : cuts_[c].caps)
         for (std::uint32_t k = range.first; k < range.first + range.count; k += 3) add_triangle(c, k);
-    sort_with_polls(execution_, triangles_.begin(), triangles_.end(), [](const Triangle& x, const Triangle& y) {
-      return std::tie(x.key, x.turned, x.cuts, x.first) < std::tie(y.key, y.turned, y.cuts, y.first);
-    });
+    sort_with_polls(
+        execution_, triangles_.begin(), triangles_.end(), [](const Triangle& x, const Triangle& y) {
+          return std::tie(x.key, x.turned, x.cuts, x.first) < std::tie(y.key, y.turned, y.cuts, y.first);
+        });
     for (std::size_t first = 0, last = 0; first < triangles_.size(); first = last) {
       std::size_t turned = 0;
       for (; last < triangles_.size() && triangles_[last].key == triangles_[first].key; ++last)
@@ -126,9 +127,10 @@ std::vector<Bond> divided_bonds(std::span<const Bond> bonds, std::span<const Ear
     pacer.step(4);
     const auto [lo, hi] = std::minmax(bond.a, bond.b);
     const auto pair = [](const Share& s) { return std::minmax(s.before_a, s.before_b); };
-    const auto first = std::partition_point(shares.begin(), shares.end(), [&, lo = lo, hi = hi](const Share& s) {
-      return pair(s) < std::pair<const std::uint32_t&, const std::uint32_t&>(lo, hi);
-    });
+    const auto first =
+        std::partition_point(shares.begin(), shares.end(), [&, lo = lo, hi = hi](const Share& s) {
+          return pair(s) < std::pair<const std::uint32_t&, const std::uint32_t&>(lo, hi);
+        });
     auto last = first;
     double all = 0;
     for (; last != shares.end() && pair(*last).first == lo && pair(*last).second == hi; ++last)

@@ -43,9 +43,9 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
 /// Cells as fragments, with bonds, certificate and lattice, but without the additions of complete().
 struct CutCells {
   FragmentSet set;
-  CollisionHulls hulls;                 ///< hulls that are known already
-  std::size_t kept = 0;                 ///< cells that FractureParameters::keep keeps together
-  bool grouped = false;                 ///< whether some fragment has several cells
+  CollisionHulls hulls;           ///< hulls that are known already
+  std::size_t kept = 0;           ///< cells that FractureParameters::keep keeps together
+  bool grouped = false;           ///< whether some fragment has several cells
   BarycentricResult barycentric;  ///< its statistics, with Dual::kBarycenter
   RoughReport rough;
   /// Effects of the fallback for rough cuts (rough_cells.hpp): number of cells with less roughness than

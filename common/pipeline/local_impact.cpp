@@ -54,8 +54,9 @@ std::uint32_t nearest_part(const Solid& solid, const Vec3d& point, const Executi
   return nearest;
 }
 
-/// An upper bound, exact to 0.1 %, of the factor by which the matrix lengthens a vector: the square root of the largest
-/// eigenvalue of M = A Aᵀ, by squaring M repeatedly. trace(M^n)^(1/n) is not less, and at most 3^(1/n) times as much.
+/// An upper bound, exact to 0.1 %, of the factor by which the matrix lengthens a vector. This is the square root of the
+/// largest eigenvalue of M = A Aᵀ. M is squared repeatedly, because trace(M^n)^(1/n) is at least this eigenvalue and at
+/// most 3^(1/n) times as much.
 double most_stretch(const Matrix3& a) {
   Matrix3 m;
   for (int r = 0; r < 3; ++r)
@@ -170,9 +171,8 @@ Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parame
   // Sites that did not fit near the point were placed elsewhere and are not part of the hit.
   std::vector<Vec3d>& points = plan->points;
   cells.asked = static_cast<std::uint32_t>(points.size());
-  std::erase_if(points, [&](const Vec3d& p) {
-    return !(length(p - center) <= (kSitesWithin + kRounding) * radius);
-  });
+  std::erase_if(points,
+                [&](const Vec3d& p) { return !(length(p - center) <= (kSitesWithin + kRounding) * radius); });
   if (const std::size_t missing = cells.asked - points.size(); missing > 0)
     add_remark(number + 1, missing, cells.asked, hit.radius, remarks);
   if (points.empty()) return cells;

@@ -33,7 +33,7 @@ struct LocalImpact {
   std::uint32_t sites = 30;  ///< drawn as by ImpactPattern: their density falls as 1 / distance
 };
 
-/// What the hits break.
+/// The pieces that the hits break.
 enum class LocalRest {
   kWhole,      ///< the solid: without hits, each of its parts is one piece
   kFractured,  ///< the pieces that the pattern makes

@@ -76,8 +76,8 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   bool touch_across = true;
   for (int restrained = 0;; ++restrained) {
     execution.reaches(0.7);
-    cut.rough = roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed,
-                        execution);
+    cut.rough =
+        roughen(restricted, ownership.owner_of_site, roughness, restraints, parameters.seed, execution);
     execution.reaches(0.9);
     std::optional<Pieces> pieces;
     if (flat) pieces = with_finer_caps(*flat, restricted, execution);

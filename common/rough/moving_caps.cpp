@@ -38,8 +38,8 @@ MovingCaps::MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, co
   region_begin_.reserve(caps_.regions.size() + 1);
   for (const CapRegion& r : caps_.regions) {
     pacer_.step(4);
-    facets_.push_back({frames ? diagram_.map().index_at(diagram_.site(r.lo)) : 0,
-                       diagram_.facet_normal(r.lo, r.hi)});
+    facets_.push_back(
+        {frames ? diagram_.map().index_at(diagram_.site(r.lo)) : 0, diagram_.facet_normal(r.lo, r.hi)});
     region_begin_.push_back(r.first_triangle);
   }
   region_begin_.push_back(static_cast<std::uint32_t>(caps_.triangles.size()));
@@ -111,7 +111,8 @@ void MovingCaps::find_coinciding() {
 /// Finds triangles that face away from their facet's normal. A triangle no higher than the tolerance has no
 /// definite side. It counts only if it faced the right way before it moved, or if its height now exceeds the
 /// tolerance. If there are suspects, only they are tested, because the others have not changed.
-void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& suspects, std::vector<char>& bad) {
+void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& suspects,
+                                 std::vector<char>& bad) {
   for (std::size_t r = 0; r < facets_.size(); ++r) {
     const std::uint32_t begin = region_begin_[r], end = region_begin_[r + 1];
     pacer_.step(8 + end - begin);

@@ -50,8 +50,8 @@ class MovingCaps {
   Caps& caps_;
   VertexPositions& positions_;
   std::vector<char> seen_;
-  std::vector<Facet> facets_;                 // per region
-  std::vector<std::uint32_t> region_begin_;   // first triangle of each region, then the total
+  std::vector<Facet> facets_;                // per region
+  std::vector<std::uint32_t> region_begin_;  // first triangle of each region, then the total
   const std::size_t fixed_;                  // number of vertices on the surface, which come first
   // Per constructed vertex.
   std::vector<Vec3d> flat_;

@@ -80,8 +80,7 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
   if (parameters.intact) triangles *= 2;
-  return work(mesh_bytes, triangles, sites, parameters.lloyd,
-              expected_rough_triangles(parameters, sites));
+  return work(mesh_bytes, triangles, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
 }
 
 double expected_further_seconds(const RequestParameters& asked, std::uint64_t mesh_bytes) {

@@ -200,9 +200,9 @@ TEST(ReachOfHits, FragmentsOfSeveralPartsAreCut) {
     p.size.fragments = 4;
     p.hulls = Hulls::kConvex;
     const Fractured before = fracture_solid(solid, p);
-    ASSERT_TRUE(std::any_of(before.set.fragments.begin(), before.set.fragments.end(),
-                            [](const Fragment& f) { return !f.part_cells.empty(); }))
-        << "nothing is tested here";
+    ASSERT_TRUE(std::any_of(before.set.fragments.begin(), before.set.fragments.end(), [](const Fragment& f) {
+      return !f.part_cells.empty();
+    })) << "nothing is tested here";
     p.hits = {{{-1.6, 0.1, 0.1}, 0.3, 20}, {{0, 0.3, 0.3}, 0.25, 20}};
     const Fractured after = fracture_solid(solid, p);
     expect_closed(after.set);

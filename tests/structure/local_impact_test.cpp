@@ -39,11 +39,10 @@ TEST(LocalImpact, RestStaysOnePieceAndAllInvariantsHold) {
     expect_closed(f.set);
     expect_partition(f.set, volume_of(mesh), area_of(mesh));
     expect_outside_untouched(f.set, mesh);
-    const double largest = std::max_element(f.set.fragments.begin(), f.set.fragments.end(),
-                                            [](const Fragment& a, const Fragment& b) {
-                                              return a.mass.volume < b.mass.volume;
-                                            })
-                               ->mass.volume;
+    const double largest =
+        std::max_element(f.set.fragments.begin(), f.set.fragments.end(),
+                         [](const Fragment& a, const Fragment& b) { return a.mass.volume < b.mass.volume; })
+            ->mass.volume;
     const double ball = 4.0 / 3 * 3.14159265 * std::pow(1.25 * p.hits[0].radius, 3);
     if (f.solid.parts.size() == 1) {
       EXPECT_GT(largest, 0.5 * (f.solid.report.volume - ball));
