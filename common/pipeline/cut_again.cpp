@@ -22,10 +22,16 @@
 namespace fracture {
 namespace {
 
+/// Whether two owners share a cut, or a triangle of the surface. (A cut without area may have no region.)
 bool is_cut(const RestrictedDiagram& restricted, const Ownership& ownership) {
-  return std::any_of(restricted.caps.regions.begin(), restricted.caps.regions.end(), [&](const CapRegion& r) {
-    return ownership.owner_of_site[r.lo] != ownership.owner_of_site[r.hi];
-  });
+  const auto owner = [&](SiteId s) { return ownership.owner_of_site[s]; };
+  const std::vector<CutPolygon>& polygons = restricted.cuts.polygons;
+  for (std::size_t k = 1; k < polygons.size(); ++k)
+    if (polygons[k].triangle == polygons[k - 1].triangle &&
+        owner(polygons[k].cell) != owner(polygons[k - 1].cell))
+      return true;
+  return std::any_of(restricted.caps.regions.begin(), restricted.caps.regions.end(),
+                     [&](const CapRegion& r) { return owner(r.lo) != owner(r.hi); });
 }
 
 /// Pieces that stay together because they touch across parts in one cell.
