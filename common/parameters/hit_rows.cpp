@@ -90,8 +90,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of each hit: one number per hit, or one for all hits. Beyond 1.25 times the radius, each point of the surface "
-           "keeps its fragment. Requires `local_point`. If cells are stretched, the hit breaks an ellipsoid, whose longest "
+           "Radius of each hit: one number per hit, or one for all hits. Beyond 1.25 times the radius, nothing is cut. Requires "
+           "`local_point`. If cells are stretched, the hit breaks an ellipsoid, whose longest "
            "half-axis is the radius."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
