@@ -235,9 +235,10 @@ class Hit {
       cut.rough.triangles += now.rough.triangles;
       cut.rough.calmed += now.rough.calmed;
       cut.rough.crossing += now.rough.crossing;
-      cut.rough.given_up = cut.rough.given_up || now.rough.given_up;
-      cut.restrained_cells += now.restrained_cells;
-      cut.all_flat = cut.all_flat || now.all_flat;
+      cut.rough.length = std::max(cut.rough.length, now.rough.length);
+      const bool is_flat =
+          now.all_flat || now.rough.given_up;  // only these cuts, not those of the whole answer
+      cut.restrained_cells += is_flat ? static_cast<std::uint32_t>(now.pieces.size()) : now.restrained_cells;
     }
   }
 

@@ -241,8 +241,9 @@ void ContactSharer::add(const Placed& piece, std::uint32_t own, std::uint32_t ot
 
 ContactSharer::Pair ContactSharer::pick(const Placed& piece, std::uint32_t own, std::uint32_t other,
                                         const Vec3d& at) {
-  return {islands_.pick(own, table_.fragments(own), at, true),
-          islands_.pick(other, table_.fragments(other), at + piece.across, measure_ != ContactMeasure::kInside)};
+  return {
+      islands_.pick(own, table_.fragments(own), at, true),
+      islands_.pick(other, table_.fragments(other), at + piece.across, measure_ != ContactMeasure::kInside)};
 }
 
 /// Whether several islands of one of the two cells may be at the region.

@@ -79,7 +79,8 @@ class ContactSharer {
     friend bool operator==(const Pair&, const Pair&) = default;
   };
   Pair pick(const Placed& piece, std::uint32_t own, std::uint32_t other, const Vec3d& at);
-  bool may_be_divided(const Placed& piece, std::uint32_t own, std::uint32_t other, std::span<const Vec3d> corners);
+  bool may_be_divided(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                      std::span<const Vec3d> corners);
   void divide_among_islands(const Placed& piece, std::uint32_t own, std::uint32_t other,
                             const std::array<Vec3d, 3>& corners, int depth);
   void add_to(const Pair& pair, const Placed& piece, const Region& region, bool is_cut);
