@@ -9,7 +9,6 @@
 
 #include "common/contacts/contacts.hpp"
 #include "common/hits/difference.hpp"
-#include "common/hits/local_hit.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/full_tests.hpp"
