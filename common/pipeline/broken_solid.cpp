@@ -37,6 +37,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
   if (before.hulls == Hulls::kConvex) {
     cut->hulls = make_collision_hulls(cut->set, std::move(cut->hulls), before.hull_limits, execution);
     trim_at_contacts(cut->set, solid, cut->hulls, execution);
+    cut->hulls_are_final = true;
   }
   if (parameters.keep && !before.keep) {  // all of the solid is kept until a hit breaks something off
     const bool meets = box_of(*parameters.keep).intersects(solid.box);

@@ -180,12 +180,14 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
   out.rough = cut.rough;
   out.restrained_cells = cut.restrained_cells;
   out.all_flat = cut.all_flat;
+  const double scale = scale_of_volumes(kept.fragment, solid);
   Pacer pacer(execution);
   for (Fragment& f : cut.set.fragments) {
     pacer.step(64);
     out.is_rest.push_back(
         std::any_of(f.sites.begin(), f.sites.end(), [&](SiteId s) { return groups[s] == 0; }));
     out.names.push_back(name_of(f, hit.cells));
+    scale_volumes(scale, f);  // first, because the excess of its hulls is relative to its volume
     out.pieces.push_back(kept_with_pivot(std::move(f), hit.parameters.pivot, execution));
   }
   if (hit.parameters.hulls == Hulls::kConvex) {
@@ -205,7 +207,6 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
     }
   }
   if (kept.fragment.sheet) carry_sheets_on(hit, kept.fragment, solid, out, execution);
-  const double scale = scale_of_volumes(kept.fragment, solid);
   for (KeptFragment& piece : out.pieces) {
     pacer.step(64);
     Fragment& f = piece.fragment;
@@ -214,7 +215,6 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
     merge_caps(f);
     f.cap_sum = mirror_sum(f, execution);
     take_sites(kept.fragment, f);
-    scale_volumes(scale, f);
   }
   return out;
 }

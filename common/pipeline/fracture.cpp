@@ -247,7 +247,9 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
   if (parameters.hulls == Hulls::kConvex) {
-    out.hulls = make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
+    out.hulls = cut.hulls_are_final
+                    ? std::move(cut.hulls)
+                    : make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
     trim_at_contacts(set, solid, out.hulls, execution);
     out.rest = cut.whole ? std::move(cut.whole->rest)
                          : bring_to_rest(set, out.hulls,

@@ -54,6 +54,8 @@ struct CutCells {
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
   bool touch_across = true;  ///< false if no two fragments touch across parts
+  /// Whether make_collision_hulls() has made `hulls`. It would divide some of them again.
+  bool hulls_are_final = false;
   /// If the set is only part of a result (only a delta): statistics of all fragments.
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending
