@@ -320,8 +320,9 @@ TEST(Delta, OnlyChangedFragmentsBringTheirSheets) {
 }
 
 TEST(Delta, AHitCutsTheSheetsOfTheFragmentsThatItCuts) {
-  // The square, 1 m x 1 m, lies 0.1 m above the cube, and the hit is in the middle of the cube's upper side.
-  const Mesh mesh = joined({cube(4), translated(open_quad(), {-0.5, -0.5, 0.6})});
+  // The square, 1 m x 1 m, lies 0.02 m above the cube, and the hit is below the middle of the cube's upper side. At
+  // 0.1 m, a guard would be nearer than any site of the hit, because sites lie in the cube.
+  const Mesh mesh = joined({cube(4), translated(open_quad(), {-0.5, -0.5, 0.52})});
   const Solid solid = solid_of(mesh);
   ASSERT_TRUE(solid.sheets);
   FractureParameters p = hits_on(mesh, 40, 0.1);
