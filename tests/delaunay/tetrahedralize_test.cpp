@@ -1,3 +1,4 @@
+#include "common/delaunay/kept_tetrahedralization.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
 
 #include <gtest/gtest.h>
@@ -185,6 +186,152 @@ TEST(Tetrahedralize, StopsWhenCancelled) {
   execution.stop = source.get_token();
   const std::vector<Vec3d> points = test::random_cube(10, 1);
   EXPECT_THROW((void)tetrahedralize(points, box_of(points), execution), Interrupted);
+}
+
+/// Returns the whole as one part.
+KeptTetrahedralization::Part whole_of(const KeptTetrahedralization& kept) {
+  const Execution execution;
+  KeptTetrahedralization::PartMaker maker(kept, execution);
+  for (const SiteId s : ids<SiteId>(kept.site_count())) maker.add(s);
+  return maker.finish();
+}
+
+/// Compares the tetrahedra and points of the part, which is the whole.
+void expect_whole(const KeptTetrahedralization& kept, const Tetrahedralization& expected) {
+  const KeptTetrahedralization::Part part = whole_of(kept);
+  EXPECT_EQ(kept.given(), expected.site_of_input.size() - expected.far_sites_dropped);
+  EXPECT_EQ(kept.duplicates_merged(), expected.duplicates_merged);
+  ASSERT_EQ(kept.site_count(), expected.site_count());
+  if (expected.site_count() == 0) return;  // without sites, only the big tetrahedron exists
+  EXPECT_EQ(kept.tet_count(), expected.tets.size());
+  EXPECT_EQ(part.tetrahedra.points, expected.points);
+  EXPECT_EQ(part.tetrahedra.tet_of_site, expected.tet_of_site);
+  ASSERT_EQ(part.tetrahedra.tets.size(), expected.tets.size());
+  for (std::size_t i = 0; i < expected.tets.size(); ++i) {
+    ASSERT_EQ(part.tetrahedra.tets[i].v, expected.tets[i].v) << i;
+    ASSERT_EQ(part.tetrahedra.tets[i].n, expected.tets[i].n) << i;
+  }
+}
+
+TEST(KeptTetrahedralization, EqualsTheTetrahedralizationOfAllSites) {
+  for (const PointFamily& family : point_families()) {
+    SCOPED_TRACE(family.name);
+    std::vector<Vec3d> points = family.make(120, 5);
+    points.push_back(points[3]);  // duplicates: one of an earlier point, one of a new point
+    points.push_back(points[110]);
+    const Box box = box_of(points);
+    for (const std::size_t first : {std::size_t{0}, std::size_t{1}, std::size_t{100}, points.size()}) {
+      const std::span<const Vec3d> all(points);
+      auto before = tetrahedralize(all.first(first), box, {}), expected = tetrahedralize(points, box, {});
+      ASSERT_TRUE(before && expected);
+      canonicalize(*before);
+      canonicalize(*expected);
+      auto kept = KeptTetrahedralization::of(*before, box, {});
+      ASSERT_TRUE(kept.has_value());
+      const KeptTetrahedralization copy = *kept;
+      ASSERT_TRUE(kept->insert(all.subspan(first), {}).has_value());
+      expect_whole(*kept, *expected);
+      expect_whole(copy, *before);  // which shares with it everything that did not change
+    }
+  }
+}
+
+TEST(KeptTetrahedralization, TakesOneSiteAfterTheOther) {
+  for (const PointFamily& family : point_families()) {
+    SCOPED_TRACE(family.name);
+    const std::vector<Vec3d> points = family.make(60, 9);
+    const Box box = box_of(points);
+    const std::span<const Vec3d> all(points);
+    auto before = tetrahedralize(all.first(0), box, {});
+    ASSERT_TRUE(before);
+    auto kept = KeptTetrahedralization::of(*before, box, {});
+    ASSERT_TRUE(kept.has_value());
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const KeptTetrahedralization earlier = *kept;
+      const auto inserted = kept->insert(all.subspan(n, 1), {});
+      ASSERT_TRUE(inserted.has_value());
+      // A tetrahedron that was not named as changed is the same as before.
+      for (const TetId t : ids<TetId>(earlier.tet_end())) {
+        if (earlier.tet(t).v[0] == KeptTetrahedralization::kNoVertex ||
+            std::count(inserted->gone.begin(), inserted->gone.end(), t) > 0)
+          continue;
+        EXPECT_EQ(kept->tet(t).v, earlier.tet(t).v);
+      }
+    }
+    auto expected = tetrahedralize(points, box, {});
+    ASSERT_TRUE(expected);
+    canonicalize(*expected);
+    expect_whole(*kept, *expected);
+  }
+}
+
+TEST(KeptTetrahedralization, PartsHaveAllTetrahedraAtTheirCells) {
+  const std::vector<Vec3d> points = test::random_cube(400, 3);
+  const Box box = box_of(points);
+  auto whole = tetrahedralize(points, box, {});
+  ASSERT_TRUE(whole);
+  canonicalize(*whole);
+  const auto kept = KeptTetrahedralization::of(*whole, box, {});
+  ASSERT_TRUE(kept.has_value());
+  const std::vector<SiteId> some{SiteId{7}, SiteId{8}, SiteId{211}};
+  const Execution execution;
+  KeptTetrahedralization::PartMaker maker(*kept, execution);
+  std::vector<SiteId> met;
+  for (const SiteId s : some) maker.add(s, [&](SiteId n) { met.push_back(n); });
+  const KeptTetrahedralization::Part part = maker.finish();
+  std::sort(met.begin(), met.end());
+  EXPECT_EQ(met, part.sites) << "each once";
+  const auto is_some = [&](SiteId s) { return std::count(some.begin(), some.end(), s) > 0; };
+  std::vector<TetId> expected;
+  for (const TetId t : ids<TetId>(whole->tets.size()))
+    if (std::any_of(whole->tets[t].v.begin(), whole->tets[t].v.end(), is_some)) expected.push_back(t);
+  EXPECT_EQ(part.tets, expected) << "in the canonical order of the whole";
+  EXPECT_TRUE(std::is_sorted(part.sites.begin(), part.sites.end()));
+  for (const SiteId s : ids<SiteId>(part.sites.size())) {
+    EXPECT_EQ(part.whole[s] != 0, is_some(part.sites[s]));
+    EXPECT_EQ(part.tetrahedra.points[s], points[part.sites[s]]);
+  }
+}
+
+TEST(KeptTetrahedralization, IsLeftToOthersWhereANewSiteLiesOutsideOfTheBox) {
+  const std::vector<Vec3d> points = test::random_cube(20, 1), outside{{0.5, 0.5, 2}};
+  const Box box = box_of(points);
+  const auto before = tetrahedralize(points, box, {});
+  ASSERT_TRUE(before);
+  auto kept = KeptTetrahedralization::of(*before, box, {});
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_FALSE(kept->insert(outside, {}).has_value());
+}
+
+// Rings and spokes have many sites beyond the pane, as here.
+TEST(KeptTetrahedralization, TakesFurtherSitesBesideThoseOutsideOfTheBox) {
+  Box box;
+  box.add(Vec3d{0, 0, 0});
+  box.add(Vec3d{1, 1, 0.1});
+  std::vector<Vec3d> points;
+  for (const Vec3d& p : test::random_cube(200, 4)) points.push_back({3 * p.x - 1, 3 * p.y - 1, p.z - 0.4});
+  points.push_back({0.3, 0.3, 0.05});  // reaches 1.0 from the farthest corner
+  auto before = tetrahedralize(points, box, {});
+  ASSERT_TRUE(before);
+  ASSERT_GT(before->far_sites_dropped, 10u);
+  canonicalize(*before);
+  const std::vector<Vec3d> edge{{0.9, 0.9, 0.02}, {0.95, 0.1, 0.03}}, middle{{0.5, 0.5, 0.05}};
+  int taken = 0;
+  for (const std::vector<Vec3d>& further : {edge, middle}) {
+    std::vector<Vec3d> all = points;
+    all.insert(all.end(), further.begin(), further.end());
+    auto expected = tetrahedralize(all, box, {});
+    ASSERT_TRUE(expected);
+    canonicalize(*expected);
+    auto kept = KeptTetrahedralization::of(*before, box, {});
+    ASSERT_TRUE(kept.has_value());
+    const bool inserted = kept->insert(further, {}).has_value();
+    EXPECT_EQ(inserted, expected->far_sites_dropped == before->far_sites_dropped)
+        << "sites that are dropped now";
+    if (inserted) expect_whole(*kept, *expected);
+    taken += inserted;
+  }
+  EXPECT_EQ(taken, 1) << "both cases are tested";
 }
 
 }  // namespace

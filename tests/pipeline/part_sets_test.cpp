@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <set>
-#include <utility>
 
 #include "common/contacts/contacts.hpp"
 #include "common/mesh/material_library.hpp"
@@ -242,65 +241,6 @@ TEST(PartSets, AHitBreaksTheSetsThatItReaches) {
   EXPECT_LE(pieces[0] + pieces[1], 2u) << "the walls stay whole";
   EXPECT_GT(pieces[2], 2u);
   EXPECT_FALSE(warns(made.report, "breaks nothing off"));
-}
-
-TEST(PartSets, AHitBreaksThePiecesOfEachSetAndTheyKeepTheirMaterial) {
-  FractureParameters p = with_fragments(20);
-  p.parts = Parts::kApart;
-  p.assigned = {entry({.nodes = {"Window"}}, grid(), 2, 0.5)};
-  const Solid solid = solid_of(house());
-  const Fractured whole = fracture_solid(solid, p);
-  // Within the radius of both Wall_2 and the window, which are 0.1 mm apart.
-  p.hits = {{.point = {5.00015, 0.5, 0.5}, .radius = 0.4, .sites = 10}};
-  p.rest = LocalRest::kFractured;
-  const Fractured made = fracture_solid(solid, p);
-  std::size_t before[3] = {}, after[3] = {};
-  double volume[3] = {};
-  for (const Fragment& f : whole.set.fragments) ++before[f.part];
-  for (const Fragment& f : made.set.fragments) {
-    ++after[f.part];
-    volume[f.part] += f.mass.volume;
-    EXPECT_EQ(f.density_share, f.part == 2 ? 2 : 1);
-  }
-  EXPECT_EQ(after[0], before[0]) << "4 m of the wall are out of reach";
-  EXPECT_GT(after[1], before[1] + 3);
-  EXPECT_GT(after[2], before[2] + 3);
-  EXPECT_NEAR(volume[1], 1, 1e-5);
-  EXPECT_NEAR(volume[2], 1, 1e-5);
-  for (const Bond& bond : made.set.bonds) {
-    const bool window = made.set.fragments[bond.a].part == 2 || made.set.fragments[bond.b].part == 2;
-    EXPECT_EQ(bond.strength, window ? 0.5 : 1);
-  }
-  EXPECT_FALSE(warns(made.report, "breaks nothing off"));
-}
-
-TEST(PartSets, FragmentsOfEachSetCarryTheSheetsNearThem) {
-  Mesh mesh = house();
-  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  // Two squares of 0.5 m x 0.5 m above the long wall and above the window.
-  for (const double x : {1.0, 5.25}) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (const auto& [dx, dz] : {std::pair{0.0, 0.25}, {0.0, 0.75}, {0.5, 0.75}, {0.5, 0.25}})
-      mesh.positions.push_back({static_cast<float>(x + dx), 1.25f, static_cast<float>(dz)});
-    mesh.triangles.push_back({first, first + 1, first + 2});
-    mesh.triangles.push_back({first, first + 2, first + 3});
-  }
-  for (std::size_t t = triangles; t < mesh.triangles.size(); ++t) {
-    mesh.node.push_back(t < triangles + 2 ? 0 : 2);
-    mesh.material.push_back(0);
-  }
-  FractureParameters p = with_fragments(20);
-  p.assigned = {entry({.nodes = {"Window"}}, grid())};
-  const Solid solid = solid_of(mesh);
-  ASSERT_TRUE(solid.sheets);
-  const Fractured made = fracture_solid(solid, p);
-  bool carries[3] = {};
-  for (const Fragment& f : made.set.fragments) carries[f.part] = carries[f.part] || f.sheet;
-  EXPECT_TRUE(carries[0]);
-  EXPECT_FALSE(carries[1]);
-  EXPECT_TRUE(carries[2]);
-  EXPECT_NEAR(made.set.certificate.sheet_area_in, 0.5, 1e-6);
-  EXPECT_NEAR(made.set.certificate.sheet_area_out, 0.5, 1e-6);
 }
 
 TEST(PartSets, AFragmentBreaksAgainLikeItsPart) {
