@@ -56,6 +56,7 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   Mesh& mesh = *mesh_;
   mesh.frame = source.frame;
   mesh.node_names = source.node_names;
+  mesh.instances = source.instances;
   mesh.library = source.library;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;

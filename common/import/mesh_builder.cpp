@@ -47,7 +47,10 @@ void append(std::vector<T>& to, std::size_t before, std::vector<T>&& from, std::
 
 }  // namespace
 
-void MeshBuilder::begin_node(std::string name) { mesh_.node_names.push_back(std::move(name)); }
+void MeshBuilder::begin_node(std::string name, const MeshInstance& instance) {
+  mesh_.node_names.push_back(std::move(name));
+  mesh_.instances.push_back(instance);
+}
 
 Expected<void> MeshBuilder::add(Surface surface) {
   const std::size_t before = mesh_.positions.size(), count = surface.positions.size();

@@ -28,7 +28,7 @@ class MeshBuilder {
   explicit MeshBuilder(const ImportLimits& limits) : limits_(limits) {}
 
   /// Begins a mesh instance. The surfaces added next belong to it.
-  void begin_node(std::string name);
+  void begin_node(std::string name, const MeshInstance& instance = {});
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }

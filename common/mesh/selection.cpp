@@ -73,6 +73,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.material = gathered(mesh.material, triangles);
   part.node = gathered(mesh.node, triangles);
   part.node_names = mesh.node_names;
+  part.instances = mesh.instances;
   part.triangle_color = gathered(mesh.triangle_color, triangles);
   part.library = mesh.library;
   part.copyright = mesh.copyright;

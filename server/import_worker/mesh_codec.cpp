@@ -63,6 +63,7 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(mesh.node);
   out.array(mesh.triangle_color);
   write_texts(out, mesh.node_names);
+  out.array(mesh.instances);
   const MaterialLibrary& library = *mesh.library;
   for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
   out.value<std::uint64_t>(library.images.size());
@@ -147,6 +148,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
           "the colour is not given for every triangle");
   for (const std::uint32_t node : mesh.node)
     require(node < mesh.node_names.size(), "a triangle names no node");
+  require(mesh.instances.empty() || mesh.instances.size() == mesh.node_names.size(),
+          "the instance is not given for every node");
   const std::size_t materials = mesh.library->materials.size();
   for (const std::uint32_t slot : mesh.material)
     require(slot < materials || slot == kNoIndex, "a triangle names no material");
@@ -168,6 +171,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.node = in.array<std::uint32_t>();
   mesh.triangle_color = in.array<SurfaceColor>();
   mesh.node_names = read_texts(in);
+  mesh.instances = in.array<MeshInstance>();
   MaterialLibrary library;
   library.materials = read_objects(in, limits);
   library.textures = read_objects(in, limits);
