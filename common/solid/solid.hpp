@@ -16,6 +16,7 @@
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/solid/contact_graph.hpp"
+#include "common/solid/instances.hpp"
 #include "common/solid/vertex_id.hpp"
 
 namespace fracture {
@@ -144,6 +145,8 @@ struct Solid {
   SolidReport report;
   /// Null until keep_contacts() (contacts/contacts.hpp). Copies, images and extracts of the solid share it or have none.
   std::shared_ptr<const ContactGraph> contacts{};
+  /// Null until keep_instances() (solid/instances.hpp), or if there are none. Copies share it; images and patches have none.
+  std::shared_ptr<const Instances> instances{};
 
   /// The remarks of the importer, followed by those of make_solid().
   Remarks remarks() const;

@@ -35,6 +35,7 @@ class LibraryEngine final : public FractureEngine {
     if (!solid) return solid;
     const StageProgress::Part part(execution.within, 1);
     keep_contacts(*solid, options.contact_gap, execution);
+    keep_instances(*solid, execution);
     return solid;
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,

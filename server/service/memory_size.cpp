@@ -24,9 +24,9 @@ std::size_t memory_size(const Mesh& mesh) {
   std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
                       heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
                       nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.triangle_color) +
-                      heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) + mesh.copyright.capacity() +
-                      memory_size(*mesh.library);
+                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.instances) +
+                      heap(mesh.triangle_color) + heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) +
+                      mesh.copyright.capacity() + memory_size(*mesh.library);
   // Both meshes share the library, so it is counted twice. That does no harm.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;
@@ -41,6 +41,11 @@ std::size_t memory_size(const PreparedMesh& mesh) {
   if (solid.contacts)
     bytes += sizeof *solid.contacts + heap(solid.contacts->contacts) + heap(solid.contacts->pieces) +
              heap(solid.contacts->first_piece);
+  if (solid.instances) {
+    bytes += sizeof *solid.instances + heap(solid.instances->all) + heap(solid.instances->of_part) +
+             heap(solid.instances->models);
+    for (const Instance& instance : solid.instances->all) bytes += heap(instance.parts);
+  }
   if (solid.source) bytes += memory_size(*solid.source);
   return bytes;
 }
