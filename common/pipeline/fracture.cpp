@@ -14,6 +14,7 @@
 #include "common/pipeline/before_hits.hpp"
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
+#include "common/pipeline/instanced_bodies.hpp"
 #include "common/pipeline/intact.hpp"
 #include "common/pipeline/lloyd.hpp"
 #include "common/pipeline/make_report.hpp"
@@ -222,13 +223,18 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
+  Expected<InstancedBodies> instances = find_instanced_bodies(set.fragments, solid, parameters, execution);
+  if (!instances) return tl::unexpected(std::move(instances.error()));
+  out.instances = std::move(*instances);
   if (parameters.hulls == Hulls::kConvex) {
+    share_hulls(out.instances, set.fragments, cut.hulls, execution);
     out.hulls = make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
     trim_at_contacts(set, solid, out.hulls, execution);
     out.rest = cut.whole ? std::move(cut.whole->rest)
                          : bring_to_rest(set, out.hulls,
                                          cells_of_bodies(parameters, cells.map, set.certificate.islands),
                                          rest_tolerance(solid), parameters.filters, execution);
+    separate_trimmed(out.instances, set.fragments, out.hulls, execution);
     if (const Verdict verdict = judge_rest(out.rest.value(), parameters.filters); !verdict.sound())
       return tl::unexpected(unsound(verdict, set.certificate));
   }

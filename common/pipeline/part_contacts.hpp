@@ -9,7 +9,7 @@
 
 namespace fracture {
 
-/// Whether parts are fractured together and any contact between them has an area.
+/// Whether parts are fractured together, and any contact between them has an area or instances may stay whole.
 bool joins_parts(const Solid& solid, const FractureParameters& parameters);
 
 /// Returns the contacts of pieces across parts, and the groups of parts that hold together. Returns nothing

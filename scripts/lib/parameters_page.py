@@ -38,7 +38,7 @@ SUBJECTS = [
       "cell", "bond", "mortar", "normals", "spacing", "tilt"]),
     ("Rough cuts", "Noise makes the cut faces uneven; the two sides of a cut still match.", ["rough_amplitude", "rough_frequency", "rough_octaves"]),
     ("Number and size of fragments", "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
-     ["fragments", "parts", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
+     ["fragments", "parts", "instances", "min_volume", "min_fraction", "min_of_mean", "max_volume", "max_fragments", "max_triangles"]),
     ("Regions without cuts", "", ["keep_center", "keep_radius", "keep_box"]),
     ("Local hits", "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
      ["local_point", "local_radius", "local_sites", "local_rest", "of", "delta", "local_new"]),
