@@ -1,6 +1,7 @@
 #include "common/gltf/fracture_extras.hpp"
 
 #include "common/gltf/report_text.hpp"
+#include "common/gltf/scene_layout.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/physics/principal_axes.hpp"
 
@@ -155,7 +156,10 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   json.key("sites").begin_array();
   const std::vector<std::uint32_t>& point_of = fractured.point_of_site;
   for (const std::uint32_t site : fragment.sites) json.value(point_of.empty() ? site : point_of.at(site));
-  json.end_array().end_object();
+  json.end_array();
+  if (const InstancedBodies::Body* const body = instance_in_file(fractured, options, index))
+    json.member("shape", fractured.instances.numbers[body->shape]);
+  json.end_object();
 }
 
 void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::size_t cluster,
