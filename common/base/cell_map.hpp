@@ -59,6 +59,16 @@ class CellMap {
   const Frame& of_part(std::uint32_t part) const {
     return frames_[frame_of_part_ ? (*frame_of_part_)[part] : 0];
   }
+  /// The same map for a solid of `count` parts, of which the first ones are those of this map. Further parts have the first
+  /// frame.
+  CellMap with_parts(std::size_t count) const {
+    CellMap map = *this;
+    if (!frame_of_part_) return map;
+    std::vector<std::uint8_t> frames = *frame_of_part_;
+    frames.resize(count, 0);
+    map.frame_of_part_ = std::make_shared<const std::vector<std::uint8_t>>(std::move(frames));
+    return map;
+  }
   /// Index of the frame whose place contains a point of the image.
   std::size_t index_at(const Vec3d& image) const {
     if (frames_.size() < 2) return 0;

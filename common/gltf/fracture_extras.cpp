@@ -35,6 +35,26 @@ void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptio
   json.end_object();
 }
 
+/// Writes the bonds with nodes that are not fractured; nothing if there are none.
+void write_whole_bonds(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options) {
+  const std::vector<WholeBond>& bonds = fractured.whole_bonds;
+  if (bonds.empty()) return;
+  const auto column = [&](const char* name, auto&& write) {
+    json.key(name).begin_array();
+    for (const WholeBond& bond : bonds) write(bond);
+    json.end_array();
+  };
+  json.key("whole_bonds").begin_object();
+  column("a", [&](const WholeBond& bond) { json.value(fractured.set.fragments[bond.fragment].id); });
+  column("node", [&](const WholeBond& bond) { json.value(bond.node); });
+  column("area", [&](const WholeBond& bond) { json.rounded(bond.area); });
+  column("centroid", [&](const WholeBond& bond) { json.rounded(bond.centroid); });
+  column("normal", [&](const WholeBond& bond) { json.rounded(bond.normal); });
+  column("strength",
+         [&](const WholeBond& bond) { json.rounded(bond.area * options.bond_strength * bond.strength); });
+  json.end_object();
+}
+
 /// Writes the id of the cluster to which a fragment, or a cluster of `level`, belongs. Null on the coarsest level.
 void write_parent(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::uint32_t parent) {
   json.key("parent");
@@ -108,6 +128,7 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
     return index < set.fragments.size() ? set.fragments[index].id
                                         : delta.value().neighbors.at(index - set.fragments.size());
   });
+  write_whole_bonds(json, fractured, options);
   if (fractured.rest && !fractured.rest->filtered.empty()) {
     const auto column = [&](const char* name, std::size_t which) {
       json.key(name).begin_array();

@@ -169,8 +169,11 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
     write_collider_nodes(json, k, options, layout);
     write_ucx_nodes(json, k, layout);
   }
-  for (std::size_t k = 0; k < whole.size(); ++k)
-    json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k);
+    json.key("extras").begin_object().key("whole").begin_object().member("node", whole[k].node);
+    json.end_object().end_object().end_object();
+  }
   intact.write_nodes(json, options);
   clusters.write(json, options);
   json.end_array();

@@ -62,7 +62,7 @@ std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& la
     std::string name = names.add(node < mesh.node_names.size() ? std::string_view(mesh.node_names[node])
                                                                : std::string_view("mesh"));
     nodes.push_back(
-        {std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
+        {node, std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
   }
   return nodes;
 }

@@ -1,7 +1,8 @@
 // The parts of the scene that were not fractured (Mesh::passed_through), as plain mesh nodes. They keep their names and
-// have neither extras.fracture nor physics.
+// have neither extras.fracture nor physics. `extras.whole.node` is their number in the mesh, which bonds name.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,8 @@
 namespace fracture {
 
 struct WholeNode {
-  std::string name;  ///< the source's, as ASCII; a number is added if the name is taken
+  std::uint32_t node;  ///< index into Mesh::node_names
+  std::string name;    ///< the source's, as ASCII; a number is added if the name is taken
   /// Only the members that the mesh writer needs: positions in the scene's frame, attributes, indices, and
   /// primitives in material order (triangles without a material last).
   Fragment mesh;

@@ -167,6 +167,8 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
     b.b = index[b.b];
   }
   point_upwards(set.bonds, execution);
+  std::erase_if(fractured.whole_bonds, [&](const WholeBond& b) { return index[b.fragment] >= kept; });
+  for (WholeBond& b : fractured.whole_bonds) b.fragment = index[b.fragment];
   std::vector<Fragment> fragments(kept);
   std::vector<FragmentHulls> hulls(all_hulls.empty() ? 0 : kept);
   std::vector<char> held(all_held.empty() ? 0 : kept);

@@ -220,6 +220,12 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
                       execution);
   if (promise == Promise::kPartition && !cut.whole && cut.touch_across)
     add_contact_bonds(set, solid, cells, parameters.contact_strength, execution);
+  if (promise == Promise::kPartition && !cut.whole && solid.scenery) {
+    std::vector<const Fragment*> fragments;
+    for (const Fragment& f : set.fragments) fragments.push_back(&f);
+    out.whole_bonds = find_whole_bonds(solid, cells, set.lattice_step, parameters.contact_strength, fragments,
+                                       {}, execution);
+  }
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);

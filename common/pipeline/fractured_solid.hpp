@@ -15,6 +15,7 @@
 #include "common/structure/anchors.hpp"
 #include "common/structure/hierarchy.hpp"
 #include "common/structure/support.hpp"
+#include "common/structure/whole_bonds.hpp"
 
 namespace fracture {
 
@@ -68,6 +69,7 @@ struct FracturedSolid {
   AnchoredFragments anchored;
   CollisionHulls hulls;
   InstancedBodies instances;
+  std::vector<WholeBond> whole_bonds{};  ///< with nodes that are not fractured
   std::optional<Rest> rest{};            ///< set with hulls
   std::optional<Support> support{};      ///< set if there are anchors, and density and strength are known
   std::optional<Delta> delta{};          ///< set if the result is compared with an earlier one

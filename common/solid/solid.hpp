@@ -123,6 +123,8 @@ struct SolidReport {
   bool operator==(const SolidReport&) const = default;
 };
 
+struct Scenery;  // contacts/scenery.hpp
+
 struct Solid {
   std::shared_ptr<const Mesh> source;
   std::vector<Vec3f>
@@ -147,6 +149,8 @@ struct Solid {
   std::shared_ptr<const ContactGraph> contacts{};
   /// Null until keep_instances() (solid/instances.hpp), or if there are none. Copies share it; images and patches have none.
   std::shared_ptr<const Instances> instances{};
+  /// Null until keep_scenery() (contacts/scenery.hpp), or if there are none. Copies share it; images and patches have none.
+  std::shared_ptr<const Scenery> scenery{};
 
   /// The remarks of the importer, followed by those of make_solid().
   Remarks remarks() const;

@@ -1,6 +1,7 @@
 // Estimates how many bytes of heap the cached values use.
 #include "common/base/heap_bytes.hpp"
 #include "common/base/json_reader.hpp"
+#include "common/contacts/scenery.hpp"
 #include "common/hits/delta.hpp"
 #include "common/mesh/material_library.hpp"
 #include "server/service/service.hpp"
@@ -45,6 +46,12 @@ std::size_t memory_size(const PreparedMesh& mesh) {
     bytes += sizeof *solid.instances + heap(solid.instances->all) + heap(solid.instances->of_part) +
              heap(solid.instances->models);
     for (const Instance& instance : solid.instances->all) bytes += heap(instance.parts);
+  }
+  if (solid.scenery) {
+    const Solid& both = solid.scenery->both;
+    bytes += sizeof both + heap(both.positions) + heap(both.triangles) + heap(both.part) + heap(both.parts) +
+             heap(solid.scenery->node_of_part) + heap(both.contacts->contacts) + heap(both.contacts->pieces) +
+             heap(both.contacts->first_piece);
   }
   if (solid.source) bytes += memory_size(*solid.source);
   return bytes;

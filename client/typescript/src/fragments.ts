@@ -54,6 +54,8 @@ export interface Figures {
     [figure: string]: any;
   };
   bonds: BondColumns;
+  /** Bonds between fragments (ids in `a`) and nodes that stayed whole: `node` is extras.whole.node of the node, and the normal leads to it. */
+  whole_bonds?: Omit<BondColumns, 'b'> & { node: number[] };
   /** Ids of fragments that overlap, so that collision filters exclude the pair. In a delta: pairs with a new or changed fragment. */
   filtered?: { a: number[]; b: number[] };
   /** Indices of the materials of cut faces. */
