@@ -177,10 +177,9 @@ std::vector<PieceContact> contacts_of_pieces(const RestrictedDiagram& flat, cons
   return contacts;
 }
 
-/// Number of fragments that the request asks for.
-std::uint32_t wanted_fragments(const RestrictedDiagram& flat, const FractureParameters& parameters) {
-  if (parameters.size.fragments > 0) return parameters.size.fragments;
-  return std::max(1u, flat.diagram.dual().site_count() / cells_per_fragment(parameters));
+/// Number of fragments that the request asks for, without those that hits break off.
+std::uint32_t wanted_fragments(const FractureParameters& parameters) {
+  return std::max(1u, parameters.size.fragments > 0 ? parameters.size.fragments : parameters.sites);
 }
 
 }  // namespace
@@ -189,7 +188,7 @@ std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, co
                                                const Pieces& pieces, const FractureParameters& parameters,
                                                const Execution& execution) {
   if (!joins_parts(flat.solid, parameters)) return std::nullopt;
-  PartGroups groups = group_parts(flat.solid, parameters, wanted_fragments(flat, parameters), execution);
+  PartGroups groups = group_parts(flat.solid, parameters, wanted_fragments(parameters), execution);
   PartContacts contacts{contacts_of_pieces(flat, ownership, pieces, execution), std::move(groups.of_part),
                         std::move(groups.whole)};
   if (contacts.whole.empty()) return contacts;
@@ -200,6 +199,27 @@ std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, co
     return a != kNoIndex || b != kNoIndex;
   });
   return contacts;
+}
+
+std::optional<PartContacts> find_unhit_instances(const Solid& solid, const Pieces& pieces,
+                                                 const FractureParameters& parameters,
+                                                 const Execution& execution) {
+  if (!may_keep_instances(solid, parameters)) return std::nullopt;
+  PartGroups groups = group_parts(solid, parameters, wanted_fragments(parameters), execution);
+  if (groups.whole.empty()) return std::nullopt;
+  Pacer pacer(execution);
+  std::vector<std::uint32_t> owner(solid.instances->all.size(), kNoIndex);
+  std::vector<char> hit(owner.size(), 0);
+  for (const Piece& piece : pieces.pieces) {
+    pacer.step();
+    const std::uint32_t instance = groups.whole[piece.part];
+    if (instance == kNoIndex) continue;
+    if (owner[instance] == kNoIndex) owner[instance] = piece.owners[0];
+    if (owner[instance] != piece.owners[0]) hit[instance] = 1;
+  }
+  for (std::uint32_t& instance : groups.whole)
+    if (instance != kNoIndex && hit[instance]) instance = kNoIndex;
+  return PartContacts{{}, std::move(groups.of_part), std::move(groups.whole), true};
 }
 
 }  // namespace fracture

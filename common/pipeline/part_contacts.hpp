@@ -20,4 +20,10 @@ std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, co
                                                const Pieces& pieces, const FractureParameters& parameters,
                                                const Execution& execution);
 
+/// With hits whose rest stays whole, pieces of different parts do not join. Returns only the instances that stay whole and lie
+/// within one owner, so that no hit broke them; nothing if there are none. Linear. Throws Interrupted.
+std::optional<PartContacts> find_unhit_instances(const Solid& solid, const Pieces& pieces,
+                                                 const FractureParameters& parameters,
+                                                 const Execution& execution);
+
 }  // namespace fracture

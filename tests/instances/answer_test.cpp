@@ -222,6 +222,19 @@ TEST(InstanceAnswer, IsReadBackAsInstances) {
   EXPECT_NEAR(volume, m.made.solid.report.volume, 1e-3 * volume);
 }
 
+// The cells of a hit end about half-way to the pattern's sites, so tufts next to it may be hit, too.
+TEST(InstanceAnswer, TuftsFarFromAHitStayWhole) {
+  const Grass grass(3);
+  const std::vector<Place> places = meadow(25);
+  FractureParameters p = wanted(6);
+  p.hits = {{{2, 0.1, 2}, 0.1, 12}};  // at the tuft in the middle; the rest stays whole
+  const Fractured made = fracture_solid(solid_of_glb(grass.glb(places)), p);
+  std::size_t whole = 0;
+  for (std::size_t k = 0; k < made.set.fragments.size(); ++k) whole += made.instances.of(k) != nullptr;
+  EXPECT_GE(whole, 12u) << "more than half of the tufts are at least 1.4 m away";
+  EXPECT_LT(whole, 25u);
+}
+
 TEST(InstanceAnswer, HitsAreLocalAndLeaveOtherInstancesAsTheyAre) {
   const Grass grass(2);
   std::vector<Place> places = meadow(25);
