@@ -14,6 +14,8 @@ namespace {
 
 /// Relative to the scale: transforms are products of float32 matrices and quaternions.
 constexpr double kSimilar = 1e-5;
+/// Scales that differ by less are equal: quaternions of float32 are not exactly of unit length.
+constexpr double kSameScale = 1e-6;
 
 /// Compares the parts of two nodes, triangle by triangle.
 class Comparison {
@@ -150,7 +152,7 @@ Instances find_instances(const Solid& solid, const Execution& execution) {
           shared[n] || at_node[n].parts.empty() ? std::nullopt : similarity_of(m.x, m.y, m.z, m.t, kSimilar);
       if (!here) continue;
       placed.emplace(n, *here);
-      if (model == kNoIndex || here->scale > placed.at(model).scale) model = n;
+      if (model == kNoIndex || here->scale > (1 + kSameScale) * placed.at(model).scale) model = n;
     }
     if (placed.size() < 2) continue;
     std::vector<std::uint32_t> like_model;
@@ -159,6 +161,7 @@ Instances find_instances(const Solid& solid, const Execution& execution) {
       const Similarity& at_model = placed.at(model);
       Similarity from_model{
           product(here.rotation, inverse(at_model.rotation)), here.scale / at_model.scale, {}};
+      if (std::fabs(from_model.scale - 1) < kSameScale) from_model.scale = 1;
       from_model.move = here.move - from_model.linear(at_model.move);
       if (n == model) from_model = {};
       if (n != model && !comparison.same(at_node[model], at_node[n], from_model)) continue;
