@@ -126,7 +126,12 @@ InstancedBodies::Body body_of(const Instance& instance, std::uint32_t index, con
                               const SeamLattice& lattice) {
   InstancedBodies::Body body;
   body.shape = index;
-  for (std::size_t k = 0; k < 4; ++k) body.rotation[k] = static_cast<float>(instance.from_model.rotation[k]);
+  // Copies that are only moved should have no rotation, whatever rounding left.
+  constexpr double kNothing = 0x1p-30;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double component = instance.from_model.rotation[k];
+    body.rotation[k] = std::fabs(component) < kNothing ? 0 : static_cast<float>(component);
+  }
   body.scale = static_cast<float>(instance.from_model.scale);
   const Vec3d at = instance.from_model.point(shape.pivot), step = lattice.step();
   std::array<std::int32_t, 3> steps;
