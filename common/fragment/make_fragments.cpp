@@ -146,8 +146,7 @@ std::vector<std::uint32_t> pieces_of_owners(const Pieces& pieces, std::size_t ow
 
 /// Whether two groups of pieces touch across parts.
 bool touch_across(const PartContacts& across, const PieceGroups& groups) {
-  return across.whole_touch ||
-         std::any_of(across.pieces.begin(), across.pieces.end(),
+  return std::any_of(across.pieces.begin(), across.pieces.end(),
                      [&](const PieceContact& c) { return groups.of(c.of) != groups.of(c.with); });
 }
 

@@ -1,9 +1,7 @@
 // The parts of the scene that were not fractured (Mesh::passed_through, and sheets that stay whole), as plain mesh
-// nodes. They keep their names and have neither extras.fracture nor physics. `extras.whole.node` is their number in the
-// mesh, which bonds name.
+// nodes. They keep their names and have neither extras.fracture nor physics.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,8 +11,7 @@
 namespace fracture {
 
 struct WholeNode {
-  std::uint32_t node;  ///< index into Mesh::node_names
-  std::string name;    ///< the source's, as ASCII; a number is added if the name is taken
+  std::string name;  ///< the source's, as ASCII; a number is added if the name is taken
   /// Only the members that the mesh writer needs: positions in the scene's frame, attributes, indices, and
   /// primitives in material order (triangles without a material last).
   Fragment mesh;

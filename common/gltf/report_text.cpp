@@ -141,21 +141,6 @@ void write_rest(JsonText& json, const RestFigures& rest) {
       .end_object();
 }
 
-/// Writes how many fragments of the file are whole instances of a mesh, and how many shapes they share. Writes nothing if there are
-/// none.
-void write_instances(JsonText& json, const InstancedBodies& instances) {
-  std::vector<char> used(instances.shapes.size(), 0);
-  std::size_t fragments = 0;
-  for (std::size_t k = 0; k < instances.of_fragment.size(); ++k)
-    if (const InstancedBodies::Body* const body = instances.of(k)) {
-      ++fragments;
-      used[body->shape] = 1;
-    }
-  if (fragments == 0) return;
-  json.key("instances").begin_object().member("fragments", fragments);
-  json.member("shapes", static_cast<std::size_t>(std::count(used.begin(), used.end(), 1))).end_object();
-}
-
 /// Writes only the members of the object.
 void write_proof(JsonText& json, const Certificate& c) {
   json.member("open_edges", c.open_edges)
@@ -210,7 +195,6 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
         .member("flat", report.hulls->flat)
         .member("simplified", report.hulls->simplified)
         .end_object();
-  write_instances(json, fractured.instances);
   if (report.kept)
     json.key("keep")
         .begin_object()

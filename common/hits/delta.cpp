@@ -52,59 +52,38 @@ std::vector<ChangedBond> changed_cap_bonds(const HitOutcome& hit, Pacer& pacer) 
   return bonds;
 }
 
-/// All fragments after a hit. Borrows the outcome.
-struct AllFragments {
-  std::vector<PlaceInAnswer> places{};
-  std::vector<const Fragment*> fragments{};
-  std::vector<char> changed{};  ///< whether the fragment is new or changed
-
-  AllFragments(const HitOutcome& hit, Pacer& pacer) {
-    auto next = hit.changed.begin();
-    for (const SiteId s : ids<SiteId>(hit.next.cells.size())) {
-      pacer.step(8);
-      const std::vector<KeptFragment>& here = hit.next.cells[s]->fragments;
-      for (std::uint32_t k = 0; k < here.size(); ++k) {
-        places.push_back({s, k});
-        fragments.push_back(&here[k].fragment);
-        const bool is_changed = next != hit.changed.end() && *next == places.back();
-        changed.push_back(is_changed ? 1 : 0);
-        if (is_changed) ++next;
-      }
-    }
-  }
-};
-
 /// Linear in the number of cells and in the pieces of contacts of changed parts.
 std::vector<ChangedBond> changed_contact_bonds(const ContactBonds& with, const HitOutcome& hit,
                                                const Execution& execution) {
   if (hit.changed.empty() || !parts_hold_together(with.solid)) return {};
   Pacer pacer(execution);
-  const AllFragments all(hit, pacer);
+  std::vector<PlaceInAnswer> places;
+  std::vector<const Fragment*> fragments;
+  std::vector<char> wanted;
+  auto next = hit.changed.begin();
+  for (const SiteId s : ids<SiteId>(hit.next.cells.size())) {
+    pacer.step(8);
+    const std::vector<KeptFragment>& here = hit.next.cells[s]->fragments;
+    for (std::uint32_t k = 0; k < here.size(); ++k) {
+      places.push_back({s, k});
+      fragments.push_back(&here[k].fragment);
+      const bool changed = next != hit.changed.end() && *next == places.back();
+      wanted.push_back(changed ? 1 : 0);
+      if (changed) ++next;
+    }
+  }
   std::vector<ChangedBond> bonds;
-  for (const Bond& bond : find_contact_bonds(with, all.fragments, all.changed, execution))
-    bonds.push_back({all.places[bond.a], all.places[bond.b], bond});
-  return bonds;
-}
-
-/// Returns the bonds of new and changed fragments with nodes that are not fractured.
-std::vector<WholeBond> changed_whole_bonds(const Solid& solid, const HitOutcome& hit, const CellSites& cells,
-                                           const Vec3d& lattice_step, double strength,
-                                           const Execution& execution) {
-  if (hit.changed.empty() || !solid.scenery) return {};
-  Pacer pacer(execution);
-  const AllFragments all(hit, pacer);
-  std::vector<WholeBond> bonds =
-      find_whole_bonds(solid, cells, lattice_step, strength, all.fragments, all.changed, execution);
-  for (WholeBond& bond : bonds) bond.fragment = number_in(hit.changed, all.places[bond.fragment]);
+  for (const Bond& bond : find_contact_bonds(with, fragments, wanted, execution))
+    bonds.push_back({places[bond.a], places[bond.b], bond});
   return bonds;
 }
 
 /// Whether fragments carry sheets.
 bool carries_sheets(const Solid& solid) { return solid.sheets && !solid.sheets->whole; }
 
-/// Returns the sites if bonds across parts or with whole nodes, or sheets need them, otherwise nothing.
+/// Returns the sites if bonds across parts or sheets need them, otherwise nothing.
 std::vector<Vec3d> points_of(const Solid& solid, const LocalBase& base, const Execution& execution) {
-  if (!parts_hold_together(solid) && !carries_sheets(solid) && !solid.scenery) return {};
+  if (!parts_hold_together(solid) && !carries_sheets(solid)) return {};
   std::vector<Vec3d> points;
   points.reserve(base.tetrahedra.site_count());
   Pacer pacer(execution);
@@ -256,10 +235,6 @@ Expected<std::optional<KeptAnswer>> answer_locally(const Solid& solid, const Loc
     if (!completed) return std::nullopt;  // the whole is then made from scratch and decides
     if (completed->rest && completed->rest->trimmed_for_filters)
       return std::nullopt;  // hulls of bodies far away change, too
-    if (part)
-      completed->whole_bonds =
-          changed_whole_bonds(solid, *hit, {points, hit->next.map}, completed->set.lattice_step,
-                              parameters.contact_strength, execution);
     completed->delta = std::move(hit->delta);
     if (new_hits.only_changed && !part) keep_changed(*completed, execution);
     return KeptAnswer{std::move(*completed), {std::move(hit->next)}, true};

@@ -14,7 +14,6 @@
 #include "common/physics/collision_hulls.hpp"
 #include "common/physics/hull_trim.hpp"
 #include "common/pipeline/aggregate.hpp"
-#include "common/pipeline/instanced_bodies.hpp"
 #include "common/solid/patch.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
 
@@ -250,7 +249,6 @@ class LocalHit {
       FragmentSet set;
       state_lattice(solid_, set);
       set.fragments.swap(made_.fragments);
-      share_hulls(set.fragments, solid_, parameters_, hulls_, execution_);
       hulls_ = make_collision_hulls(set, std::move(hulls_), parameters_.hull_limits, execution_);
       trim_at_contacts(set, solid_, hulls_, execution_);
       set.fragments.swap(made_.fragments);

@@ -40,13 +40,6 @@ enum class Parts {
   kApart,     ///< each fragment belongs to one part
 };
 
-/// How instances of a mesh that need not be cut are treated (solid/instances.hpp).
-enum class InstanceUse {
-  kKeep,      ///< each is one fragment, and the answer writes their shape once (pipeline/kept_instances.hpp)
-  kSeparate,  ///< they are parts like others
-  kAll,  ///< each is one fragment, whatever its size; for sets of parts (pipeline/part_sets.hpp), not for requests
-};
-
 /// Parameters of the cuts and of the result. They concern only the geometry.
 struct FractureParameters : SiteParameters {
   Dual dual = Dual::kCircumcenter;
@@ -67,8 +60,7 @@ struct FractureParameters : SiteParameters {
   Anchors anchors;                  ///< fragments that touch these are marked
   std::vector<LocalImpact> hits{};  ///< in order; each one hits the result of those before it
   LocalRest rest = LocalRest::kWhole;
-  Parts parts = Parts::kTogether;              ///< needs Solid::contacts
-  InstanceUse instances = InstanceUse::kKeep;  ///< needs Solid::instances; only with Parts::kTogether
+  Parts parts = Parts::kTogether;  ///< needs Solid::contacts
   /// Strength of bonds across parts, as a multiple of the material's; >= 0. 0: no such bonds. They need Solid::contacts.
   double contact_strength = 1;
   /// Parts that break in another way (pipeline/part_sets.hpp). The number of fragments and the size limits hold for the whole.

@@ -94,7 +94,7 @@ std::string more_fragments(std::uint32_t asked, bool together, const FragmentSet
   const std::string at_least = " Ask for at least " + grouped(parts > asked ? parts : set.fragments.size());
   if (parts > asked)
     return "the mesh has " + grouped(parts) + " separate parts" +
-           (together ? ", instances or groups of parts that touch each other," : ",") +
+           (together ? ", or groups of parts that touch each other," : ",") +
            " and each is at least one fragment." + at_least +
            (together ? ", or raise 'contact_gap' to the distance between parts."
                      : ", or use parts=together.");

@@ -9,7 +9,7 @@
 
 namespace fracture {
 
-/// Whether parts are fractured together, and any contact between them has an area or instances may stay whole.
+/// Whether parts are fractured together and any contact between them has an area.
 bool joins_parts(const Solid& solid, const FractureParameters& parameters);
 
 /// Returns the contacts of pieces across parts, and the groups of parts that hold together. Returns nothing
@@ -19,11 +19,5 @@ bool joins_parts(const Solid& solid, const FractureParameters& parameters);
 std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, const Ownership& ownership,
                                                const Pieces& pieces, const FractureParameters& parameters,
                                                const Execution& execution);
-
-/// With hits whose rest stays whole, pieces of different parts do not join. Returns only the instances that stay whole and lie
-/// within one owner, so that no hit broke them; nothing if there are none. Linear. Throws Interrupted.
-std::optional<PartContacts> find_unhit_instances(const Solid& solid, const Pieces& pieces,
-                                                 const FractureParameters& parameters,
-                                                 const Execution& execution);
 
 }  // namespace fracture

@@ -7,10 +7,10 @@
 #include <unordered_set>
 #include <utility>
 
+#include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 #include "common/fragment/make_fragments.hpp"
-#include "common/pipeline/kept_instances.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "common/solid/part_solid.hpp"
 
@@ -33,13 +33,20 @@ std::vector<std::uint32_t> shared(std::uint32_t number, const std::vector<double
   return least;
 }
 
-/// The least number of fragments of a set: one for each part, or for each group of parts that hold together and each instance that
-/// stays whole.
-std::uint32_t least_fragments(const PartSet& set, const Execution& execution) {
-  if (set.parameters.parts != Parts::kTogether) return static_cast<std::uint32_t>(set.own->parts.size());
-  const PartGroups groups =
-      group_parts(*set.own, set.parameters, wanted_fragments(set.parameters), execution);
-  return 1 + *std::max_element(groups.of_part.begin(), groups.of_part.end());
+/// The least number of fragments of a solid: one for each part, or for each group of parts that hold together.
+std::uint32_t least_fragments(const Solid& solid, Parts parts, Pacer& pacer) {
+  std::size_t groups = solid.parts.size();
+  if (parts == Parts::kTogether && solid.contacts) {
+    DisjointSets sets(solid.parts.size());
+    for (const Contact& contact : solid.contacts->contacts) {
+      pacer.step();
+      if (contact.area > 0 && sets.find(contact.a) != sets.find(contact.b)) {
+        sets.unite(contact.a, contact.b);
+        --groups;
+      }
+    }
+  }
+  return static_cast<std::uint32_t>(groups);
 }
 
 double distance(const Box& box, const Vec3d& p) {
@@ -67,14 +74,12 @@ void keep_near_hits(const Solid& solid, FractureParameters& p) {
 }
 
 /// Shares what holds for the whole among the sets.
-void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets,
-           const Execution& execution) {
-  Pacer pacer(execution);
+void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets, Pacer& pacer) {
   std::vector<double> volumes;
   std::vector<std::uint32_t> least;
   for (const PartSet& set : sets) {
     volumes.push_back(set.own->report.volume);
-    least.push_back(least_fragments(set, execution));
+    least.push_back(least_fragments(*set.own, asked.parts, pacer));
   }
   const std::vector<std::uint32_t> ones(sets.size(), 1);
   const SizeLimits& limits = asked.size;
@@ -257,16 +262,8 @@ std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& par
     sets[0].parts.clear();
     return sets;
   }
-  // The whole decides which instances stay whole, so that a set of many small ones does not.
-  std::vector<std::uint32_t> kept;
-  if (may_keep_instances(solid, parameters))
-    kept = group_parts(solid, parameters, wanted_fragments(parameters), execution).whole;
-  for (PartSet& set : sets) {
-    set.own = solid_of_parts(solid, set.parts, execution);
-    set.own->instances = kept_instances_among(solid, kept, set.parts, execution);
-    if (set.own->instances) set.parameters.instances = InstanceUse::kAll;
-  }
-  share(solid, parameters, sets, execution);
+  for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
+  share(solid, parameters, sets, pacer);
   for (PartSet& set : sets) keep_near_hits(*set.own, set.parameters);
   return sets;
 }
@@ -341,8 +338,7 @@ Expected<CutCells> cut_sets(
 }
 
 void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
-                    bool together, FragmentSet& set, std::vector<WholeBond>& whole_bonds,
-                    const Execution& execution) {
+                    bool together, FragmentSet& set, const Execution& execution) {
   Pacer pacer(execution);
   const auto entry_of = [&](std::uint32_t part) -> const AssignedParts* {
     const std::uint32_t k = choice.of_part[part];
@@ -363,10 +359,6 @@ void weigh_assigned(const Solid& solid, const FractureParameters& parameters, co
   for (Bond& bond : set.bonds) {
     pacer.step();
     bond.strength *= std::min(strength(bond.a), strength(bond.b));
-  }
-  for (WholeBond& bond : whole_bonds) {
-    pacer.step();
-    bond.strength *= std::min(strength(bond.fragment), 1.0);
   }
   for (Fragment& f : set.fragments) {
     pacer.step();

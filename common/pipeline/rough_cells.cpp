@@ -51,8 +51,7 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
   const bool with_hits = !parameters.hits.empty(), rough = roughness.amplitude > 0;
   SizeFigures of_flat;
   std::optional<Pieces> flat;
-  std::optional<PartContacts>
-      across;  // only pieces with flat cuts join across parts; with hits, only instances
+  std::optional<PartContacts> across;  // only pieces with flat cuts join across parts, and only without hits
   if (!with_hits && rough) {
     SizeLimits of_pieces = limits_of_flat_pieces(parameters);
     of_pieces.weights = limits.weights;
@@ -77,8 +76,6 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
     if (!pieces) pieces = gather_pieces(restricted, ownership, execution);
     if (!with_hits && !rough)
       across = find_part_contacts(restricted, ownership, *pieces, parameters, execution);
-    else if (with_hits && parameters.rest == LocalRest::kWhole)
-      across = find_unhit_instances(restricted.solid, *pieces, parameters, execution);
     cut.set = make_fragments(restricted, ownership, std::move(*pieces), parameters.pivot, limits, execution,
                              before, &record, across ? &*across : nullptr);
     cut.set.size.parts += of_flat.parts;

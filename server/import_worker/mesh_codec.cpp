@@ -69,7 +69,6 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
     out.value(group.parent);
   }
   out.array(mesh.group_of_node);
-  out.array(mesh.instances);
   const MaterialLibrary& library = *mesh.library;
   for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
   out.value<std::uint64_t>(library.images.size());
@@ -161,8 +160,6 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
           "the group is not given for every node");
   for (const std::uint32_t group : mesh.group_of_node)
     require(group < mesh.groups.size() || group == kNoIndex, "a node names no group");
-  require(mesh.instances.empty() || mesh.instances.size() == mesh.node_names.size(),
-          "the instance is not given for every node");
   const std::size_t materials = mesh.library->materials.size();
   for (const std::uint32_t slot : mesh.material)
     require(slot < materials || slot == kNoIndex, "a triangle names no material");
@@ -191,7 +188,6 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
     require(is_utf8(group.name), "a text is not UTF-8");
   }
   mesh.group_of_node = in.array<std::uint32_t>();
-  mesh.instances = in.array<MeshInstance>();
   MaterialLibrary library;
   library.materials = read_objects(in, limits);
   library.textures = read_objects(in, limits);

@@ -2,7 +2,6 @@
 import { type Glb, type GltfNode, type GltfPrimitive, type TypedArray, type Vector3 } from './glb.js';
 import type { CollisionFilter } from './filters.js';
 import { localError } from './problems.js';
-import { turnOf, type Turn } from './turn.js';
 
 /** The bonds as columns of equal length. */
 export interface BondColumns {
@@ -54,8 +53,6 @@ export interface Figures {
     [figure: string]: any;
   };
   bonds: BondColumns;
-  /** Bonds between fragments (ids in `a`) and nodes that stayed whole: `node` is extras.whole.node of the node, and the normal leads to it. */
-  whole_bonds?: Omit<BondColumns, 'b'> & { node: number[] };
   /** Ids of fragments that overlap, so that collision filters exclude the pair. In a delta: pairs with a new or changed fragment. */
   filtered?: { a: number[]; b: number[] };
   /** Indices of the materials of cut faces. */
@@ -82,7 +79,7 @@ export interface Bond {
   strength: number;
 }
 
-/** A closed convex body around a fragment or part of it, in metres, relative to the fragment's `translation`. */
+/** A closed convex body around a fragment or part of it, in metres, in the frame of the fragment's node. */
 export interface Hull {
   /** x, y, z of each point. */
   positions: Float32Array;
@@ -102,7 +99,7 @@ export interface Primitive {
   triangles: Uint16Array | Uint32Array;
 }
 
-/** The motion properties of a rigid body, relative to the fragment's `translation` and in the directions of the mesh's axes. */
+/** The motion properties of a rigid body, in the frame of the fragment's node, which has no rotation. */
 export interface Motion {
   /** kg */
   mass: number;
@@ -110,20 +107,16 @@ export interface Motion {
   centerOfMass: Vector3;
   /** kg·m², about the centre of mass. */
   inertiaDiagonal: Vector3;
-  /** The rotation from the principal axes to the mesh's axes: x, y, z, w. */
+  /** The rotation from the principal axes to the node's frame: x, y, z, w. */
   inertiaOrientation: [number, number, number, number];
 }
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body';
 
-/**
- * A drawable part of the answer: a fragment, or a mesh node that was left uncut. The node of a whole instance rotates and scales a mesh
- * that other nodes share. Here its vertices, hulls and motion are rotated and scaled already, as if the node had only a translation.
- */
+/** A drawable part of the answer: a fragment, or a mesh node that was left uncut. */
 export class Piece {
   private readPrimitives: Primitive[] | undefined;
   private readTriangles: Uint16Array | Uint32Array | undefined;
-  private readTurn: [Turn | undefined] | undefined;
 
   constructor(protected readonly glb: Glb, /** Index of its node in the file. */ readonly node: number,
               protected readonly interior: readonly number[]) {}
@@ -138,23 +131,11 @@ export class Piece {
   get translation(): Vector3 {
     return this.source.translation ?? [0, 0, 0];
   }
-  /** The rotation and scale of a whole instance's node; undefined for all others. rawPrimitives are not rotated and scaled yet. */
-  get turn(): Turn | undefined {
-    return (this.readTurn ??= [turnOf(this.source)])[0];
-  }
   get primitives(): readonly Primitive[] {
-    if (this.readPrimitives) return this.readPrimitives;
-    const turned = new Map<number, TypedArray>();  // primitives share accessors
-    const read = (name: string, accessor: number): TypedArray => {
-      const turn = this.turn, raw = this.glb.accessor(accessor);
-      if (!turn) return raw;
-      if (!turned.has(accessor)) turned.set(accessor, turn.attribute(name, raw));
-      return turned.get(accessor)!;
-    };
-    return (this.readPrimitives = this.rawPrimitives.map(primitive => ({
+    return (this.readPrimitives ??= this.rawPrimitives.map(primitive => ({
       material: primitive.material,
       interior: primitive.material !== undefined && this.interior.includes(primitive.material),
-      attributes: Object.fromEntries(Object.entries(primitive.attributes).map(([name, accessor]) => [name, read(name, accessor)])),
+      attributes: Object.fromEntries(Object.entries(primitive.attributes).map(([name, accessor]) => [name, this.glb.accessor(accessor)])),
       triangles: indicesOf(this.glb, primitive),
     })));
   }
@@ -234,8 +215,7 @@ export class Fragment extends Piece {
   }
   /** Undefined with physics=none. With physics=omi, the motion has no inertia. */
   get motion(): Motion | undefined {
-    const motion = this.body?.['motion'] as Motion | undefined;
-    return motion && this.turn ? this.turn.motion(motion) : motion;
+    return this.body?.['motion'];
   }
   /** Keeps the fragment from colliding with fragments that it overlaps. Undefined: it collides with all. In a delta, the systems are
    * those of the whole answer after the hit. */
@@ -256,7 +236,7 @@ export class Fragment extends Piece {
       const shape = collider['shape'] as number | undefined;
       const mesh = collider['geometry']?.mesh ?? this.glb.json.extensions?.['OMI_physics_shape']?.shapes[shape ?? -1]?.convex?.mesh;
       return (this.glb.json.meshes?.[mesh]?.primitives ?? []).map(primitive => ({
-        positions: this.hullPoints(primitive.attributes['POSITION']!), triangles: indicesOf(this.glb, primitive),
+        positions: this.glb.accessor(primitive.attributes['POSITION']!) as Float32Array, triangles: indicesOf(this.glb, primitive),
       }));
     }));
   }
@@ -267,10 +247,6 @@ export class Fragment extends Piece {
     return node === undefined ? undefined : new Piece(this.glb, node, this.interior);
   }
 
-  private hullPoints(accessor: number): Float32Array {
-    const raw = this.glb.accessor(accessor);
-    return (this.turn ? this.turn.attribute('POSITION', raw) : raw) as Float32Array;
-  }
   private get body(): Record<string, any> | undefined {
     return this.source.extensions?.[KHR] ?? this.source.extensions?.[OMI];
   }
