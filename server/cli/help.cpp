@@ -103,7 +103,8 @@ class HelpFormatter : public CLI::Formatter {
 
   std::string make_footer(const CLI::App* app) const override {
     std::string out;
-    std::string_view text = app->get_footer();
+    const std::string footer = app->get_footer();
+    std::string_view text = footer;
     while (!text.empty()) {
       const std::size_t end = text.find('\n');
       wrap(out, 0, text.substr(0, end), 0, width_);
