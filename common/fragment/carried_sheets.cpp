@@ -94,54 +94,6 @@ class NearestFragment {
   double slack_ = 0;
 };
 
-/// Gives each connected sheet to the part of the solid that is nearest to its first triangle, so that the part's
-/// frame cuts it. Returns a copy of the surface with these parts.
-Solid in_frames(const Solid& solid, const Solid& surface, const Execution& execution) {
-  Solid copy = surface;
-  copy.parts = solid.parts;
-  const std::vector<std::array<Vec3d, 3>> corners = corners_of(solid, execution);
-  std::vector<Box> boxes;
-  boxes.reserve(corners.size());
-  double reach = 0;
-  for (const auto& triangle : corners) {
-    boxes.push_back(box_of(triangle));
-    for (const Vec3d& p : triangle) reach = std::fmax(reach, length(p));
-  }
-  const BoxTree tree(boxes, execution);
-  DisjointSets sets;
-  Pacer pacer(execution);
-  for (std::size_t v = 0; v < surface.positions.size(); ++v) sets.add();
-  for (const auto& triangle : surface.triangles) {
-    pacer.step();
-    sets.unite(triangle[0], triangle[1]);
-    sets.unite(triangle[1], triangle[2]);
-  }
-  std::vector<std::uint32_t> part_of_set(surface.positions.size(), kNoIndex);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    std::uint32_t& part = part_of_set[sets.find(surface.triangles[t][0])];
-    if (part == kNoIndex) {
-      Vec3d middle;
-      for (const VertexId v : surface.triangles[t]) middle = middle + to_double(surface.positions[v]);
-      middle = (1.0 / 3) * middle;
-      std::uint32_t nearest = 0;
-      double least = HUGE_VAL;
-      tree.nearest(middle, HUGE_VAL, 0x1p-40 * (reach + length(middle)), [&](std::uint32_t k) {
-        pacer.step(8);
-        const auto& [a, b, c] = corners[k];
-        const double d = distance_to_triangle(middle, a, b, c);
-        if (d < least || (d == least && k < nearest)) {
-          least = d;
-          nearest = k;
-        }
-        return d;
-      });
-      part = solid.part[nearest];
-    }
-    copy.part[t] = part;
-  }
-  return copy;
-}
-
 /// The fragments that have each cell, and the cells that the same fragments have.
 class CellCarriers {
  public:
@@ -284,12 +236,62 @@ bool contains(const Box& box, const Box& inner) {
 
 }  // namespace
 
+std::vector<std::uint32_t> parts_near_sheets(const Solid& solid, const Solid& surface,
+                                             const Execution& execution) {
+  const std::vector<std::array<Vec3d, 3>> corners = corners_of(solid, execution);
+  std::vector<Box> boxes;
+  boxes.reserve(corners.size());
+  double reach = 0;
+  for (const auto& triangle : corners) {
+    boxes.push_back(box_of(triangle));
+    for (const Vec3d& p : triangle) reach = std::fmax(reach, length(p));
+  }
+  const BoxTree tree(boxes, execution);
+  DisjointSets sets;
+  Pacer pacer(execution);
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) sets.add();
+  for (const auto& triangle : surface.triangles) {
+    pacer.step();
+    sets.unite(triangle[0], triangle[1]);
+    sets.unite(triangle[1], triangle[2]);
+  }
+  std::vector<std::uint32_t> part_of_set(surface.positions.size(), kNoIndex);
+  std::vector<std::uint32_t> parts(surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    std::uint32_t& part = part_of_set[sets.find(surface.triangles[t][0])];
+    if (part == kNoIndex) {
+      Vec3d middle;
+      for (const VertexId v : surface.triangles[t]) middle = middle + to_double(surface.positions[v]);
+      middle = (1.0 / 3) * middle;
+      std::uint32_t nearest = 0;
+      double least = HUGE_VAL;
+      tree.nearest(middle, HUGE_VAL, 0x1p-40 * (reach + length(middle)), [&](std::uint32_t k) {
+        pacer.step(8);
+        const auto& [a, b, c] = corners[k];
+        const double d = distance_to_triangle(middle, a, b, c);
+        if (d < least || (d == least && k < nearest)) {
+          least = d;
+          nearest = k;
+        }
+        return d;
+      });
+      part = solid.part[nearest];
+    }
+    parts[t] = part;
+  }
+  return parts;
+}
+
 void carry_sheets(const Solid& solid, const VoronoiDiagram& diagram, const Box& box, FragmentSet& set,
                   const Execution& execution) {
   if (!solid.sheets || solid.sheets->whole) return;
   set.certificate.sheet_area_in = solid.sheets->area;
   std::optional<Solid> with_parts;
-  if (diagram.map().frames().size() > 1) with_parts = in_frames(solid, *solid.sheets->surface, execution);
+  if (diagram.map().frames().size() > 1) {  // the frame of the nearest part cuts a sheet
+    with_parts = *solid.sheets->surface;
+    with_parts->part = parts_near_sheets(solid, *solid.sheets->surface, execution);
+    with_parts->parts = solid.parts;
+  }
   const SeenSolid seen(with_parts ? *with_parts : *solid.sheets->surface, diagram.map(), execution);
   Box all = box;
   for (const Vec3f& p : seen.seen().positions) all.add(to_double(p));

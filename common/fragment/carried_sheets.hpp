@@ -6,12 +6,20 @@
 // are rough.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "common/base/execution.hpp"
 #include "common/fragment/fragments.hpp"
 #include "common/solid/solid.hpp"
 #include "common/voronoi/voronoi_diagram.hpp"
 
 namespace fracture {
+
+/// Returns, per triangle of the sheets' surface, the part of the solid that is nearest to the first triangle of its connected
+/// sheet. n log n. Throws Interrupted.
+std::vector<std::uint32_t> parts_near_sheets(const Solid& solid, const Solid& surface,
+                                             const Execution& execution);
 
 /// Sets Fragment::sheet, and the areas of sheets in the certificate. Does nothing if the solid has no sheets, or if
 /// they stay whole. The set must have a fragment.

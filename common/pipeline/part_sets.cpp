@@ -10,9 +10,11 @@
 #include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
+#include "common/fragment/carried_sheets.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "common/solid/part_solid.hpp"
+#include "common/solid/sheet_surface.hpp"
 
 namespace fracture {
 namespace {
@@ -142,6 +144,8 @@ void add(const Certificate& own, Certificate& all) {
   all.dropped += own.dropped;
   all.fragments += own.fragments;
   all.crossing_caps += own.crossing_caps;
+  all.sheet_area_in += own.sheet_area_in;
+  all.sheet_area_out += own.sheet_area_out;
 }
 
 void add(const SizeFigures& own, SizeFigures& all) {
@@ -208,6 +212,24 @@ std::vector<PartSelector> selectors_of(const FractureParameters& parameters) {
   return selectors;
 }
 
+/// Gives each connected sheet to the set of the part that is nearest to it.
+void share_sheets(const Solid& whole, std::vector<PartSet>& sets, const Execution& execution) {
+  if (!whole.sheets || whole.sheets->whole) return;
+  Pacer pacer(execution);
+  std::vector<std::uint32_t> set_of_part(whole.parts.size(), 0);
+  for (std::uint32_t k = 0; k < sets.size(); ++k)
+    for (const std::uint32_t part : sets[k].parts) set_of_part[part] = k;
+  const std::vector<std::uint32_t> nearest = parts_near_sheets(whole, *whole.sheets->surface, execution);
+  std::vector<std::vector<std::uint32_t>> triangles(sets.size());
+  for (std::size_t t = 0; t < nearest.size(); ++t) {
+    pacer.step();
+    triangles[set_of_part[nearest[t]]].push_back(whole.sheets->triangles[t]);
+  }
+  for (std::size_t k = 0; k < sets.size(); ++k)
+    if (!triangles[k].empty())
+      sets[k].own->sheets = make_sheets(whole.source, triangles[k], sets[k].own->box, false, execution);
+}
+
 }  // namespace
 
 PartChoice choose_assigned(const Solid& solid, const FractureParameters& parameters,
@@ -264,6 +286,7 @@ std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& par
   }
   for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
   share(solid, parameters, sets, pacer);
+  share_sheets(solid, sets, execution);
   for (PartSet& set : sets) keep_near_hits(*set.own, set.parameters);
   return sets;
 }

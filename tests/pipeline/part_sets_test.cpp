@@ -243,6 +243,35 @@ TEST(PartSets, AHitBreaksTheSetsThatItReaches) {
   EXPECT_FALSE(warns(made.report, "breaks nothing off"));
 }
 
+TEST(PartSets, FragmentsOfEachSetCarryTheSheetsNearThem) {
+  Mesh mesh = house();
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  // Two squares of 0.5 m x 0.5 m above the long wall and above the window.
+  for (const double x : {1.0, 5.25}) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const auto& [dx, dz] : {std::pair{0.0, 0.25}, {0.0, 0.75}, {0.5, 0.75}, {0.5, 0.25}})
+      mesh.positions.push_back({static_cast<float>(x + dx), 1.25f, static_cast<float>(dz)});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+  }
+  for (std::size_t t = triangles; t < mesh.triangles.size(); ++t) {
+    mesh.node.push_back(t < triangles + 2 ? 0 : 2);
+    mesh.material.push_back(0);
+  }
+  FractureParameters p = with_fragments(20);
+  p.assigned = {entry({.nodes = {"Window"}}, grid())};
+  const Solid solid = solid_of(mesh);
+  ASSERT_TRUE(solid.sheets);
+  const Fractured made = fracture_solid(solid, p);
+  bool carries[3] = {};
+  for (const Fragment& f : made.set.fragments) carries[f.part] = carries[f.part] || f.sheet;
+  EXPECT_TRUE(carries[0]);
+  EXPECT_FALSE(carries[1]);
+  EXPECT_TRUE(carries[2]);
+  EXPECT_NEAR(made.set.certificate.sheet_area_in, 0.5, 1e-6);
+  EXPECT_NEAR(made.set.certificate.sheet_area_out, 0.5, 1e-6);
+}
+
 TEST(PartSets, AFragmentBreaksAgainLikeItsPart) {
   FractureParameters p = with_fragments(12);
   FractureParameters rough = grid();
