@@ -16,7 +16,7 @@ namespace fracture {
 struct PartSelector {
   std::vector<std::string> nodes{};  ///< entries for SceneNames::mark_nodes()
   std::vector<std::string>
-      slots{};  ///< entries for SceneNames::mark_slots(), for the material on most of the part's surface
+      slots{};  ///< for SceneNames::mark_slots(). The material on most of a part's surface decides
   std::vector<std::uint32_t> parts{};  ///< indices into Solid::parts
   bool empty() const { return nodes.empty() && slots.empty() && parts.empty(); }
   friend bool operator==(const PartSelector&, const PartSelector&) = default;

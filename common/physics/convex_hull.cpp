@@ -59,7 +59,7 @@ void ConvexHullBuilder::put_outside(std::uint32_t p, std::uint32_t first_face, s
 }
 
 /// Finds the faces that see p, and their boundary in order. The search is depth-first, as in Lloyd's quickhull3d. It goes around
-/// a face from the edge where it entered. At each edge, the face on the other side is searched before the next edge.
+/// each face, starting at the edge through which it entered. At each edge, it first searches the neighbouring face.
 void ConvexHullBuilder::find_horizon(std::uint32_t face, std::uint32_t p) {
   ++stamp_;
   visible_.assign(1, face);

@@ -13,8 +13,8 @@
 //     of a facet F. No site of A is nearer to z, because it would be nearer to x. So if B contains the mirror
 //     image of a at each facet that a's cell among A meets, x is nearer to one of them than to a.
 //
-// A site outside the solid's box is no nearer to any point of the box than its projection onto the box. So the
-// projection decides, and a site on the other side of the surface than its projection is left out.
+// The projection of a site onto the solid's box is at least as near to each point of the box as the site. So the projection
+// decides. If a site and its projection are on different sides of the surface, the site is left out.
 #pragma once
 
 #include <cstdint>

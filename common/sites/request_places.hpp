@@ -31,8 +31,8 @@ void put_impacts_on(const Solid& solid, SitePattern& pattern, Remarks& remarks, 
 void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks& remarks,
                   const Execution& execution);
 
-/// The unit in which `place` would be in or near the box, although it is far away in metres: "centimetres",
-/// "millimetres" or "inches". None if there is no such unit.
+/// Returns "centimetres", "millimetres" or "inches": the unit in which `place` would be in or near the box. Returns nothing if no
+/// unit would help. `place` is far from the box in metres.
 std::optional<std::string> likely_unit(const Vec3d& place, const Box& box);
 
 }  // namespace fracture

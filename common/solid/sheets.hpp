@@ -14,8 +14,8 @@ struct Walled {
   const std::vector<std::uint8_t>& rooms;  ///< they face inwards
 };
 
-/// Replaces certain shells by slabs: shells that are flat, that enclose, with their filled holes, less than
-/// `thickness` times the area of their source triangles, or that are `walled`. The source triangles stay where they are and
+/// Replaces certain shells by slabs: flat shells, `walled` shells, and shells whose volume (with filled holes) is less than
+/// `thickness` times the area of their source triangles. The source triangles stay where they are and
 /// become the front. A copy, moved by `thickness` (metres) against the vertex normals, becomes the back, and
 /// walls join their rims.
 ///

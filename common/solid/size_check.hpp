@@ -19,7 +19,7 @@ inline constexpr double kLeastObject = 1e-3, kMostObject = 100;
 inline constexpr double kMostPieces = 1000;
 
 /// Returns the unit that gives an object a usual size, from 1 cm to 12 m, or the one that comes nearest. It is a smaller unit if
-/// the object is too large, and a larger one if it is too small. Nothing if there is no such unit.
+/// the object is too large, and a larger one if it is too small. Returns nothing if no unit is better.
 /// `longest`: m, if one unit of the file is `metres_per_unit`. `millimetres_first`: if both millimetres and centimetres would do.
 std::optional<LengthUnit> likely_unit(double longest, double metres_per_unit, bool millimetres_first);
 

@@ -184,7 +184,8 @@ double file_bytes_of(const Numbers& n, const RequestParameters& asked, const Sol
   const double vertices = kVerticesOfSurface * n.surface + kVerticesOfFlatCuts * n.cut_triangles +
                           kVerticesOfRoughCuts * n.rough_triangles;
   const double triangles = n.surface + n.cut_triangles + n.rough_triangles;
-  const double intact = asked.fracture.intact ? 2.0 : 1.0;  // the unbroken mesh is no smaller than its share
+  const double intact =
+      asked.fracture.intact ? 2.0 : 1.0;  // the unbroken mesh counts like all fragments together
   return kBytesPerFile + images + kBytesPerFragment * n.fragments + (hulls ? kBytesPerHull * n.hulls : 0) +
          vertex * (vertices + (intact - 1) * static_cast<double>(solid.triangles.size())) +
          kBytesOfIndices * triangles;

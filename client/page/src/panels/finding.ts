@@ -10,7 +10,7 @@ import { title } from './format';
 
 type Listed = ParameterDescription & { patterns?: string[] };
 
-/** Parameters that have a separate control on the page, with the tab where it is. */
+/** Parameters that have their own control on a tab of the page. Maps each to that tab. */
 const PLACES: Readonly<Record<string, Tab>> = {
   unit: 'mesh', up: 'mesh', material: 'break', pattern: 'break', local_point: 'break', local_radius: 'break', local_sites: 'break', fragment: 'pieces', fragment_sites: 'pieces', fragment_seed: 'pieces',
 };

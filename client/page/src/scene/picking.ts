@@ -20,7 +20,7 @@ export interface Placed {
   turn: Quaternion;
 }
 
-/** `place`: the place of a piece; by default, where it is drawn. */
+/** `place` returns the position of a piece. By default, this is the position at which the piece is drawn. */
 export function pick(batch: Batch, ray: Ray, sees: { exterior: boolean; interior: boolean }, place?: (piece: DrawnPiece) => Placed): Picked | undefined {
   const local = new Ray(), at = new Vector3(), turn = new Quaternion(), back = new Quaternion();
   const [a, b, c, found] = [new Vector3(), new Vector3(), new Vector3(), new Vector3()];

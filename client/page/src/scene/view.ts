@@ -278,12 +278,12 @@ export class View {
 
   pick(x: number, y: number): Picked | undefined {
     if (!this.batch) return undefined;
-    // Physics moves each fragment by itself, so there is no assembled surface.
+    // While physics moves the fragments, they form no common surface.
     const explode = this.held ? 0 : this.look?.explode ?? 0;
     return pickOnSurface(this.batch, this.stage.ray(x, y), { exterior: !this.look?.cutsOnly, interior: true }, explode, this.from);
   }
 
-  /** Returns a sphere around fragments where they are drawn; undefined if there are none. */
+  /** Returns a sphere around the drawn fragments with these ids, or undefined if none is drawn. */
   around(ids: ReadonlySet<number>): Sphere | undefined {
     const { batch } = this, spheres = [...ids].flatMap(id => batch?.indexOf.get(id) ?? []).map(k => batch!.pieces[k]!.bounds.clone().translate(new Vector3(...batch!.poses.get(k).at)));
     return spheres.length === 0 ? undefined : spheres.slice(1).reduce((all, each) => all.union(each), spheres[0]!);

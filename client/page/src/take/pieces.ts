@@ -56,8 +56,8 @@ class Buffer {
 
 const PHYSICS = 'KHR_physics_rigid_bodies';
 
-/** Returns a file that contains only the fragments with these ids, where they are in the mesh, with their materials and collision hulls.
- * It has no bonds and no certificate, because those are about all fragments. */
+/** Returns a file with only these fragments. They keep their positions, materials and collision hulls. The file has no bonds and no
+ * certificate, because those describe all fragments. */
 export function piecesAlone(source: Glb, ids: ReadonlySet<number>, names: Names): Uint8Array {
   const { json } = source, meshes = new Renumbered(), accessors = new Renumbered(), materials = new Renumbered();
   const textures = new Renumbered(), images = new Renumbered(), nodes: GltfNode[] = [];
