@@ -50,17 +50,17 @@ struct Scratch {
       next;  // the next vertex at the same edge cut, of the same wedge or on the same face
   std::vector<Vec3d> points;
   std::vector<Run> runs;
-  std::vector<IndexRange> caps;
+  std::vector<IndexRange> caps, earlier_caps;
 
   std::size_t bytes() const {
     return at_position.bytes() + of_wedge.bytes() + on_face.bytes() +
-           bytes_of_vectors(ids, sources, topology, next, points, runs, caps);
+           bytes_of_vectors(ids, sources, topology, next, points, runs, caps, earlier_caps);
   }
   void release() {
     at_position.release();
     of_wedge.release();
     on_face.release();
-    release_vectors(ids, sources, topology, next, points, runs, caps);
+    release_vectors(ids, sources, topology, next, points, runs, caps, earlier_caps);
   }
 };
 
@@ -97,6 +97,9 @@ class Assembler {
   /// Returns the part of a cut or of a cavity's wall if the piece has several parts, otherwise kNoIndex.
   std::uint32_t part_of_cut(FaceSource source, std::uint32_t material) const {
     if (!several_parts_ || !(is_of_cuts(material) || material == kCavityMaterial)) return kNoIndex;
+    return part_of(source);
+  }
+  std::uint32_t part_of(FaceSource source) const {
     const std::uint32_t part =
         is_cap(source) ? d_.caps.regions[cap_region(source)].part : d_.solid.part[source];
     return d_.part_in_whole ? (*d_.part_in_whole)[part] : part;
@@ -133,6 +136,7 @@ class Assembler {
     s_.topology.clear();
     s_.next.clear();
     s_.caps.clear();
+    s_.earlier_caps.clear();
     out_.indices.resize(3 * piece.faces.size());
     std::uint32_t* index = out_.indices.data();
     find_runs_by_material(piece.faces);
@@ -144,17 +148,21 @@ class Assembler {
             {run.material, static_cast<std::uint32_t>(index - out_.indices.data()), 0, run.part});
       out_.primitives.back().index_count += 3 * (run.end - run.begin);
       const Face *face = piece.faces.data() + run.begin, *end = piece.faces.data() + run.end;
+      if (several_parts_)
+        for (const Face* f = face; f != end; ++f) out_.triangle_parts.push_back(part_of(f->source));
       if (is_of_cuts(run.material)) {
         FaceSource flat = kNoIndex;
         std::uint32_t nth = 0;  // number of the triangle in its region
         for (; face != end; ++face, ++nth) {
           pacer_.step();
+          if (is_mirrored(face->source))
+            add_cap(static_cast<std::uint32_t>(index - out_.indices.data()), s_.earlier_caps);
           // Cut faces of an earlier fracture have the source's attributes and precede the caps.
           if (has_wedges(face->source)) {
             for (const CutVertexId v : face->v) *index++ = exterior_vertex(v, face->source);
             continue;
           }
-          if (is_cap(face->source)) add_cap(static_cast<std::uint32_t>(index - out_.indices.data()));
+          if (is_cap(face->source)) add_cap(static_cast<std::uint32_t>(index - out_.indices.data()), s_.caps);
           // Regions of one facet share their plane but not their vertices. The faces of a region are
           // consecutive and in the order of its triangles.
           if (face->source != flat) {
@@ -178,17 +186,20 @@ class Assembler {
     }
     out_.topology = s_.topology;
     out_.caps = s_.caps;
+    out_.earlier_caps = s_.earlier_caps;
   }
 
   /// Notes that the triangle whose indices begin at `first` belongs to a cap.
-  void add_cap(std::uint32_t first) {
-    if (s_.caps.empty() || s_.caps.back().first + s_.caps.back().count != first)
-      s_.caps.push_back({first, 0});
-    s_.caps.back().count += 3;
+  static void add_cap(std::uint32_t first, std::vector<IndexRange>& caps) {
+    if (caps.empty() || caps.back().first + caps.back().count != first) caps.push_back({first, 0});
+    caps.back().count += 3;
   }
 
+  bool is_mirrored(FaceSource source) const {
+    return !is_cap(source) && !d_.solid.mirrored.empty() && d_.solid.mirrored[source] != 0;
+  }
   bool has_wedges(FaceSource source) const {
-    return !plain_ && !is_cap(source) && d_.solid.wedges[source][0] != kNoIndex;
+    return !is_cap(source) && (!plain_ || is_mirrored(source)) && d_.solid.wedges[source][0] != kNoIndex;
   }
 
   std::uint32_t add(CutVertexId v, const VertexSource& source) {
@@ -363,6 +374,12 @@ class Assembler {
     }
     add_until(static_cast<std::uint32_t>(out_.indices.size()));
     out_.surface_area = all.area() - caps;
+    for (const IndexRange& range : out_.earlier_caps)
+      for (std::uint32_t k = range.first; k < range.first + range.count; k += 3) {
+        const Vec3d& a = points_[out_.indices[k]];
+        out_.earlier_cap_area +=
+            0.5 * length(cross(points_[out_.indices[k + 1]] - a, points_[out_.indices[k + 2]] - a));
+      }
     out_.mass = all.result();
     out_.mass.volume = certain_volume(out_.mass.volume, points_, box_, out_.indices, pacer_);
   }
@@ -379,8 +396,10 @@ class Assembler {
   void place(const Piece& piece, Pivot where) {
     const SeamLattice& lattice = d_.positions.lattice;
     const Vec3d step = lattice.step();
+    const std::array<std::int32_t, 3> center = center_on_lattice(step);
     const std::array<std::int32_t, 3> pivot =
-        where == Pivot::kSource ? std::array<std::int32_t, 3>{} : center_on_lattice(step);
+        where == Pivot::kSource ? std::array<std::int32_t, 3>{} : center;
+    out_.center = lattice.to_world(center);
     out_.pivot = lattice.to_world(pivot);
     const auto local = [&](CutVertexId v) -> Vec3f {
       if (v < d_.positions.first_constructed) {

@@ -72,6 +72,10 @@ struct Fragment {
   double density_share = 1;
   std::uint32_t source_part = 0;  ///< equal to `part`; after refracture, the part of the broken fragment
   std::uint32_t node = 0;         ///< index into Mesh::node_names
+  /// Part of each triangle, if pieces of several parts were joined. Otherwise empty.
+  std::vector<std::uint32_t> triangle_parts{};
+  /// Centre of mass on the seam lattice, m; `pivot`, unless that is the origin of the source.
+  Vec3d center;
   Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
   std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
   Attributes
@@ -96,6 +100,10 @@ struct Fragment {
   std::vector<IndexRange> caps;  ///< interior triangles that another fragment has mirrored
   double surface_area = 0;       ///< m², of all triangles except caps
   std::uint64_t cap_sum = 0;     ///< mirror_sum()
+  /// Only of a fragment that is cut again: its triangles in the surface that are cuts of the first time and mirrored in
+  /// another solid (Solid::mirrored), and their area, m². They are not in `caps`.
+  std::vector<IndexRange> earlier_caps{};
+  double earlier_cap_area = 0;
   std::uint64_t open_edges = 0;  ///< open_edges()
 };
 

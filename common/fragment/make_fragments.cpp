@@ -138,12 +138,6 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
   assembly.make(grown);
 }
 
-std::vector<std::uint32_t> pieces_of_owners(const Pieces& pieces, std::size_t owners) {
-  std::vector<std::uint32_t> count(owners, 0);
-  for (const Piece& piece : pieces.pieces) ++count[piece.owners[0]];
-  return count;
-}
-
 /// Whether two groups of pieces touch across parts.
 bool touch_across(const PartContacts& across, const PieceGroups& groups) {
   return std::any_of(across.pieces.begin(), across.pieces.end(),
@@ -153,17 +147,14 @@ bool touch_across(const PartContacts& across, const PieceGroups& groups) {
 /// Repeats earlier unions, unites groups that are too small, assembles all groups, unites those without
 /// volume, and assembles the changed groups again. Returns, per name, whether the group was dropped.
 std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, const PartContacts* across,
-                                  const std::vector<Union>& before, PieceRecord* record, FragmentSet& out) {
+                                  const std::vector<Union>& before, bool* touching, FragmentSet& out) {
   const std::size_t n = assembly.pieces.pieces.size();
   const std::vector<SiteId> lowest = lowest_cells(assembly.ownership);
   const std::uint32_t again =
       unite_again(before, assembly.d, assembly.pieces, lowest, assembly.groups, assembly.execution);
   out.size = unite_by_size(assembly.d, assembly.pieces, limits, across, assembly.groups, assembly.execution);
   out.size.united += again;
-  if (record)
-    *record = {name_unions(assembly.d, assembly.pieces, assembly.groups, lowest, assembly.execution),
-               pieces_of_owners(assembly.pieces, lowest.size()),
-               across == nullptr || touch_across(*across, assembly.groups)};
+  if (touching) *touching = across == nullptr || touch_across(*across, assembly.groups);
   out.certificate.united = out.size.united;
   resize_with_polls(assembly.execution, assembly.fragments, n);
   resize_with_polls(assembly.execution, assembly.volumes, n);
@@ -220,49 +211,21 @@ void count(const Pieces& pieces, const RestrictedDiagram& d, FragmentSet& out) {
   certificate.crossing_caps = d.caps.crossing;
 }
 
-/// Returns the owners that are not wanted and touch a group of pieces smaller than `least`, by their lowest
-/// cells, ascending. Without their pieces, the neighbour that the group unites with cannot be chosen.
-std::vector<SiteId> beside_small_groups(const RestrictedDiagram& d, const Ownership& ownership,
-                                        const Pieces& pieces, const PieceGroups& groups,
-                                        const std::vector<SiteId>& lowest, double least,
-                                        const Execution& execution) {
-  const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution);
-  Pacer pacer(execution);
-  std::vector<SiteId> beside;
-  for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
-    pacer.step();
-    if (volumes[groups.of(p)] >= least) continue;
-    for (const Face& face : pieces.pieces[p].faces) {
-      pacer.step();
-      if (!is_cap(face.source)) continue;
-      const CapRegion& region = d.caps.regions[cap_region(face.source)];
-      const std::uint32_t owner = ownership.owner_of_site[cap_side(face.source) == 0 ? region.hi : region.lo];
-      if (!ownership.wanted[owner]) beside.push_back(lowest[owner]);
-    }
-  }
-  sort_with_polls(execution, beside.begin(), beside.end());
-  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-  return beside;
-}
-
 }  // namespace
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pivot pivot,
-                           const SizeLimits& limits, const Execution& execution,
-                           const std::vector<Union>& before, PieceRecord* record) {
-  return make_fragments(d, ownership, gather_pieces(d, ownership, execution), pivot, limits, execution,
-                        before, record);
+                           const SizeLimits& limits, const Execution& execution) {
+  return make_fragments(d, ownership, gather_pieces(d, ownership, execution), pivot, limits, execution);
 }
 
 FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownership, Pieces pieces, Pivot pivot,
                            const SizeLimits& limits, const Execution& execution,
-                           const std::vector<Union>& before, PieceRecord* record,
-                           const PartContacts* across) {
+                           const std::vector<Union>& before, const PartContacts* across, bool* touching) {
   PieceGroups groups(pieces.pieces.size());
   FragmentSet out;
   out.source = d.solid.source;
   Assembly assembly{d, ownership, pieces, groups, pivot, execution};
-  const std::vector<bool> dropped = assemble_groups(assembly, limits, across, before, record, out);
+  const std::vector<bool> dropped = assemble_groups(assembly, limits, across, before, touching, out);
   const std::vector<std::uint32_t> fragment_of_piece = take_fragments(assembly, dropped, out);
   out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
   out.certificate.volume_out += out.certificate.pocket_volume;
@@ -270,68 +233,6 @@ FragmentSet make_fragments(const RestrictedDiagram& d, const Ownership& ownershi
   count(pieces, d, out);
   state_lattice(d.solid, out);
   clear_with_polls(execution, pieces.pieces);
-  return out;
-}
-
-std::optional<WantedFragments> make_wanted_fragments(const RestrictedDiagram& d, const Ownership& ownership,
-                                                     const OwnersInWhole& whole,
-                                                     const std::vector<Union>& before, double least,
-                                                     Pivot pivot, const Execution& execution) {
-  Pieces pieces = gather_pieces(d, ownership, execution);
-  const std::size_t n = pieces.pieces.size();
-  PieceGroups groups(n);
-  unite_again(before, d, pieces, whole.lowest, groups, execution);
-  WantedFragments out;
-  out.crossing_caps = d.caps.crossing;
-  if (least > 0) {
-    out.further = beside_small_groups(d, ownership, pieces, groups, whole.lowest, least, execution);
-    if (!out.further.empty()) return out;
-    const std::vector<Union> earlier = name_unions(d, pieces, groups, whole.lowest, execution);
-    if (unite_by_size(d, pieces, {.min_volume = least}, nullptr, groups, execution).united > 0)
-      out.late = unions_since(earlier, name_unions(d, pieces, groups, whole.lowest, execution));
-  }
-  std::vector<std::uint32_t> names;  // of the groups, in the order of the fragments
-  for (std::uint32_t p = 0; p < n; ++p)
-    if (groups.is_group(p)) names.push_back(p);
-  Assembly assembly{d, ownership, pieces, groups, pivot, execution};
-  assembly.fragments.resize(n);
-  assembly.volumes.resize(n);
-  assembly.make(names);
-  for (const std::uint32_t g : names) {
-    if (assembly.volumes[g].sign <= 0) return std::nullopt;
-    Fragment& f = out.fragments.emplace_back(std::move(assembly.fragments[g]));
-    f.id = fragment_id(d.diagram, f, pieces.pieces[g].island, execution);
-    out.volumes_file.push_back(assembly.volumes[g].volume);
-  }
-
-  // Pieces are in the order of their owners.
-  const std::size_t owners = ownership.sites_of_owner.size();
-  out.first_of.assign(owners + 1, 0);
-  out.pieces = pieces_of_owners(pieces, owners);
-  for (std::size_t o = 0; o < owners; ++o)
-    if (!ownership.wanted[o]) out.first_of[o + 1] = whole.others[o];
-  for (const std::uint32_t g : names) ++out.first_of[pieces.pieces[g].owners[0] + 1];
-  for (std::size_t o = 0; o < owners; ++o) out.first_of[o + 1] += out.first_of[o];
-  std::vector<std::uint32_t> next(out.first_of.begin(), out.first_of.end() - 1);  // per owner
-  std::vector<std::uint32_t> fragment_of_piece(n);
-  for (std::uint32_t p = 0; p < n; ++p)  // a group's name is its first piece
-    fragment_of_piece[p] =
-        groups.is_group(p) ? next[pieces.pieces[p].owners[0]]++ : fragment_of_piece[groups.of(p)];
-
-  // For the sides of caps whose pieces were not made, adds one piece per owner.
-  std::vector<std::uint32_t> piece_of_owner(owners, kNoIndex);
-  for (std::uint32_t r = 0; r < d.caps.regions.size(); ++r)
-    for (int side = 0; side < 2; ++side) {
-      const CapRegion& region = d.caps.regions[r];
-      const std::uint32_t o = ownership.owner_of_site[side == 0 ? region.lo : region.hi];
-      if (ownership.wanted[o] || whole.others[o] == 0) continue;
-      if (piece_of_owner[o] == kNoIndex) {
-        piece_of_owner[o] = static_cast<std::uint32_t>(fragment_of_piece.size());
-        fragment_of_piece.push_back(out.first_of[o]);
-      }
-      pieces.piece_of_cap[2 * r + static_cast<std::uint32_t>(side)] = piece_of_owner[o];
-    }
-  out.bonds = find_bonds(d, pieces, fragment_of_piece, execution);
   return out;
 }
 

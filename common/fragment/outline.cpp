@@ -35,9 +35,12 @@ void Outline::triangulate_into(std::uint32_t t, std::vector<Face>& out) {
     out.push_back({corners, t});
     return;
   }
-  project(t);
+  const bool mirrored = mirrored_.is_mirrored(t), reversed = mirrored && mirrored_.is_reversed(t);
+  if (mirrored) arrange_loops(reversed);
+  project(t, reversed);
   triangulate(points_, loop_begin_, triangulation_, execution_);
-  for (const auto& k : triangulation_.triangles) out.push_back({{loop_[k[0]], loop_[k[1]], loop_[k[2]]}, t});
+  for (const auto& k : triangulation_.triangles)
+    out.push_back({{loop_[k[0]], loop_[k[reversed ? 2 : 1]], loop_[k[reversed ? 1 : 2]]}, t});
 }
 
 std::size_t Outline::leaving(CutVertexId v, std::uint32_t t) const {
@@ -63,9 +66,25 @@ bool Outline::is_straight(CutVertexId before, CutVertexId v, CutVertexId after) 
   return lies_on(before, edge) && lies_on(after, edge);
 }
 
+// Gives the loops an order that is the same in the mirror image of the triangle.
+void Outline::arrange_loops(bool reversed) {
+  std::vector<MirroredRings::Ring> loops;
+  for (std::size_t k = 0; k + 1 < loop_begin_.size(); ++k) {
+    loops.emplace_back(loop_.begin() + loop_begin_[k], loop_.begin() + loop_begin_[k + 1]);
+    mirrored_.arrange(loops.back(), reversed);
+  }
+  mirrored_.sort(loops);
+  loop_.clear();
+  loop_begin_.assign(1, 0);
+  for (const MirroredRings::Ring& loop : loops) {
+    loop_.insert(loop_.end(), loop.begin(), loop.end());
+    loop_begin_.push_back(static_cast<std::uint32_t>(loop_.size()));
+  }
+}
+
 // Projects onto the lattice and drops the axis of the largest normal component. The choice of triangulation
 // may depend on rounded positions; closedness does not.
-void Outline::project(std::uint32_t t) {
+void Outline::project(std::uint32_t t, bool reversed) {
   const auto& v = d_.solid.triangles[t];
   const Vec3d a = to_double(d_.solid.positions[v[0]]), b = to_double(d_.solid.positions[v[1]]),
               c = to_double(d_.solid.positions[v[2]]);
@@ -74,11 +93,11 @@ void Outline::project(std::uint32_t t) {
   for (int k = 1; k < 3; ++k)
     if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
   int x = (axis + 1) % 3, y = (axis + 2) % 3;
-  if (n[axis] < 0) std::swap(x, y);
+  if ((n[axis] < 0) != reversed) std::swap(x, y);
   const Vec3d step = d_.positions.lattice.step();
   points_.clear();
   for (const CutVertexId id : loop_) {
-    const Vec3d p = d_.point(id);
+    const Vec3d p = mirrored_.is_mirrored(t) ? mirrored_.place(id) : d_.point(id);
     points_.push_back({static_cast<std::int64_t>(std::nearbyint(p[x] / step[x])),
                        static_cast<std::int64_t>(std::nearbyint(p[y] / step[y]))});
   }

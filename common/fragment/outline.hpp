@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/clip/triangulate.hpp"
+#include "common/fragment/mirrored_ring.hpp"
 #include "common/fragment/pieces.hpp"
 
 namespace fracture {
@@ -15,7 +16,7 @@ class Outline {
  public:
   /// Both are borrowed.
   explicit Outline(const RestrictedDiagram& diagram, const Execution& execution)
-      : d_(diagram), execution_(execution) {}
+      : d_(diagram), execution_(execution), mirrored_(diagram) {}
 
   void clear() { sides_.clear(); }
   /// Adds a directed side of the outline. In a generic diagram, one side starts at each vertex.
@@ -35,10 +36,12 @@ class Outline {
   std::size_t leaving(CutVertexId v, std::uint32_t t) const;
   bool lies_on(CutVertexId v, std::uint32_t edge) const;
   bool is_straight(CutVertexId before, CutVertexId v, CutVertexId after) const;
-  void project(std::uint32_t t);
+  void arrange_loops(bool reversed);
+  void project(std::uint32_t t, bool reversed);
 
   const RestrictedDiagram& d_;
   const Execution& execution_;
+  const MirroredRings mirrored_;
   std::vector<Side> sides_;
   std::vector<CutVertexId> ring_, loop_;
   std::vector<std::uint32_t> loop_begin_;

@@ -66,10 +66,15 @@ class Splitter {
       first = 3 * kept_before[first / 3];
       length = end - first;
     };
+    for (std::size_t t = 0; t < f_.triangle_parts.size(); ++t)
+      if (kept_before[t + 1] > kept_before[t]) f_.triangle_parts[kept_before[t]] = f_.triangle_parts[t];
+    if (!f_.triangle_parts.empty()) f_.triangle_parts.resize(kept_before.back());
     for (FragmentPrimitive& p : f_.primitives) move(p.first_index, p.index_count);
-    for (IndexRange& range : f_.caps) move(range.first, range.count);
     std::erase_if(f_.primitives, [](const FragmentPrimitive& p) { return p.index_count == 0; });
-    std::erase_if(f_.caps, [](const IndexRange& range) { return range.count == 0; });
+    for (std::vector<IndexRange>* ranges : {&f_.caps, &f_.earlier_caps}) {
+      for (IndexRange& range : *ranges) move(range.first, range.count);
+      std::erase_if(*ranges, [](const IndexRange& range) { return range.count == 0; });
+    }
     return true;
   }
 

@@ -38,6 +38,7 @@ class SurfaceDivider {
         ownership_(ownership),
         execution_(execution),
         pacer_(execution),
+        mirrored_(diagram),
         outline_(diagram, execution),
         out_(out) {}
 
@@ -96,8 +97,23 @@ class SurfaceDivider {
     const std::uint32_t o = owner_of(p.cell);
     if (!wanted(o)) return;
     pacer_.step(p.count);
-    halve(d_.cuts.vertices.data() + p.first, 0, p.count - 1, p.triangle, out_.faces);
+    if (mirrored_.is_mirrored(p.triangle))
+      add_mirrored(p);
+    else
+      halve(d_.cuts.vertices.data() + p.first, 0, p.count - 1, p.triangle, out_.faces);
     out_.owner.resize(out_.faces.size(), o);
+  }
+
+  /// Gives the same triangles, mirrored, in the mirror image of the polygon.
+  void add_mirrored(const CutPolygon& p) {
+    const CutVertexId* const first = d_.cuts.vertices.data() + p.first;
+    ring_.assign(first, first + p.count);
+    const bool reversed = mirrored_.is_reversed(p.triangle);
+    mirrored_.arrange(ring_, reversed);
+    const std::size_t before = out_.faces.size();
+    halve(ring_.data(), 0, p.count - 1, p.triangle, out_.faces);
+    for (std::size_t k = before; reversed && k < out_.faces.size(); ++k)
+      std::swap(out_.faces[k].v[1], out_.faces[k].v[2]);
   }
 
   /// Fuses the polygons of one owner. The remaining sides are those that do not face a cell of the same
@@ -122,6 +138,8 @@ class SurfaceDivider {
   const Ownership& ownership_;
   const Execution& execution_;
   Pacer pacer_;
+  const MirroredRings mirrored_;
+  MirroredRings::Ring ring_;
   Outline outline_;
   SharedFaces& out_;
   std::size_t counted_ = 0;            // number of faces already counted

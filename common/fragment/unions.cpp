@@ -1,7 +1,6 @@
 #include "common/fragment/unions.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -42,8 +41,6 @@ std::vector<Union> name_unions(const RestrictedDiagram& diagram, const Pieces& p
       const Piece& piece = pieces.pieces[p];
       names.push_back({lowest[piece.owners[0]], part_in_whole(diagram, piece), piece.island, islands[p]});
     }
-    if (std::any_of(names.begin(), names.end(), [](const PieceName& n) { return n.lowest == kNoSite; }))
-      continue;
     sort_with_polls(execution, names.begin(), names.end());
     unions.push_back(std::move(names));
   }
@@ -52,27 +49,6 @@ std::vector<Union> name_unions(const RestrictedDiagram& diagram, const Pieces& p
     return a.front() < b.front();
   });
   return unions;
-}
-
-std::vector<Union> unions_since(const std::vector<Union>& earlier, const std::vector<Union>& all) {
-  std::vector<Union> since;
-  std::set_difference(all.begin(), all.end(), earlier.begin(), earlier.end(), std::back_inserter(since));
-  return since;
-}
-
-std::vector<Union> active_unions(const std::vector<Union>& unions, const std::vector<SiteId>& lowest,
-                                 const std::vector<char>& touched, const Execution& execution) {
-  Pacer pacer(execution);
-  std::vector<Union> active;
-  for (const Union& pieces : unions) {
-    pacer.step(16 * pieces.size());
-    const bool is_active = std::none_of(pieces.begin(), pieces.end(), [&](const PieceName& piece) {
-      const std::uint32_t owner = owner_of(piece.lowest, lowest);
-      return owner == kNoIndex || touched[owner];
-    });
-    if (is_active) active.push_back(pieces);
-  }
-  return active;
 }
 
 std::uint32_t unite_again(const std::vector<Union>& unions, const RestrictedDiagram& diagram,

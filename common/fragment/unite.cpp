@@ -35,7 +35,8 @@ std::vector<PieceContact> find_piece_contacts(const RestrictedDiagram& d, const 
 namespace {
 
 /// Appends the outer faces of a group, by input triangle. Faces of one piece are copied, and faces of
-/// several pieces are fused.
+/// several pieces are fused. Nothing is fused if triangles are mirrored in another solid (Solid::mirrored), where
+/// these pieces may not be united.
 void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
                    const std::vector<std::uint32_t>& members, std::vector<Face>& out,
                    const Execution& execution) {
@@ -67,7 +68,7 @@ void join_surfaces(const RestrictedDiagram& d, const Pieces& pieces,
     for (end = begin; end < faces.size() && faces[end].face.source == t; ++end)
       shared = shared || faces[end].piece != faces[begin].piece;
     pacer.step(8 * (end - begin));
-    if (!shared) {
+    if (!shared || !d.solid.mirrored.empty()) {
       for (std::size_t k = begin; k < end; ++k) out.push_back(faces[k].face);
       continue;
     }

@@ -1,14 +1,26 @@
-// Hits on an answer that is already fractured. Further sites are inserted into the stored data of the answer,
-// and only the cells that they change are made again. The result equals, bit for bit, what fracture() makes
-// of all sites from scratch. (local_hit.hpp explains how, and DECISION.md why.)
+// Hits on an answer that is already fractured. Only the fragments that the hits cut are made again. The result equals,
+// bit for bit, the answer that fracture() makes with all hits, because both apply the hits in the same way
+// (pipeline/broken_solid.hpp). DECISION.md explains what a hit cuts, and why.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
-#include "common/hits/kept_answer.hpp"
+#include "common/pipeline/broken_solid.hpp"
 #include "common/pipeline/fracture.hpp"
 
 namespace fracture {
+
+/// The data of an answer that further hits need; reusable for any number of hits. Copies share the fragments.
+struct FracturedBase {
+  BrokenSolid broken;
+  /// The hulls that the answer states, if they were trimmed because collision filters ran out; otherwise empty. These
+  /// depend on all bodies, and hits cut the others.
+  std::vector<FragmentHulls> stated_hulls{};
+};
+/// Bytes, including the object itself. Answers that share fragments each count them.
+std::size_t memory_size(const FracturedBase& base);
 
 struct KeptAnswer {
   FracturedSolid fractured;

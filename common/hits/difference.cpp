@@ -37,21 +37,9 @@ bool same_hulls(const FragmentHulls& a, const FragmentHulls& b) {
                     });
 }
 
-const Fragment* sheet_before(const FracturedBase& before, const Fragment& kept) {
-  if (!before.local) return kept.sheet.get();
-  const auto at = before.local->sheets->find(kept.id);
-  return at == before.local->sheets->end() ? nullptr : at->second.get();
-}
-
 Delta difference(const FracturedBase& before, const FracturedSolid& after, const Execution& execution) {
   Pacer pacer(execution);
-  std::vector<const KeptFragment*> earlier;
-  for (const KeptFragment& kept : before.fragments) earlier.push_back(&kept);
-  if (before.local)
-    for (std::size_t s = 0; s < before.local->cells.size(); ++s) {
-      pacer.step(4);
-      for (const KeptFragment& kept : before.local->cells[s]->fragments) earlier.push_back(&kept);
-    }
+  const std::vector<SharedFragment>& earlier = before.broken.fragments;
   std::unordered_map<std::uint64_t, std::uint32_t> place;  // only looked up
   place.reserve(earlier.size());
   for (std::uint32_t k = 0; k < earlier.size(); ++k) {
@@ -73,8 +61,9 @@ Delta difference(const FracturedBase& before, const FracturedSolid& after, const
     }
     still[at->second] = 1;
     const KeptFragment& was = *earlier[at->second];
-    if (!same_shape(was.fragment, f) || !same_hulls(was.hulls, hulls) ||
-        !same_sheet(sheet_before(before, was.fragment), f.sheet.get()))
+    const FragmentHulls& had = before.stated_hulls.empty() ? was.hulls : before.stated_hulls[at->second];
+    if (!same_shape(was.fragment, f) || !same_hulls(had, hulls) ||
+        !same_sheet(was.fragment.sheet.get(), f.sheet.get()))
       delta.changed.push_back(f.id);
   }
   for (std::uint32_t k = 0; k < still.size(); ++k)
@@ -91,38 +80,6 @@ void point_upwards(std::vector<Bond>& bonds, const Execution& execution) {
   }
   sort_with_polls(execution, bonds.begin(), bonds.end(),
                   [](const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
-}
-
-std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
-                                     const std::vector<KeptFragment>& after, Delta& delta,
-                                     const Execution& execution) {
-  Pacer pacer(execution);
-  const auto by_id = [&](const std::vector<KeptFragment>& fragments) {
-    std::vector<std::pair<std::uint64_t, const KeptFragment*>> result;
-    for (const KeptFragment& kept : fragments) result.emplace_back(kept.fragment.id, &kept);
-    sort_with_polls(execution, result.begin(), result.end());
-    return result;
-  };
-  const auto was = by_id(before), is = by_id(after);
-  const auto find = [](const auto& all, std::uint64_t id) -> const KeptFragment* {
-    const auto at =
-        std::lower_bound(all.begin(), all.end(), std::pair<std::uint64_t, const KeptFragment*>{id, nullptr});
-    return at != all.end() && at->first == id ? at->second : nullptr;
-  };
-  std::vector<std::uint32_t> numbers;
-  for (std::uint32_t k = 0; k < after.size(); ++k) {
-    pacer.step(16);
-    const Fragment& f = after[k].fragment;
-    const KeptFragment* const earlier = find(was, f.id);
-    if (earlier && same_shape(earlier->fragment, f) && same_hulls(earlier->hulls, after[k].hulls)) continue;
-    (earlier ? delta.changed : delta.added).push_back(f.id);
-    numbers.push_back(k);
-  }
-  for (const KeptFragment& kept : before) {
-    pacer.step(16);
-    if (!find(is, kept.fragment.id)) delta.gone.push_back(kept.fragment.id);
-  }
-  return numbers;
 }
 
 void keep_rest_of(Rest& rest, const std::vector<std::uint32_t>& fragments, const Delta& delta) {

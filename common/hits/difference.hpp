@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/base/execution.hpp"
-#include "common/hits/kept_answer.hpp"
+#include "common/hits/delta.hpp"
 
 namespace fracture {
 
@@ -10,10 +10,7 @@ namespace fracture {
 bool same_shape(const Fragment& a, const Fragment& b);
 /// Whether two fragments carry equal sheets; null: none.
 bool same_sheet(const Fragment* a, const Fragment* b);
-/// The sheets of a kept fragment of the answer before; null if it has none.
-const Fragment* sheet_before(const FracturedBase& before, const Fragment& kept);
-/// Whether hulls are equal. An aggregate's hulls can change while its shape does not, because neighbours
-/// beyond the solid also cut them.
+/// Whether hulls are equal. They can change while the shape does not, if they are trimmed because filters run out.
 bool same_hulls(const FragmentHulls& a, const FragmentHulls& b);
 
 /// Directs each bond from its lower to its higher fragment, and sorts the bonds.
@@ -21,12 +18,6 @@ void point_upwards(std::vector<Bond>& bonds, const Execution& execution);
 
 /// Compares fragments with the same id. Does not set neighbours. Throws Interrupted.
 Delta difference(const FracturedBase& before, const FracturedSolid& after, const Execution& execution = {});
-
-/// The same for the fragments of one cell; appends to `delta` in their order. Returns the indices of those in
-/// `after` that are new or changed.
-std::vector<std::uint32_t> differing(const std::vector<KeptFragment>& before,
-                                     const std::vector<KeptFragment>& after, Delta& delta,
-                                     const Execution& execution);
 
 /// Leaves of a rest what concerns the new and changed fragments of the delta: pairs with one of them, and the filters of those
 /// with these indices in the whole, ascending.

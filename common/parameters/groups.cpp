@@ -150,7 +150,10 @@ constexpr ParameterGroup kGroups[] = {
      "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
      kSizes},
     {"Regions without cuts", "", kKept},
-    {"Local hits", "See also [how a game uses local hits](interface.md#hit-the-fragments-again).", kHits},
+    {"Local hits",
+     "The guide [compares local hits with `impacts`](guides/more-pieces-where-it-is-hit.md). "
+     "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
+     kHits},
     {"Break one fragment again", "", kAgain},
     {"Anchors and support",
      "`report.support` shows the load on each bond, the bonds that are too weak, and the fragments that "

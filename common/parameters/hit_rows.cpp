@@ -79,8 +79,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Points where the mesh is hit, in the answer's coordinate frame. Each hit breaks only the area around its point. Hits "
-           "are applied in order. Use `local_point` for a hole or a chipped corner. Requires `local_radius`."},
+           "Points where the mesh is hit, in the answer's coordinate frame. Each hit breaks only what is within its radius. Hits "
+           "are applied in order, and a later hit cuts the pieces of earlier ones. Use `local_point` for a hole or a chipped "
+           "corner. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -89,8 +90,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of each hit: one number per hit, or one for all hits. Requires `local_point`. If cells are stretched, this "
-           "radius applies across the grain; along the grain, it is multiplied by the stretch."},
+           "Radius of each hit: one number per hit, or one for all hits. Beyond 1.25 times the radius, nothing is cut. Requires "
+           "`local_point`. If cells are stretched, the hit breaks an ellipsoid, whose longest "
+           "half-axis is the radius."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
@@ -98,17 +100,17 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHitSites,
        .doc =
-           "Number of sites that each hit adds to the pattern's sites: one number per hit, or one for all hits. All hits together "
-           "can add at most 10,000 sites."},
+           "Number of cells of each hit, which cut fragments into pieces: one number per hit, or one for all hits. All hits "
+           "together can have at most 10,000 sites."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "Treatment of cells whose sites are outside the radius of every hit. `whole`: these cells stay together as one piece. "
-           "`fractured`: these cells form the same pieces as in an answer without hits. If `of` refers to an answer without hits, "
-           "`fractured` always applies."},
+           "The pieces that the hits break. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
+           "`fractured`: the pieces that the pattern makes. The remaining part of a piece keeps its ID. If `of` refers to an answer "
+           "without hits, `fractured` always applies."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;

@@ -51,8 +51,8 @@ ParameterSpec parts_row() {
        .doc =
            "How parts that overlap or touch become fragments. `together`: their pieces in the same cell are one fragment. If "
            "`fragments` or another limit asks for fewer or larger fragments, a part too small for a fragment of its own joins "
-           "the part with which it has the largest contact. A hit separates the parts near it again. `apart`: every fragment "
-           "belongs to one part."},
+           "the part with which it has the largest contact. Pieces of several parts that touch in one cell of a hit stay together. "
+           "`apart`: every fragment belongs to one part."},
       [](auto& r) -> auto& { return r.fracture.parts; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.parts != Parts::kTogether; };
   return spec;
@@ -95,7 +95,9 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000,
-       .doc = "The smallest fragments are merged until at most this many fragments are left. 0: no limit."},
+       .doc =
+           "The smallest fragments are merged until at most this many fragments are left. Pieces broken off by hits "
+           "(`local_point`) do not count. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
@@ -105,7 +107,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .max = 1'000'000'000,
        .doc =
            "The smallest fragments are merged until all fragments together have at most this many triangles. A limit below the "
-           "triangle count of the uncut mesh has no effect. 0: no limit."},
+           "triangle count of the uncut mesh has no effect. Pieces broken off by hits (`local_point`) do not count. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }

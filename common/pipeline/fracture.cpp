@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -12,7 +13,8 @@
 #include "common/physics/hull_trim.hpp"
 #include "common/pipeline/aggregate.hpp"
 #include "common/pipeline/barycentric.hpp"
-#include "common/pipeline/before_hits.hpp"
+#include "common/pipeline/broken_solid.hpp"
+#include "common/pipeline/cell_groups.hpp"
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
 #include "common/pipeline/intact.hpp"
@@ -30,14 +32,6 @@
 
 namespace fracture {
 namespace {
-
-/// For each site, the lowest site of its owner.
-std::vector<SiteId> lowest_of_sites(const Ownership& ownership) {
-  std::vector<SiteId> lowest;
-  for (const std::uint32_t owner : ownership.owner_of_site)
-    lowest.push_back(ownership.sites_of_owner[owner][0]);
-  return lowest;
-}
 
 /// For each site, the brick to which its cell belongs. If points were merged, the first one decides.
 std::vector<std::uint32_t> bricks_of_sites(const Tetrahedralization& t,
@@ -63,18 +57,19 @@ double share_of(const std::vector<SiteId>& kept, const FragmentSet& set) {
   return set.certificate.volume_in > 0 ? volume / set.certificate.volume_in : 0;
 }
 
-/// Whether a rest of the solid stays whole regardless of its size.
-bool has_rest(const FractureParameters& parameters) {
-  return parameters.keep || (!parameters.hits.empty() && parameters.rest == LocalRest::kWhole);
-}
-
 }  // namespace
 
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& given,
                                const Execution& execution, StageTimings& timings) {
   return stage(timings, execution, Stage::kTetrahedralize, [&]() -> Expected<Diagram> {
-    if (!given.assigned.empty()) return diagram_of_sets(solid, given, execution);
-    FractureParameters parameters = given;
+    FractureParameters parameters = before_first_hit(solid, given);
+    if (!parameters.assigned.empty()) {
+      Expected<Diagram> of_sets = diagram_of_sets(solid, parameters, execution);
+      if (!of_sets) return of_sets;
+      if (auto few = check_sites_of_hits(given, given.hits, of_sets->sites.size()); !few)
+        return tl::unexpected(few.error());
+      return of_sets;
+    }
     Remarks remarks;
     put_impacts_on(solid, parameters.pattern, remarks, execution);
     Expected<CellMap> map = map_of_cells(solid, parameters, execution);
@@ -97,34 +92,17 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
       if (auto relaxed = relax(seen, *plan, parameters.lloyd, execution); !relaxed)
         return tl::unexpected(relaxed.error());
     }
-    const bool aggregated = is_aggregated(parameters);
     Diagram diagram;
-    diagram.of_pattern = plan->points.size();
     if (parameters.max_volume > 0 && !plan->groups.empty())
       return fail(ErrorCode::kBadParameter,
                   "'max_volume' divides cells, but pieces of this pattern have several cells. Leave it out.",
                   "max_volume");
-    std::optional<KeptSpace> kept;
-    if (parameters.keep && parameters.dual == Dual::kCircumcenter) {
-      kept.emplace(*parameters.keep, seen);
-      add_keep_sites(*kept, seen, !aggregated && !(parameters.max_volume > 0),
+    if (auto few = check_sites_of_hits(given, given.hits, plan->points.size()); !few)
+      return tl::unexpected(few.error());
+    if (parameters.keep && parameters.dual == Dual::kCircumcenter)
+      add_keep_sites(KeptSpace(*parameters.keep, seen), seen,
+                     !is_aggregated(parameters) && !(parameters.max_volume > 0),
                      std::holds_alternative<PointsPattern>(parameters.pattern), *plan, execution);
-      diagram.of_pattern = plan->points.size();
-    }
-    if (!parameters.hits.empty()) {
-      if (aggregated || parameters.max_volume > 0) {
-        const Expected<SplitFigures> split = aggregated
-                                                 ? aggregate_before_hits(seen, parameters, *plan, execution)
-                                                 : split_before_hits(seen, parameters, *plan, execution);
-        if (!split) return tl::unexpected(split.error());
-        diagram.split = *split;
-      }
-      diagram.of_pattern = plan->points.size();
-      if (auto added = append_hits(solid, parameters, parameters.hits, 0, 0, *plan, execution); !added)
-        return tl::unexpected(added.error());
-      if (kept) leave_out_hits(*kept, diagram.of_pattern, *plan, execution);
-      group_hits(parameters.hits, parameters.rest, diagram.of_pattern, *plan, execution);
-    }
     Expected<Tetrahedralization> t = tetrahedralize(plan->points, seen.seen().box, execution);
     if (!t) return tl::unexpected(t.error());
     diagram.sites = std::move(plan->points);
@@ -137,35 +115,47 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
     const std::span<const Vec3d> impacts = impacts_of(parameters.pattern);
     diagram.impacts.assign(impacts.begin(), impacts.end());
     diagram.tetrahedralization = std::move(*t);
-    if (parameters.max_volume > 0 && parameters.hits.empty()) {
-      Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
+    if (parameters.max_volume > 0) {
+      Expected<SplitFigures> split = split_large(seen, diagram, given, execution);
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }
-    // Canonical order: tetrahedra that a hit's sites do not change have the same order as without the hit.
     canonicalize(diagram.tetrahedralization, execution);
     return diagram;
   });
 }
 
-Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                             const Execution& execution,
-                             const std::function<void(const RestrictedDiagram&)>& inspect,
-                             std::optional<RoughTrace>* trace) {
-  if (!parameters.assigned.empty()) {
-    const std::vector<PartSet> sets = part_sets(solid, parameters, execution);
-    if (sets.size() == 1) return cut_cells(solid, diagram, sets[0].parameters, execution, inspect, trace);
+Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& given,
+                             const Execution& execution, std::vector<KeptFragment>* kept) {
+  if (!given.assigned.empty()) {
+    const std::vector<PartSet> sets = part_sets(solid, given, execution);
+    if (sets.size() == 1) return cut_cells(solid, diagram, sets[0].parameters, execution, kept);
     return cut_sets(solid, diagram, sets, execution,
                     [&](const Solid& own, const Diagram& of_set, const FractureParameters& p) {
-                      return cut_cells(own, of_set, p, execution);
+                      std::vector<KeptFragment> of_own;
+                      Expected<CutCells> cut = cut_cells(own, of_set, p, execution, kept ? &of_own : nullptr);
+                      if (kept) std::move(of_own.begin(), of_own.end(), std::back_inserter(*kept));
+                      return cut;
                     });
   }
+  FractureParameters parameters = given;
+  if (kept) parameters.pivot = Pivot::kSource;
+  const auto keep = [&](FragmentSet& set) {
+    if (!kept) return;
+    kept->resize(set.fragments.size());
+    parallel_for(execution, kept->size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        (*kept)[k] = kept_with_pivot(std::move(set.fragments[k]), given.pivot, execution);
+        set.fragments[k] = std::move((*kept)[k].fragment);
+      }
+    });
+  };
   const Tetrahedralization& t = diagram.tetrahedralization;
   const SeenSolid seen(solid, diagram.map, execution);
   const VoronoiDiagram voronoi(t, seen.seen().box, diagram.map, execution);
-  const std::vector<SiteId> kept = kept_cells(seen, voronoi, parameters, execution);
+  const std::vector<SiteId> kept_together = kept_cells(seen, voronoi, parameters, execution);
   CutCells cut;
-  cut.kept = kept.size();
+  cut.kept = kept_together.size();
   if (parameters.dual == Dual::kBarycenter) {
     if (diagram.map)
       return fail(
@@ -175,39 +165,31 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     cut.barycentric =
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
     cut.set = std::move(cut.barycentric.set);
+    keep(cut.set);
   } else {
     RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
     const std::vector<std::uint32_t> bricks = bricks_of_sites(t, diagram.bricks, execution);
     restricted.bricks = bricks;
-    if (inspect) inspect(restricted);
     std::vector<std::uint32_t> groups =
         diagram.groups.empty() && is_aggregated(parameters)
-            ? aggregate(restricted, parameters, diagram.impacts, kept, execution)
+            ? aggregate(restricted, parameters, diagram.impacts, kept_together, execution)
             : groups_of_sites(t, diagram.groups, execution);
-    keep_together(t.site_count(), kept, groups);
+    keep_together(t.site_count(), kept_together, groups);
     const Ownership ownership = Ownership::from_groups(t.site_count(), groups, execution);
     cut.grouped = ownership.grouped;
-    if (ownership.grouped) cut.lowest = lowest_of_sites(ownership);
-    std::vector<Union> before;
-    if (!parameters.hits.empty() && parameters.rest == LocalRest::kFractured) {
-      Expected<std::vector<Union>> unions = unions_before_hits(seen, diagram, parameters, execution);
-      if (!unions) return tl::unexpected(unions.error());
-      cut.unions = std::move(*unions);
-      before = unions_beside_hits(cut.unions, diagram, ownership, execution);
-    }
-    SizeLimits limits = limits_in_force(parameters, solid.report.volume, sites_of_pattern(diagram));
-    if (parameters.hits.empty())
-      limits.weights = weights_of_parts(solid, parameters, diagram.impacts, execution);
-    if (!kept.empty()) limits.kept_owner = ownership.owner_of_site[kept[0]];
-    const Restraints flat = flat_near_kept(seen, voronoi, parameters, kept, execution);
+    SizeLimits limits = parameters.size;
+    limits.weights = weights_of_parts(solid, parameters, diagram.impacts, execution);
+    if (!kept_together.empty()) limits.kept_owner = ownership.owner_of_site[kept_together[0]];
+    const Restraints flat = flat_near_kept(seen, voronoi, parameters, kept_together, execution);
     make_rough_fragments(
-        restricted, parameters, std::move(limits), ownership, flat, std::move(before),
-        [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut,
-        trace);
-    cut.kept_share = share_of(kept, cut.set);
+        restricted, parameters, std::move(limits), ownership, flat, {},
+        [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); }, execution, cut);
+    cut.kept_share = share_of(kept_together, cut.set);
+    keep(cut.set);
     if (parameters.hulls == Hulls::kConvex)
-      cut.hulls = make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits.count,
-                                       cells_per_fragment(parameters), has_rest(parameters), execution);
+      cut.hulls =
+          make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits.count, cells_per_fragment(parameters),
+                               parameters.keep.has_value(), execution);
     execution.poll();  // freeing a large diagram takes some time, and so do the steps below
   }
   execution.poll();
@@ -218,20 +200,6 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
                     : "No piece has a volume.");
   carry_sheets(solid, voronoi, seen.seen().box, cut.set, execution);
   return cut;
-}
-
-/// Factor for min_of_mean with hits: pieces that hits break off are small compared with the mean, but must remain.
-constexpr double kShareBesideHits = 0.01;
-
-SizeLimits limits_in_force(const FractureParameters& parameters, double volume, std::uint32_t pattern_sites) {
-  SizeLimits limits = parameters.size;
-  if (parameters.hits.empty()) return limits;
-  const double fragments = static_cast<double>(pattern_sites) / cells_per_fragment(parameters);
-  limits.min_volume = std::max({limits.min_volume, limits.min_fraction * volume,
-                                kShareBesideHits * limits.min_of_mean * volume / std::max(fragments, 1.0)});
-  limits.min_fraction = limits.min_of_mean = 0;
-  limits.fragments = 0;  // the pattern's pieces have been merged already
-  return limits;
 }
 
 SiteNotes notes_of(const Diagram& diagram) {
@@ -279,7 +247,9 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
   if (parameters.hulls == Hulls::kConvex) {
-    out.hulls = make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
+    out.hulls = cut.hulls_are_final
+                    ? std::move(cut.hulls)
+                    : make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
     trim_at_contacts(set, solid, out.hulls, execution);
     out.rest = cut.whole ? std::move(cut.whole->rest)
                          : bring_to_rest(set, out.hulls,
@@ -308,6 +278,12 @@ Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
                                   const FractureParameters& parameters, const Execution& execution,
                                   StageTimings& timings) {
   return stage(timings, execution, Stage::kClip, [&]() -> Expected<FracturedSolid> {
+    // With assigned parts, the certificate then has the same sums as one that is kept for hits.
+    if (!parameters.hits.empty() || !parameters.assigned.empty()) {
+      Expected<BrokenSolid> broken = break_solid(solid, diagram, parameters, execution);
+      if (!broken) return tl::unexpected(std::move(broken.error()));
+      return complete(solid, *broken, parameters, execution);
+    }
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
     return complete(solid, notes_of(diagram), parameters, std::move(*cut),

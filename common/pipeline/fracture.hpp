@@ -67,7 +67,8 @@ struct FractureParameters : SiteParameters {
   std::vector<AssignedParts> assigned{};
 };
 
-/// The reusable result for (mesh, site parameters): sites and their tetrahedralization.
+/// The reusable result for (mesh, site parameters): the pattern's sites and their tetrahedralization. Hits have diagrams of
+/// their own (local_impact.hpp).
 struct Diagram {
   std::vector<Vec3d> sites;
   std::vector<std::uint32_t> groups{};  ///< per site, or empty: cells with equal ids stay together
@@ -79,14 +80,13 @@ struct Diagram {
   SplitFigures split{};                   ///< effect of FractureParameters::max_volume
   /// The impacts of the pattern, on the solid (sites/request_places.hpp). Empty: it has none.
   std::vector<Vec3d> impacts{};
-  double clearance = 0;        ///< SitePlan::clearance
-  std::size_t of_pattern = 0;  ///< number of `sites`, from the first one, that are not of hits
+  double clearance = 0;  ///< SitePlan::clearance
   /// If several sets of parts break in different ways (pipeline/part_sets.hpp): the diagram of each set. This diagram then has
   /// the sites of all of them, but no tetrahedra, and its map only has the frames of parts.
   std::vector<Diagram> sets{};
 };
 
-/// Makes the diagram. Errors: those of plan_sites() and tetrahedralize(), or an interruption.
+/// Makes the diagram. Errors: those of plan_sites(), tetrahedralize() and check_sites_of_hits(), or an interruption.
 Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution, StageTimings& timings);
 

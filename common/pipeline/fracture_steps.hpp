@@ -1,7 +1,6 @@
-// The steps of make_diagram() and fracture(), for callers that need only some of them (hits/delta.hpp).
+// The steps of make_diagram() and fracture(), for callers that need only some of them (broken_solid.hpp, hits/delta.hpp).
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "common/physics/rest.hpp"
 #include "common/pipeline/barycentric.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "common/pipeline/kept_fragment.hpp"
 #include "common/rough/roughen.hpp"
 #include "common/structure/contact_bonds.hpp"
 
@@ -43,22 +43,19 @@ auto stage(StageTimings& timings, const Execution& execution, Stage which, const
 /// Cells as fragments, with bonds, certificate and lattice, but without the additions of complete().
 struct CutCells {
   FragmentSet set;
-  CollisionHulls hulls;                 ///< hulls that are known already
-  std::size_t kept = 0;                 ///< cells that FractureParameters::keep keeps together
-  double kept_share = 0;                ///< share of the solid's volume that their fragments have
-  bool grouped = false;                 ///< whether some fragment has several cells
-  std::vector<SiteId> lowest{};         ///< per site, if cells stay together: the lowest of these cells
-  std::vector<std::uint32_t> pieces{};  ///< per site: number of pieces; of a group: at its lowest site
-  std::vector<Union> unions{};          ///< unions because of size limits, as they would be without hits
-  /// Later unions of pieces that are too small with rough cuts, or that hits broke off.
-  std::vector<Union> late{};
+  CollisionHulls hulls;           ///< hulls that are known already
+  std::size_t kept = 0;           ///< cells that FractureParameters::keep keeps together
+  double kept_share = 0;          ///< share of the solid's volume that their fragments have
+  bool grouped = false;           ///< whether some fragment has several cells
   BarycentricResult barycentric;  ///< its statistics, with Dual::kBarycenter
   RoughReport rough;
   /// Effects of the fallback for rough cuts (rough_cells.hpp): number of cells with less roughness than
   /// requested, and whether all cuts were made flat.
   std::uint32_t restrained_cells = 0;
   bool all_flat = false;
-  bool touch_across = true;  ///< PieceRecord::touch_across
+  bool touch_across = true;  ///< false if no two fragments touch across parts
+  /// Whether make_collision_hulls() has made `hulls`. It would divide some of them again.
+  bool hulls_are_final = false;
   /// If the set is only part of a result (only a delta): statistics of all fragments.
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending
@@ -68,13 +65,6 @@ struct CutCells {
   };
   std::optional<Whole> whole{};
 };
-
-/// Returns the size limits that apply to all cells, in addition to the unions of the pattern's pieces
-/// before hits. Fragments that hits break off come on top of the number of fragments that the pattern
-/// makes. They may be smaller, relative to the mean, than crumbs elsewhere. With hits, the limit is only a
-/// volume, which is the same for any number of hits. `volume`: of the solid, m³. `pattern_sites`:
-/// sites_of_pattern().
-SizeLimits limits_in_force(const FractureParameters& parameters, double volume, std::uint32_t pattern_sites);
 
 /// Information about the sites that a result contains.
 struct SiteNotes {
@@ -86,12 +76,11 @@ struct SiteNotes {
 };
 SiteNotes notes_of(const Diagram& diagram);
 
-/// Cuts the solid into cells. `inspect` receives the clipper's result, except for barycentric cells.
-/// `trace`: see roughen(). Errors: those of fracture(). Throws Interrupted.
+/// Cuts the solid into cells. The parameters must have no hits. `kept`, if not null, receives what kept_with_pivot()
+/// gives, per fragment, except for the fragments themselves and their hulls, which are in the result. Errors: those of
+/// fracture(). Throws Interrupted.
 Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const FractureParameters& parameters,
-                             const Execution& execution,
-                             const std::function<void(const RestrictedDiagram&)>& inspect = {},
-                             std::optional<RoughTrace>* trace = nullptr);
+                             const Execution& execution, std::vector<KeptFragment>* kept = nullptr);
 
 /// Which cells of an answer may overlap. `islands`: Certificate::islands, with none no cell has two pieces.
 inline CellsOfBodies cells_of_bodies(const FractureParameters& parameters, const CellMap& map,

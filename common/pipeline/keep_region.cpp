@@ -26,12 +26,6 @@ double distance2(const ConvexPolygon& polygon, const Vec3d& normal, const Vec3d&
   return std::abs(turns) == static_cast<int>(polygon.size()) ? height * height : nearest;
 }
 
-Box box_of(const Region& region) {
-  if (region.shape == Region::Shape::kBox) return region.box;
-  const Vec3d r{region.radius, region.radius, region.radius};
-  return {region.center - r, region.center + r};
-}
-
 /// Returns a region that contains every point that may move into the given one.
 Region grown(Region region, const Movement& movement) {
   region.radius += movement.distance();

@@ -17,6 +17,12 @@ struct Region {
   Box box{};          ///< for a box
 };
 
+inline Box box_of(const Region& region) {
+  if (region.shape == Region::Shape::kBox) return region.box;
+  const Vec3d r{region.radius, region.radius, region.radius};
+  return {region.center - r, region.center + r};
+}
+
 /// Returns the sites whose cells meet the region within `bounds` (the diagram's box), ascending; none if
 /// the region lies outside. Uses doubles with a margin of 1e-9 of the box: a cell that almost meets the
 /// region may be included, but one that meets it is never missing. Starts from the cell of a point in the

@@ -335,25 +335,6 @@ void add_keep_sites(const KeptSpace& space, const SeenSolid& seen, bool grouped,
   for (const FrameSites& frame : sites) merged.add_outside(frame.outside());
 }
 
-void leave_out_hits(const KeptSpace& space, std::size_t first_of_hits, SitePlan& plan,
-                    const Execution& execution) {
-  Pacer pacer(execution);
-  std::size_t left = first_of_hits;
-  for (std::size_t k = first_of_hits; k < plan.points.size(); ++k) {
-    pacer.step(8);
-    if (!may_have_site(space, plan.points[k], plan.clearance)) continue;
-    plan.points[left] = plan.points[k];
-    if (!plan.groups_of_hits.empty())
-      plan.groups_of_hits[left - first_of_hits] = plan.groups_of_hits[k - first_of_hits];
-    ++left;
-  }
-  if (const std::size_t missing = plan.points.size() - left; missing > 0)
-    plan.remarks.note(counted(missing, "site of the hits was", "sites of the hits were") +
-                      " left out, because the region to keep is there.");
-  plan.points.resize(left);
-  if (!plan.groups_of_hits.empty()) plan.groups_of_hits.resize(left - first_of_hits);
-}
-
 bool may_have_site(const KeptSpace& space, const Vec3d& image, double clearance) {
   return space.depth(nearest_in(space.at(image).box, image)) <= -clearance;
 }

@@ -33,11 +33,6 @@ namespace fracture {
 void add_keep_sites(const KeptSpace& space, const SeenSolid& seen, bool grouped, bool keeps_numbers,
                     SitePlan& plan, const Execution& execution);
 
-/// Leaves out the sites of hits, from `first_of_hits` on, that would change the kept region, with a note.
-/// Throws Interrupted.
-void leave_out_hits(const KeptSpace& space, std::size_t first_of_hits, SitePlan& plan,
-                    const Execution& execution);
-
 /// Whether a further site at this place leaves the surface of the region as it is, and does not divide it.
 /// `clearance`: SitePlan::clearance.
 bool may_have_site(const KeptSpace& space, const Vec3d& image, double clearance);

@@ -19,6 +19,8 @@ struct KeptFacet {
 /// The number of facets that replace a sphere: the directions of a geodesic polyhedron, 10 · 3² + 2. The
 /// facets touch the sphere, so the polyhedron holds it, and has 3.5 % more volume.
 inline constexpr std::size_t kSphereFacets = 92;
+/// The corners of this polyhedron are nearer to the centre than this many radii.
+inline constexpr double kSphereReach = 1.04;
 
 class KeptSpace {
  public:

@@ -1,45 +1,102 @@
 #include "common/pipeline/local_impact.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 #include <string>
+#include <utility>
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
 #include "common/base/words.hpp"
+#include "common/bvh/surface_tree.hpp"
 #include "common/pipeline/aggregate.hpp"
 
 namespace fracture {
 namespace {
 
-/// Maximum distance of a site beyond the radius, as a fraction, because sites are rounded to a lattice of
-/// 2^-21 of the box.
-constexpr double kRounding = 1e-5;
+/// Sites are rounded, so they may be farther from the centre by this share of the radius.
+constexpr double kRounding = 0.01;
+/// Guards are rounded to this share of the radius, because short coordinates make exact tests cheap.
+constexpr double kGuardStep = 0x1p-12;
+
+Vec3d unit(const Vec3d& v) { return (1 / length(v)) * v; }
+
+std::vector<Vec3d> divided_icosahedron() {
+  const double golden = (1 + std::sqrt(5.0)) / 2;
+  std::vector<Vec3d> corners;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-golden, golden})
+      for (const Vec3d& v : {Vec3d{0, x, y}, Vec3d{x, y, 0}, Vec3d{y, 0, x}}) corners.push_back(v);
+  std::vector<Vec3d> all;
+  for (const Vec3d& v : corners) all.push_back(unit(v));
+  for (std::size_t a = 0; a < corners.size(); ++a)
+    for (std::size_t b = a + 1; b < corners.size(); ++b)
+      if (const Vec3d edge = corners[b] - corners[a]; dot(edge, edge) < 5)  // an edge has the length 2
+        all.push_back(unit(corners[a] + corners[b]));
+  return all;
+}
+
+/// The part whose surface is nearest to the point; ties: the lowest. Linear in the triangles.
+std::uint32_t nearest_part(const Solid& solid, const Vec3d& point, const Execution& execution) {
+  Pacer pacer(execution);
+  std::uint32_t nearest = 0;
+  double least = HUGE_VAL;
+  const auto at = [&](VertexId v) { return to_double(solid.positions[v]); };
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
+    pacer.step(4);
+    const auto& v = solid.triangles[t];
+    const double distance = distance_to_triangle(point, at(v[0]), at(v[1]), at(v[2]));
+    if (distance >= least) continue;
+    least = distance;
+    nearest = solid.part[t];
+  }
+  return nearest;
+}
+
+/// An upper bound, exact to 0.1 %, of the factor by which the matrix lengthens a vector. This is the square root of the
+/// largest eigenvalue of M = A Aᵀ. M is squared repeatedly, because trace(M^n)^(1/n) is at least this eigenvalue and at
+/// most 3^(1/n) times as much.
+double most_stretch(const Matrix3& a) {
+  Matrix3 m;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) m.rows[r][c] = dot(a.rows[r], a.rows[c]);
+  constexpr int kSquarings = 10;
+  double bound = 1;
+  for (int k = 0; k <= kSquarings; ++k) {
+    const double trace = m.rows[0].x + m.rows[1].y + m.rows[2].z;
+    double root = trace;  // its 2^(k + 1)-th root, because lengths are square roots of eigenvalues
+    for (int n = 0; n <= k; ++n) root = std::sqrt(root);
+    bound *= root;
+    for (Vec3d& row : m.rows) row = (1 / trace) * row;
+    Matrix3 square;
+    for (int r = 0; r < 3; ++r) square.rows[r] = m.transposed_times(m.rows[r]);  // M is symmetric
+    m = square;
+  }
+  return bound;
+}
 
 /// Groups a hit's sites into fragments of about `cells` sites each: each site joins the nearest seed.
 /// Distances in the direction away from the hit count less than across it. The hit's sites are in the order
 /// of a curve through the solid: sites that are near in space are near in it. So every `cells`-th site
-/// serves as a seed in the middle of some others.
-void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t cells, SitePlan& plan,
-               const Execution& execution) {
-  const std::vector<Vec3d>& points = further.points;
-  std::uint32_t next = 0;
-  for (const std::uint32_t g : plan.groups_of_hits) next = std::max(next, g + 1);
+/// serves as a seed in the middle of some others. Groups are numbered from 1.
+std::vector<std::uint32_t> group_sites(const std::vector<Vec3d>& points, const Vec3d& center,
+                                       std::uint32_t cells, const Execution& execution) {
   const auto seeds = static_cast<std::int64_t>((points.size() + cells - 1) / cells);
-  constexpr std::int64_t kReach = 16;  // number of seeds before and after a site's own that are tested
+  constexpr std::int64_t kNear = 16;  // number of seeds before and after a site's own that are tested
   Pacer pacer(execution);
+  std::vector<std::uint32_t> groups;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    pacer.step(2 * kReach);
+    pacer.step(2 * kNear);
     const Vec3d& p = points[k];
-    const Vec3d from = p - (further.map ? further.map.at(p).image(hit.point) : hit.point);
+    const Vec3d from = p - center;
     const double far = length(from);
     const Vec3d out = far > 0 ? (1 / far) * from : Vec3d{};
     const auto own = static_cast<std::int64_t>(k / cells);
     std::int64_t best = own;
     double least = HUGE_VAL;
-    for (std::int64_t seed = std::max<std::int64_t>(0, own - kReach);
-         seed < std::min(seeds, own + kReach + 1); ++seed) {
+    for (std::int64_t seed = std::max<std::int64_t>(0, own - kNear); seed < std::min(seeds, own + kNear + 1);
+         ++seed) {
       const std::size_t middle =
           std::min(static_cast<std::size_t>(seed) * cells + cells / 2, points.size() - 1);
       const Vec3d to = points[middle] - p;
@@ -50,8 +107,9 @@ void group_hit(const LocalImpact& hit, const SitePlan& further, std::uint32_t ce
         best = seed;
       }
     }
-    plan.groups_of_hits.push_back(next + static_cast<std::uint32_t>(best));
+    groups.push_back(1 + static_cast<std::uint32_t>(best));
   }
+  return groups;
 }
 
 /// Adds a remark about sites of a hit that did not fit near it.
@@ -66,81 +124,114 @@ void add_remark(std::size_t hit, std::size_t missing, std::size_t asked, double 
                  ".");
 }
 
+/// The box of the images of a box's corners.
+template <class Map>
+Box box_of_images(const Box& box, const Map& map) {
+  Box images;
+  for (int corner = 0; corner < 8; ++corner)
+    images.add(map(Vec3d{(corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
+                         (corner & 4 ? box.max : box.min).z}));
+  return images;
+}
+
 }  // namespace
 
-Expected<void> append_hits(const Solid& solid, const SiteParameters& parameters,
-                           const std::vector<LocalImpact>& hits, std::size_t first, std::uint64_t already,
-                           SitePlan& plan, const Execution& execution) {
-  for (std::size_t k = first; k < hits.size(); ++k) {
-    const LocalImpact& hit = hits[k];
-    SiteParameters near = parameters;
-    near.sites = hit.sites;
-    // Uses a sequence that differs from the pattern's and from that of every other hit.
-    near.seed = (parameters.seed ^ 0x696d70616374ull) + k * kGoldenGamma;
-    near.pattern = ImpactPattern{
-        .impacts = {hit.point}, .radius = hit.radius, .exponent = 1, .share = 1, .by_parts = false};
-    near.lloyd = 0;
-    near.aggregation.cells = cells_per_fragment(parameters);  // from the original pattern
-    near.density_from.clear();
-    // Hits use the pattern's map, except with slices, whose map would make a grid of the hits' sites.
-    const bool as_seen = !std::holds_alternative<SlicePattern>(parameters.pattern);
-    Expected<SitePlan> further = as_seen ? plan_sites(SeenSolid(solid, plan.map, execution), near, execution)
-                                         : plan_sites(solid, near, execution);
-    if (!further) return tl::unexpected(further.error());
-    // Sites that did not fit near the point were placed elsewhere and are not part of the hit.
-    const std::size_t asked = further->points.size();
-    const double reach = hit.radius + kRounding * (hit.radius + solid.box.longest_side());
-    std::erase_if(further->points, [&](const Vec3d& p) {
-      const Vec3d center = further->map ? further->map.at(p).image(hit.point) : hit.point;
-      return length(p - center) > reach;
-    });
-    // Oblique slices have a map of their own that hits do not use.
-    if (further->map != plan.map) {
-      for (Vec3d& p : further->points) {
-        const Vec3d place = further->map ? further->map.at(p).place(p) : p;
-        p = plan.map ? plan.map.of_part(0).image(place) : place;
-      }
+std::span<const Vec3d> guard_directions() {
+  static const std::vector<Vec3d> directions = divided_icosahedron();
+  return directions;
+}
+
+Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parameters,
+                                std::span<const LocalImpact> hits, std::size_t number, Remarks& remarks,
+                                const Execution& execution) {
+  const LocalImpact& hit = hits[number];
+  SiteParameters near = parameters;
+  near.sites = hit.sites;
+  // Uses a sequence that differs from the pattern's and from that of every other hit.
+  near.seed = (parameters.seed ^ 0x696d70616374ull) + number * kGoldenGamma;
+  near.lloyd = 0;
+  near.aggregation.cells = cells_per_fragment(parameters);  // from the original pattern
+  near.density_from.clear();
+  near.pattern = ImpactPattern{.impacts = {hit.point}, .exponent = 1, .share = 1, .by_parts = false};
+  Expected<CellMap> map = map_of_cells(solid, near, execution);
+  if (!map) return tl::unexpected(map.error());
+  if (map->frames().size() > 1) map = CellMap(map->of_part(nearest_part(solid, hit.point, execution)).matrix);
+  near.anisotropy = {};  // the map has it already
+
+  HitCells cells;
+  cells.map = *map;
+  const auto image = [&](const Vec3d& p) { return cells.map ? cells.map.of_part(0).image(p) : p; };
+  const auto place = [&](const Vec3d& p) { return cells.map ? cells.map.of_part(0).place(p) : p; };
+  const double radius =
+      cells.map ? hit.radius / most_stretch(cells.map.of_part(0).inverse) : hit.radius;  // in the image
+  const Vec3d center = image(hit.point);
+  std::get<ImpactPattern>(near.pattern).radius = kSitesWithin * radius;
+  Expected<SitePlan> plan = plan_sites(SeenSolid(solid, cells.map, execution), near, execution);
+  if (!plan) return tl::unexpected(plan.error());
+  // Sites that did not fit near the point were placed elsewhere and are not part of the hit.
+  std::vector<Vec3d>& points = plan->points;
+  cells.asked = static_cast<std::uint32_t>(points.size());
+  std::erase_if(points,
+                [&](const Vec3d& p) { return !(length(p - center) <= (kSitesWithin + kRounding) * radius); });
+  if (const std::size_t missing = cells.asked - points.size(); missing > 0)
+    add_remark(number + 1, missing, cells.asked, hit.radius, remarks);
+  if (points.empty()) return cells;
+  std::vector<std::uint32_t> groups =
+      group_sites(points, center, std::max(1u, cells_per_fragment(near)), execution);
+
+  // Sites come first, so a guard that is equal to a site is the one that is left out.
+  int exponent = 0;
+  std::frexp(kGuardStep * radius, &exponent);
+  const double step = std::ldexp(1, exponent - 1);
+  const std::size_t of_hit = points.size();
+  for (const Vec3d& direction : guard_directions()) {
+    Vec3d guard = center + (kGuardsAt * radius) * direction;
+    for (int axis = 0; axis < 3; ++axis) guard[axis] = step * std::nearbyint(guard[axis] / step);
+    points.push_back(guard);
+    groups.push_back(0);
+  }
+  cells.image = box_of_images(solid.box, image);
+  if (cells.map) {  // vertices of the image are rounded to float
+    Box& box = cells.image;
+    const Vec3d size = box.size();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double margin =
+          0x1p-20 * std::fmax(size[axis], std::fmax(std::fabs(box.min[axis]), std::fabs(box.max[axis])));
+      box.min[axis] -= margin;
+      box.max[axis] += margin;
     }
-    if (const std::uint64_t all = already + plan.points.size() + further->points.size();
-        all > parameters.most_sites)
+  }
+  Expected<Tetrahedralization> dual = tetrahedralize(points, cells.image, execution);
+  if (!dual) return tl::unexpected(dual.error());
+  cells.dual = std::move(*dual);
+  canonicalize(cells.dual, execution);
+  cells.groups.resize(cells.dual.site_count(), 0);
+  for (std::size_t k = 0; k < of_hit; ++k) {
+    const SiteId s = cells.dual.site_of_input[k];
+    if (s == kNoSite) continue;
+    std::uint32_t& group = cells.groups[s];
+    cells.sites += group == 0;
+    cells.duplicates += group != 0;
+    group = groups[k];
+  }
+  const Vec3d reach{kReach * radius, kReach * radius, kReach * radius};
+  cells.reach = box_of_images(Box{center - reach, center + reach}, place);
+  return cells;
+}
+
+Expected<void> check_sites_of_hits(const SiteParameters& parameters, std::span<const LocalImpact> hits,
+                                   std::uint64_t of_pattern) {
+  std::uint64_t all = of_pattern;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    all += std::uint64_t{cells_per_fragment(parameters)} * hits[k].sites;
+    if (all > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
                   "With hit " + std::to_string(k + 1) + " there would be " + std::to_string(all) +
                       " sites. The limit for the pattern and all hits together is " +
                       std::to_string(parameters.most_sites) + ".",
                   "local_sites");
-    if (const std::uint32_t cells = cells_per_fragment(near); cells > 1)
-      group_hit(hit, *further, cells, plan, execution);
-    plan.points.insert(plan.points.end(), further->points.begin(), further->points.end());
-    if (const std::size_t missing = asked - further->points.size(); missing > 0)
-      add_remark(k + 1, missing, asked, hit.radius, plan.remarks);
   }
   return {};
-}
-
-void group_hits(const std::vector<LocalImpact>& hits, LocalRest rest, std::size_t first_of_hits,
-                SitePlan& plan, const Execution& execution) {
-  const bool whole = rest == LocalRest::kWhole;
-  if (plan.groups.empty() && !whole) return;
-  if (plan.groups.empty()) {
-    plan.groups.resize(first_of_hits);
-    std::iota(plan.groups.begin(), plan.groups.end(), 0u);
-  }
-  std::uint32_t next = 0;
-  for (const std::uint32_t g : plan.groups) next = std::max(next, g + 1);
-  if (whole) {
-    Pacer pacer(execution);
-    for (std::size_t k = 0; k < first_of_hits; ++k) {
-      pacer.step(1 + hits.size());
-      const Vec3d& p = plan.points[k];
-      const Vec3d site = plan.map ? plan.map.at(p).place(p) : p;
-      if (std::all_of(hits.begin(), hits.end(),
-                      [&](const LocalImpact& hit) { return length(site - hit.point) > hit.radius; }))
-        plan.groups[k] = next;
-    }
-    ++next;
-  }
-  for (const std::uint32_t g : plan.groups_of_hits) plan.groups.push_back(next + g);
-  while (plan.groups.size() < plan.points.size()) plan.groups.push_back(next++);
 }
 
 }  // namespace fracture

@@ -129,13 +129,13 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
                  short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
                  " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
   report_fragments(p.hits.empty() ? p.size.fragments : 0, p, set, remarks);
-  if (p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
+  if (p.hits.empty() && p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
         ", although 'max_fragments' is " + grouped(p.size.max_fragments) +
         ": the remaining ones touch nothing that they could be merged with. Allow more, or join the parts of "
         "the mesh in a modelling tool.");
-  if (p.size.max_triangles > 0 && triangles > p.size.max_triangles)
+  if (p.hits.empty() && p.size.max_triangles > 0 && triangles > p.size.max_triangles)
     remarks.warn(
         "The fragments have " + counted(triangles, "triangle", "triangles") +
         ", although 'max_triangles' is " + grouped(p.size.max_triangles) +

@@ -51,30 +51,6 @@ std::uint32_t least_fragments(const Solid& solid, Parts parts, Pacer& pacer) {
   return static_cast<std::uint32_t>(groups);
 }
 
-double distance(const Box& box, const Vec3d& p) {
-  double square = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double beyond = std::fmax(std::fmax(box.min[axis] - p[axis], p[axis] - box.max[axis]), 0);
-    square += beyond * beyond;
-  }
-  return std::sqrt(square);
-}
-
-/// Keeps the hits that reach the solid. If only what is hit breaks, a solid that no hit reaches stays whole.
-void keep_near_hits(const Solid& solid, FractureParameters& p) {
-  if (p.hits.empty()) return;
-  std::erase_if(p.hits, [&](const LocalImpact& hit) { return distance(solid.box, hit.point) > hit.radius; });
-  if (!p.hits.empty() || p.rest != LocalRest::kWhole) return;
-  p.pattern = PointsPattern{{solid.box.center()}};
-  p.sites = 1;
-  p.lloyd = 0;
-  p.anisotropy = {};
-  p.aggregation = {};
-  p.density_from.clear();
-  p.roughness = {};
-  p.max_volume = 0;
-}
-
 /// Shares what holds for the whole among the sets.
 void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets, Pacer& pacer) {
   std::vector<double> volumes;
@@ -117,6 +93,7 @@ void renumber(CutCells& cut, const std::vector<std::uint32_t>& parts, std::uint3
     f.source_part = f.part;
     for (PartCell& cell : f.part_cells) cell = {parts[cell.part], site(cell.site)};
     for (PartVolume& volume : f.part_volumes) volume.part = parts[volume.part];
+    for (std::uint32_t& part : f.triangle_parts) part = parts[part];
     for (FragmentPrimitive& p : f.primitives)
       if (p.part != kNoIndex) p.part = parts[p.part];
   }
@@ -212,6 +189,37 @@ std::vector<PartSelector> selectors_of(const FractureParameters& parameters) {
   return selectors;
 }
 
+double distance(const Box& box, const Vec3d& p) {
+  double square = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double beyond = std::fmax(std::fmax(box.min[axis] - p[axis], p[axis] - box.max[axis]), 0);
+    square += beyond * beyond;
+  }
+  return std::sqrt(square);
+}
+
+/// The sets that have parts. Nothing is shared among them yet.
+std::vector<PartSet> divided(const Solid& solid, const FractureParameters& parameters,
+                             const Execution& execution) {
+  const PartChoice choice = choose_assigned(solid, parameters, execution);
+  std::vector<std::vector<std::uint32_t>> parts(parameters.assigned.size() + 1);
+  Pacer pacer(execution);
+  for (std::uint32_t p = 0; p < choice.of_part.size(); ++p) {
+    pacer.step();
+    parts[choice.of_part[p] == kNoIndex ? 0 : choice.of_part[p] + 1].push_back(p);
+  }
+  std::vector<PartSet> sets;
+  for (std::uint32_t k = 0; k < parts.size(); ++k)
+    if (!parts[k].empty())
+      sets.push_back({std::move(parts[k]), {}, parameters_of_entry(parameters, k == 0 ? kNoIndex : k - 1)});
+  if (sets.size() == 1) {
+    sets[0].parts.clear();
+    return sets;
+  }
+  for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
+  return sets;
+}
+
 /// Gives each connected sheet to the set of the part that is nearest to it.
 void share_sheets(const Solid& whole, std::vector<PartSet>& sets, const Execution& execution) {
   if (!whole.sheets || whole.sheets->whole) return;
@@ -269,25 +277,22 @@ FractureParameters reported_parameters(const FractureParameters& parameters) {
 
 std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution) {
-  const PartChoice choice = choose_assigned(solid, parameters, execution);
-  std::vector<std::vector<std::uint32_t>> parts(parameters.assigned.size() + 1);
+  std::vector<PartSet> sets = divided(solid, parameters, execution);
+  if (sets.size() == 1) return sets;
   Pacer pacer(execution);
-  for (std::uint32_t p = 0; p < choice.of_part.size(); ++p) {
-    pacer.step();
-    parts[choice.of_part[p] == kNoIndex ? 0 : choice.of_part[p] + 1].push_back(p);
-  }
-  std::vector<PartSet> sets;
-  for (std::uint32_t k = 0; k < parts.size(); ++k)
-    if (!parts[k].empty())
-      sets.push_back({std::move(parts[k]), {}, parameters_of_entry(parameters, k == 0 ? kNoIndex : k - 1)});
-  if (sets.size() == 1) {
-    sets[0].parts.clear();
-    return sets;
-  }
-  for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
   share(solid, parameters, sets, pacer);
   share_sheets(solid, sets, execution);
-  for (PartSet& set : sets) keep_near_hits(*set.own, set.parameters);
+  return sets;
+}
+
+std::vector<PartSet> sets_near_hit(const Solid& solid, const FractureParameters& parameters,
+                                   const LocalImpact& hit, const Execution& execution) {
+  if (parameters.assigned.empty()) return {{{}, {}, parameters}};
+  std::vector<PartSet> sets = divided(solid, parameters, execution);
+  if (sets.size() == 1) return sets;
+  std::erase_if(sets, [&](const PartSet& set) { return distance(set.own->box, hit.point) > hit.radius; });
+  for (PartSet& set : sets) set.own->box = solid.box;
+  if (sets.empty()) sets.push_back({{}, {}, parameters_of_entry(parameters, kNoIndex)});
   return sets;
 }
 
@@ -322,7 +327,6 @@ Expected<Diagram> diagram_of_sets(const Solid& solid, const FractureParameters& 
     for (const SiteId s : own.site_of_input) t.site_of_input.push_back(s == kNoSite ? s : SiteId{s + first});
     t.duplicates_merged += own.duplicates_merged;
     t.far_sites_dropped += own.far_sites_dropped;
-    whole.of_pattern += made->of_pattern;
     whole.remarks.add(made->remarks);
     whole.split.sites_added += made->split.sites_added;
     whole.split.passes = std::max(whole.split.passes, made->split.passes);

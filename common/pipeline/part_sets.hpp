@@ -35,10 +35,16 @@ std::vector<std::string> warnings_of_assigned(const Solid& solid, const Fracture
 
 /// Returns the sets that have parts: first the parts that no entry matches, then those of each entry. `fragments`, `sites`,
 /// `max_fragments` and `max_triangles` of the request are shared among the sets by volume (D'Hondt 1882, as in PartQuotas),
-/// and each set gets as many fragments as it has parts, or groups of parts in contact. With hits on a solid that stays
-/// whole elsewhere, sets that no hit reaches stay whole. Throws Interrupted.
+/// and each set gets as many fragments as it has parts, or groups of parts in contact. Each connected sheet belongs to the set of the
+/// nearest part. Throws Interrupted.
 std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution);
+
+/// Returns the sets whose boxes the hit reaches, with the box of the whole, so that cuts are rounded to the same lattice. Nothing is
+/// shared among them, because the limits of hits concern the whole. If the hit reaches no set, returns one of all parts. Throws
+/// Interrupted.
+std::vector<PartSet> sets_near_hit(const Solid& solid, const FractureParameters& parameters,
+                                   const LocalImpact& hit, const Execution& execution);
 
 /// Makes the diagram of each set, and a diagram of the whole, which has their sites (Diagram::sets). Errors: those of
 /// make_diagram(), kTooComplex (more than most_sites in all sets together). Throws Interrupted.

@@ -1,6 +1,6 @@
 // Fragments with rough cuts, and a fallback. If the result does not pass its proof (soundness.hpp), the
 // cells concerned are cut again with less roughness, and then flat. The choice of these cells depends only
-// on local geometry, so a hit elsewhere does not change it.
+// on local geometry.
 #pragma once
 
 #include <functional>
@@ -15,16 +15,13 @@ namespace fracture {
 inline constexpr int kMostRestraints = 3;
 
 /// Roughens the caps of `restricted`, which are flat, and makes the fragments. Fills `rough` and `set` of
-/// `cut`, among others. If the amplitude is 0, the caps stay flat. `always`: restraints from the start; empty:
-/// none. `limits`: limits_in_force(). `before`:
-/// unions to repeat, whatever the size of the pieces. `judged`: checks the fragments; see judge(). `trace`:
-/// see roughen(). Without hits, pieces are first united by their size with flat cuts, which gives the
-/// `unions` of `cut`, and then by their size with rough cuts, which gives its `late` unions. Throws
-/// Interrupted.
+/// `cut`, among others. If the amplitude is 0, the caps stay flat. `limits`: of the pieces' sizes. `always`:
+/// restraints from the start; empty: none. `before`: unions to make, whatever the size of the pieces. `judged`:
+/// checks the fragments; see judge(). Unless the parameters have hits, pieces are first united by their size with
+/// flat cuts, and then by their size with rough cuts. Throws Interrupted.
 void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameters& parameters,
                           SizeLimits limits, const Ownership& ownership, const Restraints& always,
                           std::vector<Union> before, const std::function<Verdict(const FragmentSet&)>& judged,
-                          const Execution& execution, CutCells& cut,
-                          std::optional<RoughTrace>* trace = nullptr);
+                          const Execution& execution, CutCells& cut);
 
 }  // namespace fracture

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -80,7 +79,6 @@ bool Crossings::is_moved(std::uint32_t k) const {
 
 bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
   if (region_[i] == region_[j]) return false;
-  if (seen_[i] >= caps_.first_given && seen_[j] >= caps_.first_given) return false;
   // The plane test comes first, because few pairs pass it and it reads the least memory.
   if (!cross_each_other(now_[i], now_[j], tolerance_)) return false;
   int shared = 0;
@@ -93,7 +91,7 @@ bool Crossings::pair_crosses(std::uint32_t i, std::uint32_t j) const {
 /// Whether the triangle can reach the outer surface. Every point of it is within 0.58 of its longest edge
 /// from a corner.
 bool Crossings::may_leave_surface(std::uint32_t k) const {
-  if (seen_[k] >= caps_.first_given || !is_moved(k)) return false;
+  if (!is_moved(k)) return false;
   const PlaneTriangle& t = now_[k];
   double longest = 0, from_surface = HUGE_VAL;
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -143,7 +141,7 @@ void Crossings::each_leaving(std::span<const std::uint32_t> triangles, SurfaceBe
 }
 
 std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, std::vector<char>& crossing,
-                                             const Execution& execution, std::vector<CrossingPair>* named) {
+                                             const Execution& execution) {
   const auto n = static_cast<std::uint32_t>(seen_.size());
   std::vector<std::uint32_t> changed;
   for (std::uint32_t k = 0; k < n; ++k) {
@@ -167,14 +165,10 @@ std::optional<std::uint64_t> Crossings::find(const std::vector<char>& suspects, 
   std::atomic<std::uint64_t> count{0}, pairs{pairs_};
   const std::uint64_t most = kMostPairs * n;
   crossing.assign(caps_.triangles.size(), 0);
-  std::mutex naming;
   const auto mark = [&](std::uint32_t i, std::uint32_t j) {
     for (const std::uint32_t k : {i, j})
       std::atomic_ref(crossing[seen_[k]]).store(1, std::memory_order_relaxed);
     count.fetch_add(1, std::memory_order_relaxed);
-    if (!named) return;
-    const std::lock_guard lock(naming);  // the lock costs little, because crossings are rare
-    if (named->size() < kMostNamed) named->push_back({seen_[i], seen_[j]});
   };
   const auto look = [&](std::uint32_t i, std::uint32_t j, PairCount& budget) {
     if ((asks[i] || asks[j]) && budget.one_more() && pair_crosses(i, j)) mark(i, j);

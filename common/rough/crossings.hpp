@@ -29,14 +29,7 @@ struct CapSurface {
   const std::vector<double>&
       surface;  ///< per point: distance of its original position to the outer surface, up to some maximum
   const std::vector<std::uint32_t>& place;  ///< per point: equal for points whose original positions coincide
-  /// Triangles from this one on are only obstacles for the others. They are not tested against each other or
-  /// against the outer surface.
-  std::uint32_t first_given;
 };
-
-/// Indices of two triangles that cross. Or one index twice, if a triangle leaves the surface or is turned
-/// over.
-using CrossingPair = std::array<std::uint32_t, 2>;
 
 /// Keeps references, because the caps may change between two calls of find().
 class Crossings {
@@ -49,14 +42,10 @@ class Crossings {
   /// both triangles. The first call tests all pairs. Later calls test only pairs with one of the `suspects`
   /// (per triangle), which are the triangles whose vertices have moved since. Returns nothing if all calls
   /// together test more than kMostPairs per triangle, because too many boxes overlap (slivers as long as the
-  /// mesh, movements as large as its pieces). `named`, if not null, receives these pairs in any order, at
-  /// most kMostNamed per call.
+  /// mesh, movements as large as its pieces).
   std::optional<std::uint64_t> find(const std::vector<char>& suspects, std::vector<char>& crossing,
-                                    const Execution& execution, std::vector<CrossingPair>* named = nullptr);
+                                    const Execution& execution);
   static constexpr std::uint64_t kMostPairs = 300;
-  static constexpr std::size_t kMostNamed = 1 << 16;
-  /// Number of pairs whose boxes overlapped, in all calls.
-  std::uint64_t pairs() const { return pairs_; }
 
  private:
   // The following functions take indices of `seen_`.

@@ -12,16 +12,12 @@ namespace {
 /// Maximum number of rounds of calming. The first rounds leave a quarter of the movement, and each later
 /// round none of it.
 constexpr std::uint32_t kQuarteringRounds = 2, kMostRounds = 40;
-static_assert(kMostRounds < 64, "rounds are bits");
 /// Crossings of fewer lattice steps are due to rounding.
 constexpr double kLeastCrossing = 8;
-/// Value of outer_ for a place of an unchanged cell that was calmed in other rounds than before.
-constexpr char kOtherwise = 2;
 
 }  // namespace
 
-MovingCaps::MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, std::span<const SiteId> sites,
-                       const Execution& execution)
+MovingCaps::MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, const Execution& execution)
     : execution_(execution),
       pacer_(execution),
       diagram_(restricted.diagram),
@@ -29,8 +25,6 @@ MovingCaps::MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, st
       positions_(restricted.positions),
       seen_(std::move(seen)),
       fixed_(restricted.cuts.edge_cuts.size() + restricted.cuts.triangle_cuts.size()),
-      made_vertices_(positions_.points.size()),
-      made_regions_(caps_.regions.size()),
       flat_(positions_.points),
       moves_(flat_.size()),
       surface_(flat_.size(), 0),
@@ -40,13 +34,12 @@ MovingCaps::MovingCaps(RestrictedDiagram& restricted, std::vector<char> seen, st
     flat_[v] = positions_.lattice.to_world(positions_.steps[v]);
   });
   const bool frames = diagram_.map().frames().size() > 1;
-  facets_.reserve(made_regions_);
-  region_begin_.reserve(made_regions_ + 1);
+  facets_.reserve(caps_.regions.size());
+  region_begin_.reserve(caps_.regions.size() + 1);
   for (const CapRegion& r : caps_.regions) {
     pacer_.step(4);
-    facets_.push_back({sites.empty() ? r.lo : sites[r.lo], sites.empty() ? r.hi : sites[r.hi],
-                       frames ? diagram_.map().index_at(diagram_.site(r.lo)) : 0,
-                       diagram_.facet_normal(r.lo, r.hi)});
+    facets_.push_back(
+        {frames ? diagram_.map().index_at(diagram_.site(r.lo)) : 0, diagram_.facet_normal(r.lo, r.hi)});
     region_begin_.push_back(r.first_triangle);
   }
   region_begin_.push_back(static_cast<std::uint32_t>(caps_.triangles.size()));
@@ -72,7 +65,7 @@ void MovingCaps::move(const Displacement& displacement, const SurfaceTree& outsi
   std::vector<std::uint8_t> frame;  // frame of the map for each vertex; empty if there is at most one
   if (diagram_.map().frames().size() > 1) {
     frame.assign(flat_.size(), 0);
-    for (std::size_t r = 0; r < made_regions_; ++r)
+    for (std::size_t r = 0; r < facets_.size(); ++r)
       for (std::uint32_t t = region_begin_[r]; t < region_begin_[r + 1]; ++t) {
         pacer_.step();
         for (const CutVertexId id : caps_.triangles[t])
@@ -90,17 +83,6 @@ void MovingCaps::move(const Displacement& displacement, const SurfaceTree& outsi
       place(v);
     }
   });
-}
-
-std::size_t MovingCaps::region_of(std::uint32_t triangle) const {
-  return static_cast<std::size_t>(std::upper_bound(region_begin_.begin(), region_begin_.end(), triangle) -
-                                  region_begin_.begin()) -
-         1;
-}
-
-std::array<SiteId, 4> MovingCaps::cells_of(std::uint32_t s, std::uint32_t t) const {
-  const Facet &a = facets_[region_of(s)], &b = facets_[region_of(t)];
-  return {a.lo, a.hi, b.lo, b.hi};
 }
 
 void MovingCaps::place(std::size_t v) {
@@ -126,57 +108,12 @@ void MovingCaps::find_coinciding() {
   });
 }
 
-bool MovingCaps::is_made(SiteId s) const { return std::binary_search(made_.begin(), made_.end(), s); }
-
-/// Calls visit(region, place) for each movable corner of a cap with a cell that is not made here. Caps
-/// between such a cell and a made one are computed again, and must get the same result as before.
-template <class Visit>
-void MovingCaps::each_outer(const Visit& visit) {
-  for (std::size_t r = 0; r < facets_.size(); ++r) {
-    const std::uint32_t begin = region_begin_[r], end = region_begin_[r + 1];
-    pacer_.step(8);
-    if (begin == end || !seen_[begin] || (is_made(facets_[r].lo) && is_made(facets_[r].hi))) continue;
-    for (std::uint32_t t = begin; t < end; ++t) {
-      pacer_.step();
-      for (const CutVertexId id : caps_.triangles[t])
-        if (!is_fixed(number(id))) visit(r, leader_[number(id)]);
-    }
-  }
-}
-
-/// Finds how the rest of the whole was calmed, at the places that also exist here.
-void MovingCaps::find_expected() {
-  if (made_.empty()) return;
-  expected_.assign(flat_.size(), 0);
-  replayed_.assign(flat_.size(), 0);
-  outer_.assign(flat_.size(), 0);
-  each_outer([&](std::size_t, std::uint32_t place) { outer_[place] = 1; });
-  for (std::size_t k = 0, end = 0; k < before_.size(); k = end) {
-    pacer_.step(32);
-    const Vec3d p = positions_.lattice.to_world(before_[k].place);
-    auto at = std::lower_bound(order_.begin(), order_.end(), p, [&](std::uint32_t v, const Vec3d& q) {
-      return lexicographic_less(flat_[v], q);
-    });
-    while (at != order_.end() && flat_[*at] == p && is_fixed(*at)) ++at;
-    const bool is_here = at != order_.end() && flat_[*at] == p;
-    for (; end < before_.size() && before_[end].place == before_[k].place; ++end) {
-      if (!is_here) continue;
-      const std::uint64_t round = std::uint64_t{1} << before_[end].round;
-      expected_[leader_[*at]] |= round;
-      const auto& cells = before_[end].cells;
-      if (std::none_of(cells.begin(), cells.end(), [&](SiteId s) { return is_made(s); }))
-        replayed_[leader_[*at]] |= round;
-    }
-    if (is_here) rounds_expected_ |= expected_[leader_[*at]];
-  }
-}
-
 /// Finds triangles that face away from their facet's normal. A triangle no higher than the tolerance has no
 /// definite side. It counts only if it faced the right way before it moved, or if its height now exceeds the
 /// tolerance. If there are suspects, only they are tested, because the others have not changed.
-void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& suspects, std::vector<char>& bad,
-                                 std::vector<CrossingPair>* named) {
-  for (std::size_t r = 0; r < made_regions_; ++r) {
+void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& suspects,
+                                 std::vector<char>& bad) {
+  for (std::size_t r = 0; r < facets_.size(); ++r) {
     const std::uint32_t begin = region_begin_[r], end = region_begin_[r + 1];
     pacer_.step(8 + end - begin);
     if (begin == end || !seen_[begin]) continue;
@@ -197,42 +134,19 @@ void MovingCaps::add_turned_over(double tolerance, const std::vector<char>& susp
       };
       const double now = facing(positions_.points);
       if (now > 0) continue;
-      if (facing(flat_) > least(flat_) || now < -least(positions_.points)) {
-        bad[t] = 1;
-        if (named) named->push_back({t, t});
-      }
+      if (facing(flat_) > least(flat_) || now < -least(positions_.points)) bad[t] = 1;
     }
   }
 }
 
 /// Moves vertices of bad triangles back. Returns whether anything was moved.
-bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad,
-                            const std::vector<CrossingPair>& named, std::vector<char>& calmed, Outcome& out) {
-  const std::uint64_t bit = std::uint64_t{1} << round;
+bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad, std::vector<char>& calmed) {
   calmed.assign(flat_.size(), 0);
   pacer_.each(0, bad.size(), [&](std::size_t t) {
     if (bad[t])
       for (const CutVertexId id : caps_.triangles[t])
         if (const std::size_t v = number(id); moved_[v]) calmed[leader_[v]] = 1;
   });
-  for (const auto& [s, t] : named) {
-    pacer_.step(16);
-    const auto note = [&, cells = cells_of(s, t)](std::uint32_t of) {
-      for (const CutVertexId id : caps_.triangles[of])
-        if (const std::size_t v = number(id); moved_[v])
-          out.calmings.push_back({nearest_steps(positions_.lattice, flat_[v]), round, cells});
-    };
-    note(s);
-    if (s != t) note(t);
-  }
-  if (!named.empty()) sort_calmings(out.calmings);
-  out.complete &= out.calmings.size() < kMostCalmings;
-  if (!made_.empty())
-    pacer_.each(0, flat_.size(), [&](std::size_t v) {
-      if (leader_[v] != v) return;
-      if (replayed_[v] & bit) calmed[v] = 1;
-      if (outer_[v] && bool(calmed[v]) != bool(expected_[v] & bit)) outer_[v] = kOtherwise;
-    });
   bool any = false;
   pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
     if (!calmed[leader_[v]]) return;
@@ -244,72 +158,37 @@ bool MovingCaps::calm_round(std::uint32_t round, const std::vector<char>& bad,
   return any;
 }
 
-void MovingCaps::sort_calmings(std::vector<Calming>& calmings) const {
-  sort_with_polls(execution_, calmings.begin(), calmings.end());
-  calmings.erase(std::unique(calmings.begin(), calmings.end()), calmings.end());
-  calmings.shrink_to_fit();
-}
-
-/// Returns the cells not made here that have a cap with a place calmed in other rounds than before.
-std::vector<SiteId> MovingCaps::changed_otherwise() {
-  std::vector<SiteId> cells;
-  std::size_t last = facets_.size();
-  each_outer([&](std::size_t region, std::uint32_t place) {
-    if (outer_[place] != kOtherwise || region == last) return;
-    last = region;
-    for (const SiteId s : {facets_[region].lo, facets_[region].hi})
-      if (!is_made(s)) cells.push_back(s);
-  });
-  sort_with_polls(execution_, cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return cells;
-}
-
-MovingCaps::Outcome MovingCaps::calm(const SurfaceTree& outside, bool trace) {
-  Outcome out;
-  out.complete = trace;
+std::optional<std::uint64_t> MovingCaps::calm(const SurfaceTree& outside) {
   find_coinciding();
-  find_expected();
   const Vec3d step = positions_.lattice.step();
   const double tolerance = kLeastCrossing * std::fmax(step.x, std::fmax(step.y, step.z));
   Crossings crossings({caps_.triangles, region_begin_, seen_, positions_.first_constructed, positions_.points,
-                       flat_, moved_, surface_, leader_, region_begin_[made_regions_]},
+                       flat_, moved_, surface_, leader_},
                       outside, tolerance, execution_);
   std::vector<char> suspects, bad, calmed;
-  std::vector<CrossingPair> named;
-  out.crossing = 0;
+  std::optional<std::uint64_t> crossing = 0;
   for (std::uint32_t round = 0; round < kMostRounds; ++round) {
-    named.clear();
-    std::vector<CrossingPair>* const names = out.complete ? &named : nullptr;
-    out.crossing = crossings.find(suspects, bad, execution_, names);
-    if (!out.crossing) {
+    crossing = crossings.find(suspects, bad, execution_);
+    if (!crossing) {
       pacer_.each(fixed_, flat_.size(), [&](std::size_t v) {
         share_[v] = 0;
         place(v);
       });
       break;
     }
-    add_turned_over(tolerance, suspects, bad, names);
-    if (named.size() >= Crossings::kMostNamed) {
-      out.complete = false;
-      named.clear();
-    }
-    if (!calm_round(round, bad, named, calmed, out) && rounds_expected_ >> round <= 1) break;
+    add_turned_over(tolerance, suspects, bad);
+    if (!calm_round(round, bad, calmed)) break;
     suspects.assign(caps_.triangles.size(), 0);
     pacer_.each(0, suspects.size(), [&](std::size_t t) {
       for (const CutVertexId id : caps_.triangles[t]) suspects[t] |= calmed[number(id)];
     });
   }
-  out.looked_at = crossings.pairs();
-  sort_calmings(out.calmings);
-  if (!made_.empty()) out.spread = changed_otherwise();
-  take_away_given();
-  return out;
+  return crossing;
 }
 
 std::uint64_t MovingCaps::calmed() const {
   std::uint64_t places = 0;
-  for (std::size_t v = fixed_; v < made_vertices_; ++v) places += leader_[v] == v && share_[v] < 1;
+  for (std::size_t v = fixed_; v < flat_.size(); ++v) places += leader_[v] == v && share_[v] < 1;
   return places;
 }
 

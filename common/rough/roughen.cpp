@@ -116,22 +116,6 @@ double least_length(double area, double edges, const SeamLattice& lattice) {
       std::fmax(edges / kMostRoughTriangles, kLeastSteps * std::fmax(step.x, std::fmax(step.y, step.z))));
 }
 
-/// Returns the triangles of the whole solid that are within `reach` (m) of the box.
-std::vector<std::array<Vec3d, 3>> corners_near(const Solid& whole, Box box, double reach,
-                                               const Execution& execution) {
-  Pacer pacer(execution);
-  std::vector<std::array<Vec3d, 3>> near;
-  box.min = box.min - Vec3d{reach, reach, reach};
-  box.max = box.max + Vec3d{reach, reach, reach};
-  for (const auto& t : whole.triangles) {
-    pacer.step();
-    const std::array<Vec3d, 3> corners{to_double(whole.positions[t[0]]), to_double(whole.positions[t[1]]),
-                                       to_double(whole.positions[t[2]])};
-    if (box_of(corners).intersects(box)) near.push_back(corners);
-  }
-  return near;
-}
-
 }  // namespace
 
 std::vector<Movement> movements_of_cuts(const Solid& solid, const Roughness& roughness, const CellMap& map) {
@@ -146,12 +130,11 @@ std::vector<Movement> movements_of_cuts(const Solid& solid, const Roughness& rou
 
 RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
-                    const Execution& execution, std::optional<RoughTrace>* trace) {
+                    const Execution& execution) {
   const Solid& solid = restricted.solid;
   const VoronoiDiagram& diagram = restricted.diagram;
   VertexPositions& positions = restricted.positions;
   Caps& caps = restricted.caps;
-  if (trace) trace->reset();
   if (!(roughness.amplitude > 0)) return {};
   const auto parts = [&](SiteId lo, SiteId hi) { return owner_of_site[lo] != owner_of_site[hi]; };
   const auto wanted = [&](SiteId lo, SiteId hi) {
@@ -172,65 +155,16 @@ RoughReport roughen(RestrictedDiagram& restricted, const std::vector<std::uint32
 
   const Displacement displacement = displacement_of(report, roughness, size, seed, diagram.map());
   const SurfaceTree outside(corners_of(solid, execution), execution);
-  MovingCaps moving(restricted, seen_of(caps, parts), {}, execution);
+  MovingCaps moving(restricted, seen_of(caps, parts), execution);
   if (!restraints.empty()) moving.restrain(restraints);
   moving.move(displacement, outside);
-  const bool traced = trace && !limited && restraints.empty();
-  std::vector<KeptCut> cuts;
-  if (traced) cuts = moving.cuts();
-  MovingCaps::Outcome outcome = moving.calm(outside, traced);
-  report.crossing = outcome.crossing.value_or(0);
-  report.given_up = !outcome.crossing;
+  const std::optional<std::uint64_t> crossing = moving.calm(outside);
+  report.crossing = crossing.value_or(0);
+  report.given_up = !crossing;
   report.calmed = moving.calmed();
-  if (traced && outcome.complete && outcome.crossing == 0u)
-    *trace = {std::move(cuts), std::move(outcome.calmings), outcome.looked_at, area, edges};
   begin_at_coinciding_corners(positions, caps, execution);
   caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);
   return report;
-}
-
-std::optional<RoughPart> roughen_part(RestrictedDiagram& restricted,
-                                      const std::vector<std::uint32_t>& owner_of_site,
-                                      const Roughness& roughness, std::uint64_t seed, const RoughWhole& whole,
-                                      const Execution& execution) {
-  const VoronoiDiagram& diagram = restricted.diagram;
-  VertexPositions& positions = restricted.positions;
-  Caps& caps = restricted.caps;
-  const auto wanted = [&](SiteId lo, SiteId hi) {
-    const auto made = [&](SiteId s) {
-      return std::binary_search(whole.made.begin(), whole.made.end(), whole.sites[s]);
-    };
-    return owner_of_site[lo] != owner_of_site[hi] && (made(lo) || made(hi));
-  };
-  const auto plain = [](SiteId, SiteId) { return false; };
-  const double size = size_of(whole.solid);
-  RoughPart part;
-  part.report = asked_of(size, roughness);
-  part.trace.area = whole.area + area_of(caps, positions, wanted, execution);
-  part.trace.edges = whole.edges + length_of_edges(restricted.winding, positions, wanted, execution);
-  if (least_length(part.trace.area, part.trace.edges, positions.lattice) > part.report.length)
-    return std::nullopt;
-  positions.flat_steps = positions.steps;
-  refine_caps(diagram, restricted.winding, part.report.length, {wanted, plain}, caps, positions, execution);
-
-  const Displacement displacement = displacement_of(part.report, roughness, size, seed, diagram.map());
-  Box box;
-  for (const Vec3d& p : positions.points) box.add(p);
-  const SurfaceTree outside(corners_near(whole.solid, box, displacement.reach(), execution), execution);
-  MovingCaps moving(restricted, seen_of(caps, wanted), whole.sites, execution);
-  moving.move(displacement, outside);
-  part.trace.cuts = moving.cuts();
-  std::vector<Box> boxes;
-  for (const KeptCut& cut : part.trace.cuts) boxes.push_back(cut.box);
-  moving.give(whole.near(std::move(boxes)), whole.calmings, whole.made);
-  MovingCaps::Outcome outcome = moving.calm(outside, true);
-  if (!outcome.complete || outcome.crossing != 0u) return std::nullopt;
-  part.trace.calmings = std::move(outcome.calmings);
-  part.trace.pairs = outcome.looked_at;
-  part.spread = std::move(outcome.spread);
-  begin_at_coinciding_corners(positions, caps, execution);
-  caps.normals = cap_normals(diagram, owner_of_site, caps, positions, execution);
-  return part;
 }
 
 }  // namespace fracture

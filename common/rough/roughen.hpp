@@ -10,8 +10,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,7 +19,6 @@
 #include "common/rough/displacement.hpp"
 #include "common/rough/restraint.hpp"
 #include "common/rough/roughness.hpp"
-#include "common/rough/trace.hpp"
 
 namespace fracture {
 
@@ -50,39 +47,11 @@ inline constexpr double kMostRoughTriangles = 400'000;
 /// VertexPositions::flat_steps. Does nothing if the amplitude is 0. If the diagram has a map, the waves are
 /// stretched like the cells. Caps of restrained cells are moved less, or are unchanged. The other caps are
 /// the same as without restraints, except for vertices shared with restrained caps.
-/// `trace`, if not null, receives the data for roughen_part(). It is empty if a part cannot be made without
-/// the rest: if triangles are larger than requested because there are many, cells are restrained, or
-/// something crosses.
 RoughReport roughen(RestrictedDiagram& diagram, const std::vector<std::uint32_t>& owner_of_site,
                     const Roughness& roughness, const Restraints& restraints, std::uint64_t seed,
-                    const Execution& execution, std::optional<RoughTrace>* trace = nullptr);
+                    const Execution& execution);
 
 /// Maximum movement of cuts, for each frame of the map (one entry if there is no map).
 std::vector<Movement> movements_of_cuts(const Solid& solid, const Roughness& roughness, const CellMap& map);
-
-/// The whole to which a partial diagram belongs.
-struct RoughWhole {
-  const Solid& solid;
-  std::span<const SiteId> sites;  ///< number of each site of the part in the whole; ascending
-  std::span<const SiteId>
-      made;            ///< numbers in the whole, ascending: the cells all of whose caps are in the part
-  double area, edges;  ///< as in RoughTrace: upper bounds for the remaining caps
-  std::span<const Calming> calmings;  ///< of the previous whole
-  /// Returns the cuts of the previous whole, between cells that are not made, that meet one of these boxes.
-  /// Also returns cuts that meet a place calmed because of a cell that is made.
-  std::function<std::vector<const KeptCut*>(std::vector<Box>)> near;
-};
-struct RoughPart {
-  RoughReport report;  ///< only asked, amplitude and length
-  RoughTrace trace;    ///< of the caps of made cells; area and edges include the whole's
-  /// Cells whose caps would change if all were made again. They must be made too.
-  std::vector<SiteId> spread;
-};
-/// Makes the caps of the made cells, with the same bits as roughen() on the whole. Returns nothing if that is
-/// not possible. Throws Interrupted.
-std::optional<RoughPart> roughen_part(RestrictedDiagram& diagram,
-                                      const std::vector<std::uint32_t>& owner_of_site,
-                                      const Roughness& roughness, std::uint64_t seed, const RoughWhole& whole,
-                                      const Execution& execution);
 
 }  // namespace fracture

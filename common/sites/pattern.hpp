@@ -202,12 +202,8 @@ struct SitePlan {
   std::vector<std::uint32_t> groups;  ///< per point, or empty: cells with equal ids stay together
   CellMap map;                        ///< has a positive determinant
   Remarks remarks;                    ///< deviations from the request
-  /// Groups of the last points, which hits added: cells with equal ids stay together
-  /// (pipeline/local_impact.hpp). Empty: no groups.
-  std::vector<std::uint32_t> groups_of_hits{};
   /// With BrickPattern::mortar, the brick or stone of each point's cell, or kNoIndex for crumbs and cells
-  /// outside every brick. If hits added points, covers only the points before them. A cut between two
-  /// different bricks is a joint; any other cut goes through a brick.
+  /// outside every brick. A cut between two different bricks is a joint; any other cut goes through a brick.
   std::vector<std::uint32_t> bricks{};
   /// With a kept region: no further site may be nearer than this to the region, m, in the image
   /// (pipeline/keep_sites.hpp).

@@ -178,6 +178,9 @@ struct Solid {
   std::vector<std::array<VertexId, 2>> edge_vertices;
   std::vector<std::uint32_t> shell;  ///< per triangle
   std::vector<std::uint32_t> part;   ///< per triangle: index into parts
+  /// Per triangle: whether another solid has its mirror image, and both are cut by the same planes. Empty: none. Only a
+  /// fragment that is cut again has such triangles (fragment/fragment_solid.hpp).
+  std::vector<char> mirrored{};
   std::vector<Part> parts;
   std::uint32_t layers = 0;  ///< 1 + the largest Part::layer
   Box box;

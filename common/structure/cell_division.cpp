@@ -18,6 +18,7 @@ CellDivision::CellDivision(const FragmentsOfCells& table, std::span<const Vec3d>
 void CellDivision::near_of(const NearCells& among, const CellBox& box, SomeCells& some) {
   some.places.clear();
   const std::size_t size = among.size();
+  if (size == 0) return;  // the part has no cell near the box
   constexpr std::size_t kAtOnce = 64;
   std::array<double, kAtOnce> few;
   std::vector<double> many(size > kAtOnce ? size : 0);

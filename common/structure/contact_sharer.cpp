@@ -200,18 +200,18 @@ void ContactSharer::divide_other(const Placed& piece, std::uint32_t own, const C
   if (is_one_place_) {
     const std::uint32_t same = table_.find(other_.part, table_.site(own));
     if (same == kNoIndex) return;  // possible only because of rounding
-    return is_cut ? add_cut(piece, own, same, polygon, own_) : add(piece, own, same, piece.whole, false);
+    return is_cut ? add_cut(piece, own, same, polygon, own_) : add_whole_piece(piece, own, same);
   }
   if (other_.here.places.size() == 1) {
     const std::uint32_t other = other_.block.cells[other_.here.nearest];
-    return is_cut ? add_cut(piece, own, other, polygon, own_) : add(piece, own, other, piece.whole, false);
+    return is_cut ? add_cut(piece, own, other, polygon, own_) : add_whole_piece(piece, own, other);
   }
   CellPolygon over;
   for (std::size_t k = 0; k < polygon.size(); ++k)
     over.push(image(other_, place(own_, polygon.corner(k)) + piece.across), kNoSite);
   each_region(other_, over, [&](std::uint32_t other, const CellPolygon& region, bool other_cut) {
     return is_cut || other_cut ? add_cut(piece, own, other, region, other_)
-                               : add(piece, own, other, piece.whole, false);
+                               : add_whole_piece(piece, own, other);
   });
 }
 
@@ -223,15 +223,63 @@ void ContactSharer::add_cut(const Placed& piece, std::uint32_t own, std::uint32_
     if (&in == &other_) corners[k] = corners[k] - piece.across;
   }
   const Region region = region_of({corners.data(), polygon.size()});
-  if (region.area > 0) add(piece, own, other, region, true);
+  if (region.area > 0) add(piece, own, other, {corners.data(), polygon.size()}, region, true);
 }
 
-void ContactSharer::add(const Placed& piece, std::uint32_t own, std::uint32_t other, const Region& region,
-                        bool is_cut) {
-  const std::uint32_t f = islands_.pick(own, table_.fragments(own), region.middle, true);
-  const std::uint32_t g = islands_.pick(other, table_.fragments(other), region.middle + piece.across,
-                                        measure_ != ContactMeasure::kInside);
-  Sum& sum = sum_of(f, g);
+void ContactSharer::add_whole_piece(const Placed& piece, std::uint32_t own, std::uint32_t other) {
+  const std::array<Vec3d, 4>& corners = piece.piece.corners;
+  add(piece, own, other, {corners.data(), corners[2] == corners[3] ? 3u : 4u}, piece.whole, false);
+}
+
+void ContactSharer::add(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                        std::span<const Vec3d> corners, const Region& region, bool is_cut) {
+  if (!may_be_divided(piece, own, other, corners))
+    return add_to(pick(piece, own, other, region.middle), piece, region, is_cut);
+  for (std::size_t k = 2; k < corners.size(); ++k)
+    divide_among_islands(piece, own, other, {corners[0], corners[k - 1], corners[k]}, 0);
+}
+
+ContactSharer::Pair ContactSharer::pick(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                                        const Vec3d& at) {
+  return {
+      islands_.pick(own, table_.fragments(own), at, true),
+      islands_.pick(other, table_.fragments(other), at + piece.across, measure_ != ContactMeasure::kInside)};
+}
+
+/// Whether several islands of one of the two cells may be at the region.
+bool ContactSharer::may_be_divided(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                                   std::span<const Vec3d> corners) {
+  if (table_.fragments(own).size() == 1 && table_.fragments(other).size() == 1) return false;
+  Box here, there;
+  for (const Vec3d& corner : corners) {
+    here.add(corner);
+    there.add(corner + piece.across);
+  }
+  return islands_.count_near(own, table_.fragments(own), here) > 1 ||
+         islands_.count_near(other, table_.fragments(other), there) > 1;
+}
+
+/// Divides a triangle among islands by points in it. It is divided into four as long as they are in different islands.
+void ContactSharer::divide_among_islands(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                                         const std::array<Vec3d, 3>& corners, int depth) {
+  constexpr int kLeastDepth = 1, kMostDepth = 4;
+  constexpr double kTowardsCorner = 0.9;  // points of two triangles are not at the same place
+  const auto& [a, b, c] = corners;
+  const Region region = region_of(corners);
+  if (!(region.area > 0)) return;
+  const Pair pair = pick(piece, own, other, region.middle);
+  bool same = depth >= kLeastDepth;
+  for (std::size_t k = 0; same && depth < kMostDepth && k < 3; ++k)
+    same = pick(piece, own, other, region.middle + kTowardsCorner * (corners[k] - region.middle)) == pair;
+  if (same) return add_to(pair, piece, region, true);
+  const Vec3d ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+  for (const std::array<Vec3d, 3>& part :
+       {std::array{a, ab, ca}, std::array{ab, b, bc}, std::array{ca, bc, c}, std::array{ab, bc, ca}})
+    divide_among_islands(piece, own, other, part, depth + 1);
+}
+
+void ContactSharer::add_to(const Pair& pair, const Placed& piece, const Region& region, bool is_cut) {
+  Sum& sum = sum_of(pair.own, pair.other);
   const double area = is_cut ? region.area / piece.whole.area * piece.piece.area : piece.piece.area;
   sum.area += area;
   sum.moment = sum.moment + area * (region.middle + 0.5 * piece.across);

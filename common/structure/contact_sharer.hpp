@@ -70,7 +70,20 @@ class ContactSharer {
   void divide_other(const Placed& piece, std::uint32_t own, const CellPolygon& polygon, bool is_cut);
   void add_cut(const Placed& piece, std::uint32_t own, std::uint32_t other, const CellPolygon& polygon,
                const Side& in);
-  void add(const Placed& piece, std::uint32_t own, std::uint32_t other, const Region& region, bool is_cut);
+  void add(const Placed& piece, std::uint32_t own, std::uint32_t other, std::span<const Vec3d> corners,
+           const Region& region, bool is_cut);
+  void add_whole_piece(const Placed& piece, std::uint32_t own, std::uint32_t other);
+  /// Two fragments at a point of the contact.
+  struct Pair {
+    std::uint32_t own, other;
+    friend bool operator==(const Pair&, const Pair&) = default;
+  };
+  Pair pick(const Placed& piece, std::uint32_t own, std::uint32_t other, const Vec3d& at);
+  bool may_be_divided(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                      std::span<const Vec3d> corners);
+  void divide_among_islands(const Placed& piece, std::uint32_t own, std::uint32_t other,
+                            const std::array<Vec3d, 3>& corners, int depth);
+  void add_to(const Pair& pair, const Placed& piece, const Region& region, bool is_cut);
   Sum& sum_of(std::uint32_t own, std::uint32_t other);
 
   const ContactBonds& with_;

@@ -96,6 +96,16 @@ std::size_t Islands::nearest(const Surfaces& surfaces, const Vec3d& place) {
   return 0;
 }
 
+std::size_t Islands::count_near(std::uint32_t cell, std::span<const std::uint32_t> islands, const Box& box) {
+  if (islands.size() == 1) return 1;
+  const OfCell& of_cell = islands_of(cell, islands);
+  const Vec3d off{4 * rounding_, 4 * rounding_, 4 * rounding_};
+  return static_cast<std::size_t>(
+      std::count_if(of_cell.boxes.begin(), of_cell.boxes.end(), [&](const Box& of) {
+        return of.intersects({box.min - off, box.max + off});
+      }));
+}
+
 std::uint32_t Islands::pick(std::uint32_t cell, std::span<const std::uint32_t> islands, const Vec3d& place,
                             bool is_on) {
   if (islands.size() == 1) return islands[0];

@@ -25,6 +25,8 @@ class Islands {
   /// is inside one. Throws Interrupted.
   std::uint32_t pick(std::uint32_t cell, std::span<const std::uint32_t> islands, const Vec3d& place,
                      bool is_on);
+  /// Number of islands whose boxes meet the box, with a margin for rounding.
+  std::size_t count_near(std::uint32_t cell, std::span<const std::uint32_t> islands, const Box& box);
 
  private:
   struct Surfaces;

@@ -101,12 +101,9 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
                            std::uint64_t triangles, const Selection& selection) {
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
-  // If there are hits, growing aggregates and merging pieces that are too small take a diagram of their own.
-  const bool again =
-      !parameters.hits.empty() && (cells_per_fragment(parameters) > 1 || parameters.size.any());
   if (parameters.intact) triangles *= 2;
-  ExpectedWork expected = work(mesh_bytes, triangles, sites, parameters.lloyd + (again ? 1.0 : 0.0),
-                               expected_rough_triangles(parameters, sites));
+  ExpectedWork expected =
+      work(mesh_bytes, triangles, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
   if (solid && !solid->parts.empty()) {
     const double reading = kBytesPerRequest + kBytesPerMeshByte * static_cast<double>(mesh_bytes);
     expected.bytes =

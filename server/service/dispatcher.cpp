@@ -79,7 +79,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
       if (!before)
         work.seconds *= 2;  // the answer before the hits must also be computed
-      else if (before->local && fracture.rest == LocalRest::kFractured)
+      else if (before->broken.rest == fracture.rest)
         work = expected_hit_work(fracture, selection, solid);
     }
     cost = work.seconds + expected_further_seconds(request.parameters, unread);

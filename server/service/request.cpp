@@ -28,19 +28,6 @@ Digest digest_of(const FractureRequest& request, const Execution& execution) {
   return sha256("fracture files 2\n" + sha256(list).hex());
 }
 
-namespace {
-
-/// Returns the size limits as text for the diagram's key. They matter only if there are hits: then make_diagram() grows
-/// aggregates, which must not be smaller than these limits.
-std::string sizes_in_diagram(const FractureParameters& parameters) {
-  if (parameters.hits.empty() || (cells_per_fragment(parameters) == 1 && parameters.assigned.empty()))
-    return {};
-  const SizeLimits& size = parameters.size;
-  return nlohmann::json{size.min_volume, size.min_fraction, size.min_of_mean}.dump() + "\n";
-}
-
-}  // namespace
-
 RequestKeys keys_of(const FractureRequest& request) {
   if (request.keys) return *request.keys;
   const RequestParameters& parameters = request.parameters;
@@ -57,7 +44,7 @@ RequestKeys keys_of(const FractureRequest& request) {
     keys.diagram = fractured(false);
   } else {
     keys.diagram = hex_of("diagram\n" + keys.mesh + "\n" + canonical_site_parameters(parameters).dump() +
-                          "\n" + sizes_in_diagram(parameters.fracture) + version);
+                          "\n" + version);
   }
   if (parameters.selection.kept) keys.kept = fractured(true);
   keys.result = keys.digest.substr(0, 16) +

@@ -265,8 +265,8 @@ TEST(AggregateHulls, LeaveARestThatStaysWholeItsShape) {
   const auto& fragments = b.set.fragments;
   const auto rest =
       std::max_element(fragments.begin(), fragments.end(),
-                       [](const Fragment& x, const Fragment& y) { return x.sites.size() < y.sites.size(); });
-  ASSERT_GT(rest->sites.size(), 200u);
+                       [](const Fragment& x, const Fragment& y) { return x.mass.volume < y.mass.volume; });
+  ASSERT_GT(rest->mass.volume, 0.9 * b.solid.report.volume);
   EXPECT_GT(b.hulls.of(static_cast<std::size_t>(rest - fragments.begin())).size(), 20u);
 }
 
@@ -294,8 +294,11 @@ TEST(AggregatesAfterHits, StayWhatTheyWereWhereNothingWasHit) {
   EXPECT_GT(far, 50u);
   // The fragments that the hit broke off also have several cells.
   std::size_t fragments_of_hit = 0;
-  const auto first = before.diagram.tetrahedralization.site_count();
-  for (const Fragment& f : after.set.fragments) fragments_of_hit += f.sites[0] >= first && f.sites.size() > 1;
+  const auto existed = [&](std::uint64_t id) {
+    return std::any_of(before.set.fragments.begin(), before.set.fragments.end(),
+                       [&](const Fragment& f) { return f.id == id; });
+  };
+  for (const Fragment& f : after.set.fragments) fragments_of_hit += !existed(f.id) && f.bodies.size() > 1;
   EXPECT_GE(fragments_of_hit, 6u);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "common/contacts/contacts.hpp"
 #include "common/mesh/material_library.hpp"
@@ -240,6 +241,36 @@ TEST(PartSets, AHitBreaksTheSetsThatItReaches) {
   for (const Fragment& f : made.set.fragments) ++pieces[f.part];
   EXPECT_LE(pieces[0] + pieces[1], 2u) << "the walls stay whole";
   EXPECT_GT(pieces[2], 2u);
+  EXPECT_FALSE(warns(made.report, "breaks nothing off"));
+}
+
+TEST(PartSets, AHitBreaksThePiecesOfEachSetAndTheyKeepTheirMaterial) {
+  FractureParameters p = with_fragments(20);
+  p.parts = Parts::kApart;
+  p.assigned = {entry({.nodes = {"Window"}}, grid(), 2, 0.5)};
+  const Solid solid = solid_of(house());
+  const Fractured whole = fracture_solid(solid, p);
+  // Within the radius of both Wall_2 and the window, which are 0.1 mm apart.
+  p.hits = {{.point = {5.00015, 0.5, 0.5}, .radius = 0.4, .sites = 10}};
+  p.rest = LocalRest::kFractured;
+  const Fractured made = fracture_solid(solid, p);
+  std::size_t before[3] = {}, after[3] = {};
+  double volume[3] = {};
+  for (const Fragment& f : whole.set.fragments) ++before[f.part];
+  for (const Fragment& f : made.set.fragments) {
+    ++after[f.part];
+    volume[f.part] += f.mass.volume;
+    EXPECT_EQ(f.density_share, f.part == 2 ? 2 : 1);
+  }
+  EXPECT_EQ(after[0], before[0]) << "4 m of the wall are out of reach";
+  EXPECT_GT(after[1], before[1] + 3);
+  EXPECT_GT(after[2], before[2] + 3);
+  EXPECT_NEAR(volume[1], 1, 1e-5);
+  EXPECT_NEAR(volume[2], 1, 1e-5);
+  for (const Bond& bond : made.set.bonds) {
+    const bool window = made.set.fragments[bond.a].part == 2 || made.set.fragments[bond.b].part == 2;
+    EXPECT_EQ(bond.strength, window ? 0.5 : 1);
+  }
   EXPECT_FALSE(warns(made.report, "breaks nothing off"));
 }
 

@@ -129,8 +129,9 @@ Violations partition_violations(const FragmentSet& set, const Whole& whole) {
             broken.add("fragment %llu: local + pivot rounds", static_cast<unsigned long long>(f.id));
           t[c] = key(w);
         }
-        // Starts at the first of the smallest corners. The triangle then either cancels one that runs the
-        // other way or counts once.
+        // A triangle with two corners at one place is its own mirror image.
+        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+        // Starts at the smallest corner. The triangle then either cancels one that runs the other way or counts once.
         std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
         const auto mirrored = seams.find({t[0], t[2], t[1]});
         if (mirrored != seams.end() && mirrored->second > 0)

@@ -29,7 +29,6 @@ struct TwoCaps {
   std::vector<double> surface = std::vector<double>(8, 0.1);
 
   std::vector<std::uint32_t> place{0, 1, 2, 3, 4, 5, 6, 7};
-  std::uint32_t first_given = 1'000'000;
   std::vector<char> seen = std::vector<char>(4, 1);
   std::vector<std::uint32_t> region_begin{0, 2, 4};
 
@@ -42,7 +41,7 @@ struct TwoCaps {
     seen.assign(triangles.size(), 1);
   }
   CapSurface surfaces() const {
-    return {triangles, region_begin, seen, CutVertexId{10}, points, flat, moved, surface, place, first_given};
+    return {triangles, region_begin, seen, CutVertexId{10}, points, flat, moved, surface, place};
   }
   std::optional<std::uint64_t> find() {
     Crossings crossings(surfaces(), outside, 1e-9);
@@ -60,28 +59,13 @@ TEST(CrossingsOfCaps, NamesBothTrianglesOfAPairWithAMovedVertex) {
   EXPECT_EQ(caps.crossing, (std::vector<char>{1, 0, 1, 0}));
 }
 
-TEST(CrossingsOfCaps, NamesThePairs) {
+TEST(CrossingsOfCaps, ATriangleThatLeavesTheSurfaceCountsAlone) {
   TwoCaps caps;
   caps.points[1] = {0.2, -0.2, 0.2};  // through triangle 2
   caps.points[7] = {-0.2, 0.2, 0.6};  // a corner of triangle 3, out of the cube
   caps.moved[1] = caps.moved[7] = 1;
-  Crossings crossings(caps.surfaces(), caps.outside, 1e-9);
-  std::vector<CrossingPair> named;
-  EXPECT_EQ(crossings.find({}, caps.crossing, {}, &named), 2u);
-  std::sort(named.begin(), named.end());
-  EXPECT_EQ(named, (std::vector<CrossingPair>{{0, 2}, {3, 3}}));
-}
-
-TEST(CrossingsOfCaps, WhatIsGivenIsInTheWayOfTheOthersAlone) {
-  TwoCaps caps;
-  caps.first_given = 2;
-  caps.points[7] = {-0.2, 0.2, 0.6};
-  caps.moved[7] = 1;
-  EXPECT_EQ(caps.find(), 0u) << "it leaves the cube, which is not asked";
-  caps.points[7] = {-0.2, 0.2, -0.1};  // through triangles 0 and 1
-  EXPECT_GT(caps.find(), 0u);
-  caps.first_given = 0;
-  EXPECT_EQ(caps.find(), 0u) << "given ones among themselves";
+  EXPECT_EQ(caps.find(), 2u);
+  EXPECT_EQ(caps.crossing, (std::vector<char>{1, 0, 1, 1}));
 }
 
 TEST(CrossingsOfCaps, LooksAgainAtWhatHasMovedSince) {

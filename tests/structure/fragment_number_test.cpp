@@ -223,7 +223,7 @@ TEST(FragmentNumber, WhatAHitBreaksOffComesOnTop) {
   const Fractured after = fracture_mesh(mesh, p);
   expect_sound(after.set, mesh);
   EXPECT_EQ(before.set.fragments.size(), 30u);
-  EXPECT_EQ(after.set.fragments.size(), 55u);
+  EXPECT_GE(after.set.fragments.size(), 55u) << "each of the 25 cells cuts at least one piece";
   // The object is large compared with the hit.
   p.size.min_of_mean = kLeastOfMean;
   p.hits[0].radius = 0.06;

@@ -261,8 +261,28 @@ TEST(KeepRegion, HitsAndLimitsOfVolumeDoNotCutIt) {
   p.hits = {{{0, -0.2, 0}, 0.4, 60}};
   p.rest = LocalRest::kFractured;
   const Fractured hit = fracture_mesh(cube(), p);
-  EXPECT_NEAR(hit.report.kept.value().share, 0.3, 0.03);
-  EXPECT_TRUE(has_note(hit.report, "left out, because the region to keep is there"));
+  FractureParameters before = p;
+  before.hits.clear();
+  const Fractured whole = fracture_mesh(cube(), before);
+  EXPECT_EQ(hit.report.kept.value().share, whole.report.kept.value().share);
+  EXPECT_GT(hit.set.fragments.size(), whole.set.fragments.size() + 5);
+  std::size_t same = 0;  // the kept fragment is the largest one, and is not cut
+  for (const Fragment& f : hit.set.fragments)
+    for (const Fragment& g : whole.set.fragments)
+      same += f.id == g.id && f.mass.volume > 0.25 && f.mass.volume == g.mass.volume;
+  EXPECT_EQ(same, 1u);
+  p.rest = LocalRest::kWhole;
+  const Fractured around = fracture_mesh(cube(), p);
+  EXPECT_GT(around.set.fragments.size(), 5u);
+  double broken = 0, largest = 0;
+  for (const Fragment& f : around.set.fragments) {
+    broken += f.mass.volume;
+    largest = std::fmax(largest, f.mass.volume);
+  }
+  broken -= largest;
+  EXPECT_GT(broken, 0);
+  EXPECT_NEAR(around.report.kept.value().share, 1 - broken, 1e-6);
+  p.rest = LocalRest::kFractured;
   p.hits.clear();
   p.max_volume = 0.02;
   const Fractured divided = fracture_mesh(cube(), p);
