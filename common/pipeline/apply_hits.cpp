@@ -59,6 +59,7 @@ class Hit {
   Expected<void> run() {
     if (auto cut = cut_fragments(); !cut) return cut;
     if (touched_.empty()) return {};
+    allow_pieces();
     trim_hulls();
     number_fragments();
     name_pieces();
@@ -85,7 +86,7 @@ class Hit {
     const VoronoiDiagram diagram(cells_.dual, cells_.image, cells_.map, execution_);
     const SizeLimits limits = limits_of_hits(parameters_, solid_.report.volume);
     const HitOnFragments hit{solid_, cells_, diagram, parameters_, limits};
-    const Allowance::Temporary temporary(execution_.allowance);  // only the pieces are kept
+    const Allowance::Temporary temporary(execution_.allowance);  // only the pieces are kept (allow_pieces)
     std::vector<std::optional<Expected<std::optional<PiecesOfFragment>>>> results(near.size());
     if (near.size() == 1) {
       results[0] = cut_again(hit, before(near[0]), execution_);
@@ -106,6 +107,17 @@ class Hit {
       made_.push_back(std::move(*result));
     }
     return {};
+  }
+
+  /// Counts what the pieces add to the answer. Everything else that was made for them is gone.
+  void allow_pieces() {
+    std::uint64_t before_cuts = 0, now = 0;
+    for (std::size_t t = 0; t < touched_.size(); ++t) {
+      pacer_.step(1 + made(t).pieces.size());
+      before_cuts += before(touched_[t]).fragment.indices.size() / 3;
+      for (const KeptFragment& piece : made(t).pieces) now += piece.fragment.indices.size() / 3;
+    }
+    if (now > before_cuts) execution_.made(Product::kFragmentTriangles, now - before_cuts);
   }
 
   /// Hulls of unchanged fragments were trimmed before.
@@ -374,6 +386,8 @@ Expected<bool> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks,
 
 Expected<void> apply_hits(const Solid& solid, const FractureParameters& parameters, BrokenSolid& broken,
                           const Execution& execution) {
+  // make_diagram() checks the hits that it knows. A stored answer does not know the new ones.
+  if (auto few = check_sites_of_hits(parameters, parameters.hits, broken.of_pattern); !few) return few;
   for (; broken.hits < parameters.hits.size(); ++broken.hits) {
     Remarks remarks;
     bool any = false;
