@@ -31,18 +31,6 @@ SizeLimits limits_of_hits(const FractureParameters& parameters, double volume) {
   return limits;
 }
 
-/// The region to keep, with a margin that contains the polyhedron by which it was cut out (kept_space.hpp).
-Region around(Region region, const Box& box) {
-  if (region.shape == Region::Shape::kSphere) {
-    region.radius *= kSphereReach;
-    return region;
-  }
-  const double margin = 0x1p-16 * box.longest_side();
-  region.box.min = region.box.min - Vec3d{margin, margin, margin};
-  region.box.max = region.box.max + Vec3d{margin, margin, margin};
-  return region;
-}
-
 /// A hit on the parts of one set. The cells and the parameters are those of the set.
 class Hit {
  public:
@@ -77,11 +65,20 @@ class Hit {
     return parts_.empty() || std::binary_search(parts_.begin(), parts_.end(), part);
   }
 
+  bool is_hit(const Fragment& f) const {
+    return is_hit_.empty() || is_hit_[f.part] ||
+           std::any_of(f.part_cells.begin(), f.part_cells.end(),
+                       [&](const PartCell& cell) { return is_hit_[cell.part] != 0; });
+  }
+
   Expected<void> cut_fragments() {
+    if (solid_.parts.size() > 1)
+      is_hit_ = parts_in_ball(solid_, parameters_.hits[broken_.hits], cells_.reach, execution_);
     std::vector<std::uint32_t> near;
     for (std::uint32_t k = 0; k < size_before(); ++k) {
       pacer_.step();
-      if (before(k).box.intersects(cells_.reach) && is_in_set(before(k).fragment.part)) near.push_back(k);
+      if (before(k).box.intersects(cells_.reach) && is_in_set(before(k).fragment.part) && is_hit(before(k).fragment))
+        near.push_back(k);
     }
     const VoronoiDiagram diagram(cells_.dual, cells_.image, cells_.map, execution_);
     const SizeLimits limits = limits_of_hits(parameters_, solid_.report.volume);
@@ -353,6 +350,7 @@ class Hit {
   BrokenSolid& broken_;
   const Execution& execution_;
   Pacer pacer_;
+  std::vector<char> is_hit_;  // per part; empty: the only part is hit
   std::vector<std::uint32_t> touched_;                 // numbers of the fragments that are cut, ascending
   std::vector<std::optional<PiecesOfFragment>> made_;  // for each of them
   std::vector<std::uint32_t> first_;  // per fragment before: its number or that of its first piece
@@ -370,13 +368,7 @@ Expected<bool> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks,
   figures.used += cells->sites;
   figures.duplicates_merged += cells->duplicates;
   if (cells->empty()) return false;
-  if (parameters.keep) {
-    FractureParameters spares = parameters;
-    spares.keep = around(*parameters.keep, solid.box);
-    const SeenSolid seen(solid, cells->map, execution);
-    const VoronoiDiagram diagram(cells->dual, cells->image, cells->map, execution);
-    for (const SiteId s : cells_near_kept(seen, diagram, spares, execution)) cells->groups[s] = 0;
-  }
+  for (const SiteId s : cells_to_spare(solid, *cells, parameters, execution)) cells->groups[s] = 0;
   if (auto done = Hit(solid, set, *cells, broken, execution).run(); !done)
     return tl::unexpected(std::move(done.error()));
   return true;

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -10,8 +9,8 @@
 #include "common/contacts/contacts.hpp"
 #include "common/hits/delta.hpp"
 #include "common/materials/materials.hpp"
-#include "common/solid/cut_materials.hpp"
 #include "tests/hits/delta_checks.hpp"
+#include "tests/property/changed_surface.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -32,28 +31,6 @@ std::map<std::uint64_t, const Fragment*> fragments_by_id(const FragmentSet& set)
   return all;
 }
 
-using Place = std::array<float, 3>;
-Place place_of(const Fragment& f, std::uint32_t v) {
-  const Vec3f& p = f.positions[v];  // Pivot::kSource: in the frame of the mesh
-  return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
-}
-
-/// The farthest vertex that is not at the place of one before. `outside`: only of the outer surface.
-double farthest_new(const FragmentSet& before, const FragmentSet& after, const Vec3d& from, bool outside) {
-  std::set<Place> was;
-  for (const Fragment& f : before.fragments)
-    for (std::uint32_t v = 0; v < f.positions.size(); ++v) was.insert(place_of(f, v));
-  double farthest = 0;
-  for (const Fragment& f : after.fragments)
-    for (const FragmentPrimitive& p : f.primitives) {
-      if (outside && is_of_cuts(p.material)) continue;
-      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; ++k)
-        if (!was.contains(place_of(f, f.indices[k])))
-          farthest = std::max(farthest, length(vertex_of(f, f.indices[k]) - from));
-    }
-  return farthest;
-}
-
 /// Checks an answer to one hit against the answer before it.
 void expect_bounded(const Mesh& mesh, const FractureParameters& with_hit) {
   const LocalImpact& hit = with_hit.hits.at(0);
@@ -71,9 +48,9 @@ void expect_bounded(const Mesh& mesh, const FractureParameters& with_hit) {
   expect_partition(after.set, volume_of(mesh), area_of(mesh));
   EXPECT_EQ(after.set.certificate.unmirrored_caps, 0u);
   EXPECT_GT(after.set.fragments.size(), before.set.fragments.size()) << "nothing broke";
-  EXPECT_LE(farthest_new(before.set, after.set, hit.point, true), kStatedReach * hit.radius);
+  EXPECT_LE(farthest_new_vertex(before.set, after.set, hit.point, true), kStatedReach * hit.radius);
   if (!(with.roughness.amplitude > 0)) {  // otherwise, cuts inside move by up to the amplitude
-    EXPECT_LE(farthest_new(before.set, after.set, hit.point, false), kStatedReach * hit.radius);
+    EXPECT_LE(farthest_new_vertex(before.set, after.set, hit.point, false), kStatedReach * hit.radius);
   }
   const auto is = fragments_by_id(after.set);
   for (const Fragment& f : before.set.fragments) {
