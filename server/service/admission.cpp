@@ -33,10 +33,10 @@ constexpr double kBytesPerImport = 16u << 20, kBytesPerMeshByte = 20;
 constexpr std::uint64_t kLargeMesh = 1u << 20;
 constexpr double kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
-// Estimates for a hit on a kept answer. kPiecesPerSite: pieces for each site if the solid is not known; estimate_of_hits.hpp gives 3.4
+// Estimates for a hit on a kept answer. kPiecesPerSite: pieces for each site if the solid is not known; estimate_of_hits.hpp gives 3
 // for 30 sites in 300 cells. kShareToCopy: time for copying all fragments, as a share of the whole work. If the answer contains
 // only the changes, nothing is copied. kShareToPass and kBytesToPass then count the passes over a few numbers for each fragment.
-constexpr double kPiecesPerSite = 4, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
+constexpr double kPiecesPerSite = 3, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
