@@ -77,7 +77,8 @@ class Hit {
     std::vector<std::uint32_t> near;
     for (std::uint32_t k = 0; k < size_before(); ++k) {
       pacer_.step();
-      if (before(k).box.intersects(cells_.reach) && is_in_set(before(k).fragment.part) && is_hit(before(k).fragment))
+      if (before(k).box.intersects(cells_.reach) && is_in_set(before(k).fragment.part) &&
+          is_hit(before(k).fragment))
         near.push_back(k);
     }
     const VoronoiDiagram diagram(cells_.dual, cells_.image, cells_.map, execution_);
@@ -350,7 +351,7 @@ class Hit {
   BrokenSolid& broken_;
   const Execution& execution_;
   Pacer pacer_;
-  std::vector<char> is_hit_;  // per part; empty: the only part is hit
+  std::vector<char> is_hit_;                           // per part; empty: the only part is hit
   std::vector<std::uint32_t> touched_;                 // numbers of the fragments that are cut, ascending
   std::vector<std::optional<PiecesOfFragment>> made_;  // for each of them
   std::vector<std::uint32_t> first_;  // per fragment before: its number or that of its first piece

@@ -33,8 +33,8 @@ constexpr double kBytesPerImport = 16u << 20, kBytesPerMeshByte = 20;
 constexpr std::uint64_t kLargeMesh = 1u << 20;
 constexpr double kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
-// Estimates for a hit on a kept answer. kPiecesPerSite: pieces for each site if the solid is not known; estimate_of_hits.hpp gives 3
-// for 30 sites in 300 cells. kShareToCopy: time for copying all fragments, as a share of the whole work. If the answer contains
+// Estimates for a hit on a kept answer. kPiecesPerSite: pieces for each site if the solid is not known. For 30 sites in 300 cells,
+// estimate_of_hits.hpp gives 3. kShareToCopy: time for copying all fragments, as a share of the whole work. If the answer contains
 // only the changes, nothing is copied. kShareToPass and kBytesToPass then count the passes over a few numbers for each fragment.
 constexpr double kPiecesPerSite = 3, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
@@ -67,11 +67,10 @@ double pieces_of_hits(const FractureParameters& parameters, const Solid* solid, 
   if (solid) {
     FractureParameters before = parameters;
     before.hits.clear();
-    const double fragments =
-        leaves_whole(parameters) ? static_cast<double>(solid->parts.size())
-        : parameters.size.fragments > 0
-            ? parameters.size.fragments
-            : expected_sites(before, solid, selection) / cells;
+    const double fragments = leaves_whole(parameters) ? static_cast<double>(solid->parts.size())
+                             : parameters.size.fragments > 0
+                                 ? parameters.size.fragments
+                                 : expected_sites(before, solid, selection) / cells;
     return cells * expected_of_hits(parameters, *solid, fragments, 0, first).fragments;
   }
   double sites = 0;
@@ -130,9 +129,8 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
   if (parameters.intact) triangles *= 2;
-  ExpectedWork expected =
-      work(mesh_bytes, triangles, sites, leaves_whole(parameters) ? 0 : parameters.lloyd,
-           expected_rough_triangles(parameters, sites));
+  ExpectedWork expected = work(mesh_bytes, triangles, sites, leaves_whole(parameters) ? 0 : parameters.lloyd,
+                               expected_rough_triangles(parameters, sites));
   expected.seconds += kSecondsPerSite * pieces_of_hits(parameters, solid, selection, 0);
   if (solid && !solid->parts.empty()) {
     const double reading = kBytesPerRequest + kBytesPerMeshByte * static_cast<double>(mesh_bytes);
@@ -156,8 +154,8 @@ ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selec
                                const Solid* solid) {
   const ExpectedWork whole = expected_work(parameters, 0, solid, 0, selection);
   const std::size_t fresh = selection.new_hits ? selection.new_hits->count : 0;
-  const double pieces =
-      pieces_of_hits(parameters, solid, selection, parameters.hits.size() - std::min(fresh, parameters.hits.size()));
+  const double pieces = pieces_of_hits(parameters, solid, selection,
+                                       parameters.hits.size() - std::min(fresh, parameters.hits.size()));
   const bool part = selection.new_hits && selection.new_hits->only_changed;
   const double seconds =
       kSecondsPerRequest + kSecondsPerSite * pieces + (part ? kShareToPass : kShareToCopy) * whole.seconds;

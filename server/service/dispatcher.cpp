@@ -77,7 +77,8 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     if (selection.new_hits) {
       const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
       const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
-      const bool continues =  // otherwise, the answer before the hits is only compared with the one after them
+      const bool
+          continues =  // otherwise, the answer before the hits is only compared with the one after them
           fracture.rest == LocalRest::kFractured || fracture.hits.size() > selection.new_hits->count;
       if (before && before->broken.rest == fracture.rest)
         work = expected_hit_work(fracture, selection, solid);

@@ -14,8 +14,8 @@ namespace fracture {
 namespace {
 
 constexpr double kPi = 3.14159265358979;
-/// Sets of m and n random cells in the same volume overlap in m + n + this times (m^(2/3) n^(1/3) + m^(1/3) n^(2/3)) pieces:
-/// mean surface times mean integral of curvature by 4π, 5.82 * 2π * 1.458 / 4π.
+/// Sets of m and n random cells in the same volume overlap in m + n + this times (m^(2/3) n^(1/3) + m^(1/3) n^(2/3)) pieces.
+/// It is the mean surface times the mean integral of curvature by 4π: 5.82 * 2π * 1.458 / 4π.
 constexpr double kOverlay = 4.24;
 /// The same for cells in a plane, m + n + this times sqrt(m n): the square of a mean perimeter of 4, by 2π.
 constexpr double kPlaneOverlay = 2.55;
@@ -42,7 +42,8 @@ double common_share(const LocalImpact& a, const LocalImpact& b) {
   const double d = length(a.point - b.point), r = a.radius, s = b.radius;
   if (d >= r + s) return 0;
   if (d <= std::fabs(r - s)) return r <= s ? 1 : (s * s * s) / (r * r * r);
-  const double lens = kPi * (r + s - d) * (r + s - d) * (d * d + 2 * d * (r + s) - 3 * (r - s) * (r - s)) / (12 * d);
+  const double lens =
+      kPi * (r + s - d) * (r + s - d) * (d * d + 2 * d * (r + s) - 3 * (r - s) * (r - s)) / (12 * d);
   return lens / (4 * kPi / 3 * r * r * r);
 }
 
@@ -71,7 +72,8 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
   if (!(shape.volume > 0) || !(shape.area > 0)) return all;
   const double stretch = parameters.anisotropy.stretch, longer = surface_of_stretched(stretch);
   const double cells = cells_per_fragment(parameters);
-  const double least_volume = std::max(parameters.size.min_volume, parameters.size.min_fraction * shape.volume);
+  const double least_volume =
+      std::max(parameters.size.min_volume, parameters.size.min_fraction * shape.volume);
   const Roughness& rough = parameters.roughness;
   const auto bytes = [](Product product, double count) {
     return static_cast<double>(bytes_of(product)) * count;
@@ -106,8 +108,7 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
                              crossings;
     double rough_caps = 0;
     if (rough.amplitude > 0) {  // only the hit's own cuts; the earlier ones are cut with their triangles
-      const double area =
-          ragged * longer * kFaceArea * std::cbrt(place.volume * place.volume * (1 + own));
+      const double area = ragged * longer * kFaceArea * std::cbrt(place.volume * place.volume * (1 + own));
       const double edge =
           shape.size / (kEdgesPerWave * rough.frequency * std::ldexp(1, static_cast<int>(rough.octaves) - 1));
       rough_caps = std::fmax(std::fmin(kMostRoughTriangles, area / (0.433 * edge * edge)), flat_caps);

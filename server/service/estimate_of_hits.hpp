@@ -9,9 +9,9 @@
 namespace fracture {
 
 struct HitNumbers {
-  double sites = 0;      ///< of all hits, including the cells of aggregates
-  double fragments = 0;  ///< more than without the hits
-  double surface = 0;    ///< more triangles of the outside
+  double sites = 0;                               ///< of all hits, including the cells of aggregates
+  double fragments = 0;                           ///< more than without the hits
+  double surface = 0;                             ///< more triangles of the outside
   double cut_triangles = 0, rough_triangles = 0;  ///< more triangles of cuts, on both sides
   double hulls = 0;                               ///< more than without the hits
   double kept_bytes = 0;                          ///< of memory for the new pieces
