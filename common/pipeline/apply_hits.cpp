@@ -6,6 +6,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
+#include "common/base/words.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/physics/hull_trim.hpp"
 #include "common/pipeline/broken_solid.hpp"
@@ -17,19 +18,6 @@
 
 namespace fracture {
 namespace {
-
-/// Limit for pieces that hits break off, as a share of the limit for all pieces relative to the mean: such pieces are
-/// small compared with the mean, but must remain.
-constexpr double kShareBesideHits = 0.01;
-
-SizeLimits limits_of_hits(const FractureParameters& parameters, double volume) {
-  const SizeLimits& all = parameters.size;
-  SizeLimits limits;
-  limits.min_volume =
-      std::max({all.min_volume, all.min_fraction * volume,
-                kShareBesideHits * all.min_of_mean * volume / std::max(1u, parameters.sites)});
-  return limits;
-}
 
 /// A hit on the parts of one set. The cells and the parameters are those of the set.
 class Hit {
@@ -44,9 +32,10 @@ class Hit {
         execution_(execution),
         pacer_(execution) {}
 
-  Expected<void> run() {
-    if (auto cut = cut_fragments(); !cut) return cut;
-    if (touched_.empty()) return {};
+  /// Returns whether it cuts anything.
+  Expected<bool> run() {
+    if (auto cut = cut_fragments(); !cut) return tl::unexpected(std::move(cut.error()));
+    if (touched_.empty()) return false;
     allow_pieces();
     trim_hulls();
     number_fragments();
@@ -54,7 +43,7 @@ class Hit {
     divide_bonds();
     count();
     replace_fragments();
-    return {};
+    return true;
   }
 
  private:
@@ -357,9 +346,13 @@ class Hit {
   std::vector<std::uint32_t> first_;  // per fragment before: its number or that of its first piece
 };
 
-/// Cuts the fragments of one set. Adds remarks. Returns whether the hit has cells there.
-Expected<bool> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks, BrokenSolid& broken,
-                       const Execution& execution) {
+struct Effect {
+  bool has_cells = false, cuts = false;
+};
+
+/// Cuts the fragments of one set. Adds remarks.
+Expected<Effect> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks, BrokenSolid& broken,
+                         const Execution& execution) {
   const FractureParameters& parameters = set.parameters;
   Expected<HitCells> cells =
       cells_of_hit(set.solid_in(solid), parameters, parameters.hits, broken.hits, remarks, execution);
@@ -368,11 +361,11 @@ Expected<bool> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks,
   figures.given += cells->sites + cells->duplicates;
   figures.used += cells->sites;
   figures.duplicates_merged += cells->duplicates;
-  if (cells->empty()) return false;
+  if (cells->empty()) return Effect{};
   for (const SiteId s : cells_to_spare(solid, *cells, parameters, execution)) cells->groups[s] = 0;
-  if (auto done = Hit(solid, set, *cells, broken, execution).run(); !done)
-    return tl::unexpected(std::move(done.error()));
-  return true;
+  const Expected<bool> cuts = Hit(solid, set, *cells, broken, execution).run();
+  if (!cuts) return tl::unexpected(cuts.error());
+  return Effect{true, *cuts};
 }
 
 }  // namespace
@@ -383,13 +376,20 @@ Expected<void> apply_hits(const Solid& solid, const FractureParameters& paramete
   if (auto few = check_sites_of_hits(parameters, parameters.hits, broken.of_pattern); !few) return few;
   for (; broken.hits < parameters.hits.size(); ++broken.hits) {
     Remarks remarks;
-    bool any = false;
+    Effect all;
     for (const PartSet& set : sets_near_hit(solid, parameters, parameters.hits[broken.hits], execution)) {
-      const Expected<bool> done = hit_set(solid, set, remarks, broken, execution);
+      const Expected<Effect> done = hit_set(solid, set, remarks, broken, execution);
       if (!done) return tl::unexpected(done.error());
-      any = any || *done;
+      all.has_cells = all.has_cells || done->has_cells;
+      all.cuts = all.cuts || done->cuts;
     }
-    if (any) remarks.warnings.clear();  // they say that the hit has no room among the parts of some set
+    if (all.has_cells)
+      remarks.warnings.clear();  // they say that the hit has no room among the parts of some set
+    if (all.has_cells && !all.cuts)
+      remarks.warn(
+          "Hit " + grouped(broken.hits + 1) +
+          " cuts nothing, because each fragment there lies in one of its cells, or in the region to keep. "
+          "Give a larger 'local_sites', or move 'local_point'.");
     broken.notes.remarks.add(remarks);
   }
   return {};

@@ -223,6 +223,36 @@ TEST(ReachOfHits, BondsAlongEarlierCutsAreDivided) {
   EXPECT_GT(count, 3u);
 }
 
+// The only cell reaches to half the distance of the guards, which are far outside the cube.
+TEST(ReachOfHits, AHitThatCutsNothingSaysSo) {
+  FractureParameters p;
+  p.rest = LocalRest::kWhole;
+  p.hits = {{{0, 1, 0}, 20, 1}};
+  const Fractured made = fracture_mesh(unit_cube(), p);
+  EXPECT_EQ(made.set.fragments.size(), 1u);
+  EXPECT_TRUE(warns(made.report, "Hit 1 cuts nothing"));
+  p.hits = {{{0, 1, 0}, 0.2, 5}};
+  EXPECT_FALSE(warns(fracture_mesh(unit_cube(), p).report, "cuts nothing"));
+}
+
+// A beam that the ball misses by a hundredth of the radius, next to the beam that is hit.
+TEST(ReachOfHits, PartsBetweenTheBallAndTheReachStayWhole) {
+  const double radius = 0.2;
+  const Mesh mesh =
+      joined({box({-0.5, -1, -1}, {0.15, 0, 1}, 4), box({1.01 * radius, -1, -1}, {0.5, 0, 1}, 4)});
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    FractureParameters p;
+    p.rest = LocalRest::kWhole;
+    p.seed = seed;
+    p.hits = {{{0, 0, 0}, radius, 12}};
+    const Fractured made = fracture_mesh(mesh, p);
+    std::map<std::uint32_t, std::size_t> pieces;
+    for (const Fragment& f : made.set.fragments) ++pieces[f.part];
+    EXPECT_GT(pieces[0], 5u);
+    EXPECT_EQ(pieces[1], 1u);
+  }
+}
+
 TEST(ReachOfHits, ALaterHitCutsWhatEarlierOnesMade) {
   const Mesh cube = with_traced_triangles(unit_cube());
   FractureParameters p;
