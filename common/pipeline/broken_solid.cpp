@@ -63,6 +63,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
   broken.notes = notes_of(diagram);
   broken.points = std::make_shared<const std::vector<Vec3d>>(diagram.tetrahedralization.points);
   broken.map = diagram.map;
+  broken.of_pattern = diagram.of_pattern;
   broken.with_hulls = before.hulls == Hulls::kConvex;
   if (auto hit = apply_hits(solid, parameters, broken, execution); !hit)
     return tl::unexpected(std::move(hit.error()));

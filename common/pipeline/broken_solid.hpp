@@ -20,6 +20,7 @@ struct BrokenSolid {
   /// The pattern's sites, which decide bonds across parts, and their map.
   std::shared_ptr<const std::vector<Vec3d>> points;
   CellMap map{};
+  std::uint64_t of_pattern = 0;  ///< Diagram::of_pattern
   bool with_hulls = false;
   double surface_area = 0;                 ///< m², of all fragments without caps
   std::size_t hits = 0;                    ///< number of hits so far
@@ -38,7 +39,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
 /// Applies the hits of the parameters that come after the first `broken.hits`. Fragments that no cell of a hit cuts stay
 /// the same objects. The others are replaced, in their place, by their pieces. The largest piece of the rest of a
 /// fragment keeps its id. Further pieces of the rest are fragments of their own, like the pieces that the hit breaks off.
-/// Errors: those of cells_of_hit() and cut_again(). Throws Interrupted.
+/// Errors: those of check_sites_of_hits(), cells_of_hit() and cut_again(). Throws Interrupted.
 Expected<void> apply_hits(const Solid& solid, const FractureParameters& parameters, BrokenSolid& broken,
                           const Execution& execution);
 

@@ -66,7 +66,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
     if (!parameters.assigned.empty()) {
       Expected<Diagram> of_sets = diagram_of_sets(solid, parameters, execution);
       if (!of_sets) return of_sets;
-      if (auto few = check_sites_of_hits(given, given.hits, of_sets->sites.size()); !few)
+      of_sets->of_pattern = of_sets->sites.size();
+      if (auto few = check_sites_of_hits(given, given.hits, of_sets->of_pattern); !few)
         return tl::unexpected(few.error());
       return of_sets;
     }
@@ -97,7 +98,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
       return fail(ErrorCode::kBadParameter,
                   "'max_volume' divides cells, but pieces of this pattern have several cells. Leave it out.",
                   "max_volume");
-    if (auto few = check_sites_of_hits(given, given.hits, plan->points.size()); !few)
+    diagram.of_pattern = plan->points.size();
+    if (auto few = check_sites_of_hits(given, given.hits, diagram.of_pattern); !few)
       return tl::unexpected(few.error());
     if (parameters.keep && parameters.dual == Dual::kCircumcenter)
       add_keep_sites(KeptSpace(*parameters.keep, seen), seen,
@@ -116,7 +118,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
     diagram.impacts.assign(impacts.begin(), impacts.end());
     diagram.tetrahedralization = std::move(*t);
     if (parameters.max_volume > 0) {
-      Expected<SplitFigures> split = split_large(seen, diagram, given, execution);
+      Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }

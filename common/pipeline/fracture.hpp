@@ -81,6 +81,8 @@ struct Diagram {
   /// The impacts of the pattern, on the solid (sites/request_places.hpp). Empty: it has none.
   std::vector<Vec3d> impacts{};
   double clearance = 0;  ///< SitePlan::clearance
+  std::uint64_t of_pattern =
+      0;  ///< number of sites that count towards most_sites together with those of hits
   /// If several sets of parts break in different ways (pipeline/part_sets.hpp): the diagram of each set. This diagram then has
   /// the sites of all of them, but no tetrahedra, and its map only has the frames of parts.
   std::vector<Diagram> sets{};

@@ -198,9 +198,17 @@ double distance(const Box& box, const Vec3d& p) {
   return std::sqrt(square);
 }
 
-/// The sets that have parts. Nothing is shared among them yet.
+/// The box of the parts that a set has.
+Box box_of(const PartSet& set, const Solid& solid) {
+  Box box;
+  for (const std::uint32_t p : set.parts) box.add(solid.parts[p].box);
+  return box;
+}
+
+/// The sets that have parts. Nothing is shared among them yet. `near`: leaves out the sets whose boxes it does not reach, unless
+/// there is only one set; null: all.
 std::vector<PartSet> divided(const Solid& solid, const FractureParameters& parameters,
-                             const Execution& execution) {
+                             const LocalImpact* near, const Execution& execution) {
   const PartChoice choice = choose_assigned(solid, parameters, execution);
   std::vector<std::vector<std::uint32_t>> parts(parameters.assigned.size() + 1);
   Pacer pacer(execution);
@@ -216,6 +224,9 @@ std::vector<PartSet> divided(const Solid& solid, const FractureParameters& param
     sets[0].parts.clear();
     return sets;
   }
+  if (near)
+    std::erase_if(
+        sets, [&](const PartSet& set) { return distance(box_of(set, solid), near->point) > near->radius; });
   for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
   return sets;
 }
@@ -277,7 +288,7 @@ FractureParameters reported_parameters(const FractureParameters& parameters) {
 
 std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution) {
-  std::vector<PartSet> sets = divided(solid, parameters, execution);
+  std::vector<PartSet> sets = divided(solid, parameters, nullptr, execution);
   if (sets.size() == 1) return sets;
   Pacer pacer(execution);
   share(solid, parameters, sets, pacer);
@@ -288,10 +299,9 @@ std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& par
 std::vector<PartSet> sets_near_hit(const Solid& solid, const FractureParameters& parameters,
                                    const LocalImpact& hit, const Execution& execution) {
   if (parameters.assigned.empty()) return {{{}, {}, parameters}};
-  std::vector<PartSet> sets = divided(solid, parameters, execution);
-  if (sets.size() == 1) return sets;
-  std::erase_if(sets, [&](const PartSet& set) { return distance(set.own->box, hit.point) > hit.radius; });
-  for (PartSet& set : sets) set.own->box = solid.box;
+  std::vector<PartSet> sets = divided(solid, parameters, &hit, execution);
+  for (PartSet& set : sets)
+    if (set.own) set.own->box = solid.box;
   if (sets.empty()) sets.push_back({{}, {}, parameters_of_entry(parameters, kNoIndex)});
   return sets;
 }
