@@ -7,11 +7,11 @@
 #include <unordered_set>
 #include <utility>
 
-#include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 #include "common/fragment/carried_sheets.hpp"
 #include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/kept_instances.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "common/solid/part_solid.hpp"
 #include "common/solid/sheet_surface.hpp"
@@ -35,29 +35,24 @@ std::vector<std::uint32_t> shared(std::uint32_t number, const std::vector<double
   return least;
 }
 
-/// The least number of fragments of a solid: one for each part, or for each group of parts that hold together.
-std::uint32_t least_fragments(const Solid& solid, Parts parts, Pacer& pacer) {
-  std::size_t groups = solid.parts.size();
-  if (parts == Parts::kTogether && solid.contacts) {
-    DisjointSets sets(solid.parts.size());
-    for (const Contact& contact : solid.contacts->contacts) {
-      pacer.step();
-      if (contact.area > 0 && sets.find(contact.a) != sets.find(contact.b)) {
-        sets.unite(contact.a, contact.b);
-        --groups;
-      }
-    }
-  }
-  return static_cast<std::uint32_t>(groups);
+/// The least number of fragments of a set: one for each part, or for each group of parts that hold together and each instance that
+/// stays whole.
+std::uint32_t least_fragments(const PartSet& set, const Execution& execution) {
+  if (set.parameters.parts != Parts::kTogether) return static_cast<std::uint32_t>(set.own->parts.size());
+  const PartGroups groups =
+      group_parts(*set.own, set.parameters, wanted_fragments(set.parameters), execution);
+  return 1 + *std::max_element(groups.of_part.begin(), groups.of_part.end());
 }
 
 /// Shares what holds for the whole among the sets.
-void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets, Pacer& pacer) {
+void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets,
+           const Execution& execution) {
+  Pacer pacer(execution);
   std::vector<double> volumes;
   std::vector<std::uint32_t> least;
   for (const PartSet& set : sets) {
     volumes.push_back(set.own->report.volume);
-    least.push_back(least_fragments(*set.own, asked.parts, pacer));
+    least.push_back(least_fragments(set, execution));
   }
   const std::vector<std::uint32_t> ones(sets.size(), 1);
   const SizeLimits& limits = asked.size;
@@ -290,8 +285,8 @@ std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& par
                                const Execution& execution) {
   std::vector<PartSet> sets = divided(solid, parameters, nullptr, execution);
   if (sets.size() == 1) return sets;
-  Pacer pacer(execution);
-  share(solid, parameters, sets, pacer);
+  keep_instances_in(sets, solid, parameters, execution);
+  share(solid, parameters, sets, execution);
   share_sheets(solid, sets, execution);
   return sets;
 }
@@ -375,7 +370,8 @@ Expected<CutCells> cut_sets(
 }
 
 void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
-                    bool together, FragmentSet& set, const Execution& execution) {
+                    bool together, FragmentSet& set, std::vector<WholeBond>& whole_bonds,
+                    const Execution& execution) {
   Pacer pacer(execution);
   const auto entry_of = [&](std::uint32_t part) -> const AssignedParts* {
     const std::uint32_t k = choice.of_part[part];
@@ -396,6 +392,10 @@ void weigh_assigned(const Solid& solid, const FractureParameters& parameters, co
   for (Bond& bond : set.bonds) {
     pacer.step();
     bond.strength *= std::min(strength(bond.a), strength(bond.b));
+  }
+  for (WholeBond& bond : whole_bonds) {
+    pacer.step();
+    bond.strength *= std::min(strength(bond.fragment), 1.0);
   }
   for (Fragment& f : set.fragments) {
     pacer.step();
