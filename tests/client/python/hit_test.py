@@ -117,7 +117,7 @@ class Hits(WithServer):
         names = mesh.report["nodes"]
         self.assertEqual(len(names), 2)
         for more in ({"nodes": [names[0]]}, {"pivot": "source"}, {"interior_color": "#ff0000"}, {"interior_crushed": 0.9},
-                     {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.02}, {"intact": "true"}):
+                     {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.004}, {"intact": "true"}):
             with self.subTest(**more):
                 self.hit_twice(mesh, sites=20, **more)
 
