@@ -1,4 +1,4 @@
-// Imports OBJ, STL, PLY, OFF and, if enabled, BLEND, FBX, DAE and 3DS through Assimp. The declared format
+// Imports STL, PLY, OFF and, if enabled, BLEND, FBX, DAE and 3DS through Assimp. The declared format
 // determines the reader (the fifty readers are never asked to guess). Its IOSystem can open only the upload.
 #pragma once
 

@@ -9,6 +9,7 @@
 #include "common/import/complete_attributes.hpp"
 #include "common/import/decompress.hpp"
 #include "common/import/gltf_import.hpp"
+#include "common/import/obj_import.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/surface_color/surface_colors.hpp"
@@ -55,10 +56,9 @@ Expected<PlainFile> make_plain(std::span<const std::byte> bytes, MeshFormat form
 Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits) {
   switch (format) {
     case MeshFormat::kGlb:
-    case MeshFormat::kGltf:
-      return {};  // the glTF reader does this itself, because it needs the chunks
-    case MeshFormat::kObj:
-      return preflight::check_obj(bytes, limits);
+    case MeshFormat::kGltf:  // the glTF reader does this itself, because it needs the chunks
+    case MeshFormat::kObj:   // our own reader trusts no number
+      return {};
     case MeshFormat::kStl:
       return preflight::check_stl(bytes, limits);
     case MeshFormat::kPly:
@@ -81,6 +81,8 @@ Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span
   switch (format_info(file.format).reader) {
     case FormatReader::kTinygltf:
       return import_gltf(file.bytes, file.format, limits, files);
+    case FormatReader::kObj:
+      return import_obj(file.bytes, limits, files);
     case FormatReader::kAssimp:
       return import_with_assimp(file.bytes, file.format, limits, files);
   }

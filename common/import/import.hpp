@@ -1,5 +1,5 @@
-// Imports mesh files: tinygltf reads glTF and GLB, and Assimp reads everything else. The input is bytes, and
-// the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
+// Imports mesh files: tinygltf reads glTF and GLB, our own reader reads OBJ (obj_import.hpp), and Assimp reads
+// everything else. The input is bytes, and the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
 // the additional parts of a multipart upload.
 //
 //   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish
@@ -23,7 +23,7 @@ namespace fracture {
 /// meaning as far as the file or its format defines it (FormatInfo::frame; FBX in its global settings).
 /// Wedges with identical positions in the file have bit-identical positions here. Texture coordinates follow
 /// glTF (v down) for all formats.
-/// Errors: kEmptyBody, kMalformedMesh (what, and at which byte), kUnsupportedFeature (with its name),
+/// Errors: kEmptyBody, kMalformedMesh (what, and at which byte or line), kUnsupportedFeature (with its name),
 /// kExternalResource, kTooLarge, kNotFinite (a coordinate is NaN or infinite; with the vertex), kEmptyMesh.
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
                            std::span<const ImportFile> files = {});

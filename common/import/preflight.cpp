@@ -289,31 +289,6 @@ Expected<void> check_off(std::span<const std::byte> bytes, const ImportLimits& l
   return {};
 }
 
-Expected<void> check_obj(std::span<const std::byte> bytes, const ImportLimits& limits) {
-  const std::string_view text = as_text(bytes);
-  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
-    return fail(ErrorCode::kMalformedMesh,
-                "This is not an OBJ file: it contains a zero at byte " + std::to_string(zero) + ".");
-  std::uint64_t vertices = 0, faces = 0;
-  for (std::size_t at = 0; at < text.size();) {
-    while (at < text.size() && (text[at] == ' ' || text[at] == '\t')) ++at;
-    if (at + 1 < text.size() && is_space(text[at + 1])) {
-      vertices += text[at] == 'v';
-      faces += text[at] == 'f';
-    }
-    const std::size_t end = text.find('\n', at);
-    at = end == std::string_view::npos ? text.size() : end + 1;
-  }
-  if (vertices == 0)
-    return fail(ErrorCode::kMalformedMesh,
-                "This is not an OBJ file: no line begins with \"v \"; the file begins with " +
-                    beginning_of(bytes) + ".");
-  if (faces == 0)
-    return fail(ErrorCode::kEmptyMesh, "The OBJ has " + std::to_string(vertices) + " vertices but no faces.");
-  if (faces > limits.max_triangles) return too_many_triangles(faces, limits);
-  return {};
-}
-
 Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format) {
   const std::string_view text = as_text(bytes);
   const auto begins = [&](std::string_view magic) { return text.substr(0, magic.size()) == magic; };

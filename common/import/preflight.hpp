@@ -34,9 +34,6 @@ Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& l
 /// Checks that the vertices and faces declared by an OFF file fit into the remaining bytes.
 Expected<void> check_off(std::span<const std::byte> bytes, const ImportLimits& limits);
 
-/// Checks that an OBJ file is text with at least one face, and that its faces do not exceed the limit.
-Expected<void> check_obj(std::span<const std::byte> bytes, const ImportLimits& limits);
-
 /// Checks that BLEND, FBX, DAE and 3DS files begin with the magic of the declared format. The sandboxed
 /// parser checks everything else.
 Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format);

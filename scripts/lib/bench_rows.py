@@ -149,6 +149,13 @@ def stage(name, threads=1):
     return ask
 
 
+def read(name, peer=""):
+    def ask(bench, build):
+        text, peak = run([(bench.ours if peer else build).program("bench_readers"), "--runs", 1, name])
+        return Sample(float(found(rf"^{name}{'_' + peer if peer else ''} +{NUMBER} ms", text)[1]), peak=peak)
+    return ask
+
+
 # -- hits
 
 def hit(cells, line="without the untouched", hulls=False):
@@ -250,6 +257,7 @@ def all_rows():
     rows.append(Row("hit", "in 300 cells, hulls", {"ours": hit(300, hulls=True)}))
     for size, threads, goal in (("1M", 1, 60), ("4M", 1, 260), ("1M", 2, 40), ("4M", 2, 170)):
         rows.append(Row("prepare", f"{size} triangles", {"ours": stage(f"prepare_{size}", threads)}, threads=threads, target=goal, rounds=3))
+    rows.append(Row("read", "an OBJ with 1M triangles", {"ours": read("obj_1M"), "Assimp": read("obj_1M", "assimp")}, goal_peer=5, rounds=3))
     giant = {"ours": stage("giant_100k")}
     rows.append(Row("large answer", "100k sites in sphere20k, hulls, GLB", giant, target=1800, rounds=2))
     rows.append(Row("large answer", "100k sites in sphere20k, peak memory", giant, unit="MiB", memory=True, target=1024, rounds=1))
