@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <string>
 
-#include "common/base/printable.hpp"
-#include "common/import/gltf_materials.hpp"
+#include "common/import/file_textures.hpp"
 #include "common/import/text_encoding.hpp"
-#include "common/import/uri.hpp"
 
 namespace fracture {
 namespace {
@@ -25,50 +23,14 @@ double unit_interval(float value) {
 /// 0.800000011920929.
 double short_number(float value) { return std::round(unit_interval(value) * 1e6) / 1e6; }
 
-class Textures {
- public:
-  Textures(const aiScene& scene, std::span<const ImportFile> files, TranslatedMaterials& out)
-      : scene_(scene), files_(files), out_(out) {}
+/// The bytes of an image inside the scene; empty if it is in another file.
+std::span<const std::uint8_t> embedded_image(const aiScene& scene, const std::string& path) {
+  const aiTexture* embedded = scene.GetEmbeddedTexture(path.c_str());
+  if (embedded == nullptr || embedded->mHeight != 0) return {};
+  return {reinterpret_cast<const std::uint8_t*>(embedded->pcData), embedded->mWidth};
+}
 
-  /// Returns the glTF texture for this file or embedded image; kNoIndex (with a warning) if its bytes are
-  /// missing.
-  std::uint32_t texture(const std::string& path) {
-    if (const auto it = known_.find(path); it != known_.end()) return it->second;
-    Image image;
-    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(path.c_str());
-        embedded != nullptr && embedded->mHeight == 0) {
-      const auto* begin = reinterpret_cast<const std::uint8_t*>(embedded->pcData);
-      image.bytes.assign(begin, begin + embedded->mWidth);
-    } else if (const ImportFile* file = find_file(files_, path)) {
-      const auto* begin = reinterpret_cast<const std::uint8_t*>(file->bytes.data());
-      image.bytes.assign(begin, begin + file->bytes.size());
-    }
-    image.mime_type = sniff_image(image.bytes);
-    const bool core = image.mime_type == "image/png" || image.mime_type == "image/jpeg";
-    if (!core) {
-      const std::string name = name_as_utf8(path);
-      out_.remarks.warn(image.bytes.empty()
-                            ? in_another_file(name)
-                            : "The image \"" + shortened(name) +
-                                  "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no "
-                                  "texture in the answer. Convert it to PNG or JPEG.");
-      return known_[path] = kNoIndex;
-    }
-    image.name = name_as_utf8(path.substr(path.find_last_of("/\\") + 1));
-    json& textures = out_.library.textures;
-    textures.push_back({{"source", out_.library.images.size()}});
-    out_.library.images.push_back(std::move(image));
-    return known_[path] = static_cast<std::uint32_t>(textures.size() - 1);
-  }
-
- private:
-  const aiScene& scene_;
-  std::span<const ImportFile> files_;
-  TranslatedMaterials& out_;
-  std::map<std::string, std::uint32_t> known_;
-};
-
-json translate(const aiMaterial& source, Textures& textures) {
+json translate(const aiMaterial& source, const aiScene& scene, FileTextures& textures) {
   json material = json::object();
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS && name.length > 0)
@@ -104,7 +66,7 @@ json translate(const aiMaterial& source, Textures& textures) {
   const auto texture_of = [&](aiTextureType type) {
     aiString path;
     if (source.GetTexture(type, 0, &path) != aiReturn_SUCCESS || path.length == 0) return kNoIndex;
-    return textures.texture(path.C_Str());
+    return textures.texture(path.C_Str(), embedded_image(scene, path.C_Str()));
   };
   std::uint32_t base = texture_of(aiTextureType_BASE_COLOR);
   if (base == kNoIndex) base = texture_of(aiTextureType_DIFFUSE);
@@ -124,7 +86,7 @@ json translate(const aiMaterial& source, Textures& textures) {
 
 TranslatedMaterials translate_materials(const aiScene& scene, std::span<const ImportFile> files) {
   TranslatedMaterials out;
-  Textures textures(scene, files, out);
+  FileTextures textures(files, out.library, out.remarks);
   for (unsigned k = 0; k < scene.mNumMaterials; ++k) {
     aiString name;
     scene.mMaterials[k]->Get(AI_MATKEY_NAME, name);
@@ -133,7 +95,7 @@ TranslatedMaterials translate_materials(const aiScene& scene, std::span<const Im
       continue;
     }
     out.slot.push_back(static_cast<std::uint32_t>(out.library.materials.size()));
-    out.library.materials.push_back(translate(*scene.mMaterials[k], textures));
+    out.library.materials.push_back(translate(*scene.mMaterials[k], scene, textures));
   }
   return out;
 }

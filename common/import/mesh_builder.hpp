@@ -50,7 +50,7 @@ class MeshBuilder {
 };
 
 /// Merges wedges of the surface that are identical in every bit of every attribute. For formats that store
-/// one vertex per corner (STL, and OBJ as read by Assimp). Triangles keep their order, and wedges are ordered
+/// one vertex per corner (STL, or OBJ as read by Assimp). Triangles keep their order, and wedges are ordered
 /// by first use.
 void merge_identical_wedges(Surface& surface);
 
