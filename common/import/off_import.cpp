@@ -45,8 +45,8 @@ class OffReader {
     finish_colors();
     file_.end_part({});
     if (colored_faces_ > 0)
-      file_.dropped.push_back({"face colours", counted(colored_faces_, "face", "faces"),
-                               "only colours of vertices are read"});
+      file_.dropped.push_back(
+          {"face colours", counted(colored_faces_, "face", "faces"), "only colours of vertices are read"});
     const double grey = file_.colors.empty() ? 0.6 : 1.0;  // vertex colours are multiplied by it
     file_.library.materials.push_back(plain_material({grey, grey, grey}));
     file_.material = 0;
@@ -110,8 +110,8 @@ class OffReader {
 
   void check_dimension(std::uint64_t dimension) {
     if (dimension != 3)
-      refuse(ErrorCode::kUnsupportedFeature, "The OFF file has " + std::to_string(dimension) +
-                                                 " dimensions; only 3 are supported.");
+      refuse(ErrorCode::kUnsupportedFeature,
+             "The OFF file has " + std::to_string(dimension) + " dimensions; only 3 are supported.");
   }
 
   void check_counts(std::uint64_t vertices, std::uint64_t vertex_bytes, std::uint64_t faces,
@@ -125,9 +125,10 @@ class OffReader {
                  std::to_string(remaining) + " bytes follow. Export or copy the file again.");
     if (faces == 0) refuse(ErrorCode::kEmptyMesh, "The OFF file declares no faces.");
     limit_faces(faces, limits_);
-    limit_vertices(vertices,
-                   12 + 8 * unsigned{vertex_.uv} + 16 * unsigned{vertex_.color} + 12 * unsigned{vertex_.normal},
-                   limits_);
+    limit_vertices(
+        vertices,
+        12 + 8 * unsigned{vertex_.uv} + 16 * unsigned{vertex_.color} + 12 * unsigned{vertex_.normal},
+        limits_);
     vertices_ = vertices;
     file_.positions.reserve(vertices);
   }

@@ -91,10 +91,10 @@ class PlyBinaryData {
  private:
   void require(std::uint64_t size) const {
     if (size <= file_.size() - at_) return;
-    refuse(ErrorCode::kMalformedMesh,
-           "The PLY has " + std::to_string(file_.size()) + " bytes, but the value or list at byte " +
-               std::to_string(at_) + " needs " + std::to_string(size) +
-               " more. It was cut short: export or copy it again.");
+    refuse(ErrorCode::kMalformedMesh, "The PLY has " + std::to_string(file_.size()) +
+                                          " bytes, but the value or list at byte " + std::to_string(at_) +
+                                          " needs " + std::to_string(size) +
+                                          " more. It was cut short: export or copy it again.");
   }
 
   std::span<const std::byte> file_;

@@ -77,8 +77,8 @@ class PlyHeaderReader {
   }
 
   [[noreturn]] void refuse_line(const std::string& what) const {
-    refuse(ErrorCode::kMalformedMesh, "The PLY header " + what + " at " + FilePlaces{file_}(line_at_) +
-                                          ". Export the file again.");
+    refuse(ErrorCode::kMalformedMesh,
+           "The PLY header " + what + " at " + FilePlaces{file_}(line_at_) + ". Export the file again.");
   }
 
   void read_format(std::string_view format) {
@@ -101,7 +101,8 @@ class PlyHeaderReader {
     if (count.empty() || error != std::errc{} || end != count.data() + count.size())
       refuse_line("has an element without a count");
     for (const PlyElement& other : header_.elements)
-      if (other.name == element.name) refuse_line("declares the element " + quoted_word(element.name) + " twice");
+      if (other.name == element.name)
+        refuse_line("declares the element " + quoted_word(element.name) + " twice");
     if (header_.elements.size() >= 1000) refuse_line("declares more than 1,000 elements");
     header_.elements.push_back(std::move(element));
   }
@@ -145,11 +146,11 @@ class PlyHeaderReader {
         each += text ? 2 : ply_bytes(property.length.value_or(property.type));
       if (each == 0) continue;
       if (element.count > (remaining + (text ? 1 : 0)) / each)
-        refuse(ErrorCode::kMalformedMesh,
-               "The PLY declares " + std::to_string(element.count) + " elements " +
-                   quoted_word(element.name) + " (at least " + std::to_string(each) +
-                   " bytes each), but only " + std::to_string(remaining) +
-                   " bytes are left for them. Export or copy the file again.");
+        refuse(ErrorCode::kMalformedMesh, "The PLY declares " + std::to_string(element.count) + " elements " +
+                                              quoted_word(element.name) + " (at least " +
+                                              std::to_string(each) + " bytes each), but only " +
+                                              std::to_string(remaining) +
+                                              " bytes are left for them. Export or copy the file again.");
       remaining -= std::min(remaining, element.count * each);
     }
   }

@@ -25,13 +25,32 @@ struct PlySlotName {
   PlySlot slot;
 };
 constexpr PlySlotName kPlySlotNames[] = {
-    {"x", kX},          {"y", kY},          {"z", kZ},           {"nx", kNx},
-    {"ny", kNy},        {"nz", kNz},        {"red", kRed},       {"green", kGreen},
-    {"blue", kBlue},    {"alpha", kAlpha},  {"r", kRed},         {"g", kGreen},
-    {"b", kBlue},       {"a", kAlpha},      {"diffuse_red", kRed}, {"diffuse_green", kGreen},
-    {"diffuse_blue", kBlue}, {"diffuse_alpha", kAlpha}, {"u", kU}, {"v", kV},
-    {"s", kU},          {"t", kV},          {"tx", kU},          {"ty", kV},
-    {"texture_u", kU},  {"texture_v", kV},
+    {"x", kX},
+    {"y", kY},
+    {"z", kZ},
+    {"nx", kNx},
+    {"ny", kNy},
+    {"nz", kNz},
+    {"red", kRed},
+    {"green", kGreen},
+    {"blue", kBlue},
+    {"alpha", kAlpha},
+    {"r", kRed},
+    {"g", kGreen},
+    {"b", kBlue},
+    {"a", kAlpha},
+    {"diffuse_red", kRed},
+    {"diffuse_green", kGreen},
+    {"diffuse_blue", kBlue},
+    {"diffuse_alpha", kAlpha},
+    {"u", kU},
+    {"v", kV},
+    {"s", kU},
+    {"t", kV},
+    {"tx", kU},
+    {"ty", kV},
+    {"texture_u", kU},
+    {"texture_v", kV},
 };
 
 /// A colour's value in [0, 1]. Types of 32 bits hold bytes, too.
@@ -88,8 +107,8 @@ class PlyReader {
   }
 
   void skip_element(const PlyElement& element) {
-    file_.dropped.push_back({"element", name_as_utf8(element.name),
-                             "only vertices, faces and strips of triangles are read"});
+    file_.dropped.push_back(
+        {"element", name_as_utf8(element.name), "only vertices, faces and strips of triangles are read"});
     for (std::uint64_t k = 0; k < element.count; ++k) {
       data_.begin();
       for (const PlyProperty& property : element.properties) skip_property(property);
@@ -115,7 +134,8 @@ class PlyReader {
              "The PLY's element \"vertex\" needs the properties x, y and z. Export the file again.");
     const bool normals = has[kNx] && has[kNy] && has[kNz], uvs = has[kU] && has[kV];
     const bool colors = has[kRed] || has[kGreen] || has[kBlue];
-    limit_vertices(element.count, 12u + (normals ? 12u : 0u) + (colors ? 16u : 0u) + (uvs ? 8u : 0u), limits_);
+    limit_vertices(element.count, 12u + (normals ? 12u : 0u) + (colors ? 16u : 0u) + (uvs ? 8u : 0u),
+                   limits_);
     file_.positions.reserve(element.count);
     if (normals) file_.normals.reserve(element.count);
     if (colors) file_.colors.reserve(element.count);
@@ -296,8 +316,7 @@ Expected<Mesh> import_ply(std::span<const std::byte> bytes, const ImportLimits& 
     const bool faces = std::any_of(header.elements.begin(), header.elements.end(), [](const PlyElement& e) {
       return (e.name == "face" || e.name == "tristrips") && e.count > 0;
     });
-    if (!faces)
-      refuse(ErrorCode::kEmptyMesh, "The PLY declares no faces: a point cloud encloses no volume.");
+    if (!faces) refuse(ErrorCode::kEmptyMesh, "The PLY declares no faces: a point cloud encloses no volume.");
     PolygonFile file;
     file.places = {text, header.encoding == PlyEncoding::kText};
     if (file.places.text)

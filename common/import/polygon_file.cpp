@@ -136,8 +136,7 @@ void add_parts(const PolygonFile& file, const DividedFaces& divided, const std::
       surface.materials = between(divided.materials, triangle, divided.part_end[k]);
       if (!own_uvs)
         for (CornerTriangle& t : surface.triangles)
-          for (std::uint32_t& corner : t)
-            corner = file.corners[corner] - static_cast<std::uint32_t>(vertex);
+          for (std::uint32_t& corner : t) corner = file.corners[corner] - static_cast<std::uint32_t>(vertex);
       merge_identical_wedges(surface);
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }

@@ -33,10 +33,12 @@ struct PolygonFile {
   std::vector<Vec3f> normals;
   std::vector<Vec2f> uvs;
   std::vector<Vec4f> colors;
-  std::vector<std::uint32_t> corners;   ///< the vertices of all faces, face after face; each face has at least 3
+  std::vector<std::uint32_t>
+      corners;  ///< the vertices of all faces, face after face; each face has at least 3
   std::vector<std::uint32_t> face_end;  ///< per face: the end of its corners
   std::vector<Vec2f> corner_uvs;        ///< per corner, or empty; used instead of uvs
-  std::vector<std::uint32_t> face_material;  ///< per face: index into library.materials; empty: all faces have `material`
+  std::vector<std::uint32_t>
+      face_material;  ///< per face: index into library.materials; empty: all faces have `material`
   std::uint32_t material = kNoIndex;
   std::vector<Part> parts;
   MaterialLibrary library;

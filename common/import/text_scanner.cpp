@@ -117,8 +117,9 @@ double TextScanner::number(const char* what) {
   const std::size_t word_at = at_;
   at_ = static_cast<std::size_t>(past - text_.data());
   // Microsoft's 1.#IND, 1.#QNAN and 1.#INF, and the rest of nan(ind).
-  const bool microsoft = std::string_view(digits, static_cast<std::size_t>(end - digits)).substr(0, 3) == "1.#" &&
-                         end - past > 1 && (past[1] == 'I' || past[1] == 'Q' || past[1] == 'S');
+  const bool microsoft =
+      std::string_view(digits, static_cast<std::size_t>(end - digits)).substr(0, 3) == "1.#" &&
+      end - past > 1 && (past[1] == 'I' || past[1] == 'Q' || past[1] == 'S');
   if (microsoft || std::isnan(value)) {
     value = std::numeric_limits<double>::quiet_NaN();
     at_ += microsoft;
