@@ -45,15 +45,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       has_words(preflight::check_obj(file, limits));
       (void)textures_of_mtl(text);
       break;
-    case MeshFormat::kStl:
-      has_words(preflight::check_stl(file, limits));
-      break;
-    case MeshFormat::kPly:
-      has_words(preflight::check_ply(file, limits));
-      break;
-    case MeshFormat::kOff:
-      has_words(preflight::check_off(file, limits));
-      break;
     case MeshFormat::k3mf:
     case MeshFormat::kZae:
       has_words(preflight::check_zip(file, limits));
