@@ -21,7 +21,7 @@ enum class FormatEncoding { kBinary, kText, kXml };
 /// Axes and units that a format defines if its files do not state them.
 enum class FormatFrame { kUnknown, kYUp, kZUp, kMetresYUp };
 
-/// What reads a format: a library, or a reader of its own in this folder. import.cpp calls each.
+/// The library that reads a format; kOwn: a reader in this folder. import.cpp calls each.
 enum class FormatReader { kTinygltf, kOwn, kAssimp };
 
 struct FormatInfo {

@@ -16,7 +16,7 @@
 namespace fracture {
 namespace {
 
-/// What each vertex of the file has, by the prefixes of the header.
+/// The values that each vertex has, by the prefixes of the header.
 struct OffVertex {
   bool uv = false, color = false, normal = false, homogeneous = false, dimension = false;
 };

@@ -8,7 +8,7 @@
 
 namespace fracture {
 
-/// Where something is in a file, for error messages: "line 12" of a text, "byte 345" of binary data.
+/// Names places in a file, for error messages: "line 12" of a text, "byte 345" of binary data.
 struct FilePlaces {
   std::string_view bytes;  ///< the whole file
   bool text = true;

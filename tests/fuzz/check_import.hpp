@@ -1,4 +1,4 @@
-// What the fuzz targets of the importers check.
+// The checks of the importers' fuzz targets.
 #pragma once
 
 #include <cstddef>

@@ -75,7 +75,7 @@ TEST(OwnReaders, GiveTheTrianglesOfAssimp) {
        ErrorCode::kMalformedMesh},  // a face names vertex 20 of 3; Assimp replaces it by the last one
       {"PLY/issue623.ply", ErrorCode::kEmptyMesh},             // the element "face" is missing
       {"PLY/points.ply", ErrorCode::kEmptyMesh},               // a point cloud
-      {"PLY/pond.0.ply", ErrorCode::kMalformedMesh},               // 69 bytes are missing
+      {"PLY/pond.0.ply", ErrorCode::kMalformedMesh},           // 69 bytes are missing
       {"invalid/OutOfMemory.off", ErrorCode::kMalformedMesh},  // declares 353,535,235,358 vertices
       {"invalid/empty.off", ErrorCode::kEmptyBody},
       {"invalid/empty.ply", ErrorCode::kEmptyBody},
