@@ -200,10 +200,21 @@ class OffReader {
         *channel = *channel == kNoColor ? 1.0f : *channel / scale;
   }
 
+  /// `most`: the number of indices for which the rest of the file has room.
+  void require_corners(std::uint64_t corners, std::uint64_t most, std::size_t at) const {
+    if (corners > most)
+      refuse(ErrorCode::kMalformedMesh, "The face at " + file_.places(at) + " of the OFF file has " +
+                                            std::to_string(corners) + " corners, but at most " +
+                                            std::to_string(most) +
+                                            " fit in the rest of the file. Export or copy it again.");
+    file_.limit_corners(corners, limits_);
+  }
+
   void read_face(std::uint64_t index, std::uint64_t count) {
     require_record("faces", index, count);
     const std::size_t at = scan_.at();
     const std::uint64_t corners = scan_.count("the number of corners of a face");
+    require_corners(corners, scan_.remaining() / 2 + 1, at);  // a digit and a blank each
     for (std::uint64_t k = 0; k < corners; ++k)
       file_.add_corner(static_cast<double>(scan_.count("the index of a vertex")), vertices_, at);
     file_.end_face(limits_);
@@ -249,7 +260,7 @@ class OffReader {
     for (std::uint64_t f = 0; f < faces; ++f) {
       const std::size_t face_at = at_;
       const std::uint64_t corners = next_count("the number of corners of a face");
-      require_bytes(4 * corners, "the corners of a face");
+      require_corners(corners, (bytes_.size() - at_) / 4, face_at);
       for (std::uint64_t k = 0; k < corners; ++k)
         file_.add_corner(static_cast<double>(next_count("the index of a vertex")), vertices_, face_at);
       file_.end_face(limits_);

@@ -30,7 +30,15 @@ class PlyTextData {
   }
   void end() { scan_.skip_line(); }
   double number(PlyType) { return scan_.number("a value"); }
-  std::uint64_t length(PlyType, PlyType) { return scan_.count("the length of a list"); }
+  std::uint64_t length(PlyType, PlyType) {
+    const std::uint64_t count = scan_.count("the length of a list");
+    if (count > scan_.remaining() / 2 + 1)  // a digit and a blank each
+      refuse(ErrorCode::kMalformedMesh, "The PLY has a list of " + std::to_string(count) + " values at " +
+                                            scan_.place(scan_.at()) + ", but only " +
+                                            std::to_string(scan_.remaining()) +
+                                            " bytes follow. Export or copy the file again.");
+    return count;
+  }
   void skip(PlyType, std::uint64_t count) {
     for (std::uint64_t k = 0; k < count; ++k) scan_.skip_word("a value");
   }

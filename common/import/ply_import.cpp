@@ -208,10 +208,12 @@ class PlyReader {
         const PlyProperty& property = element.properties[p];
         if (p == which.indices) {
           const std::uint64_t count = data_.length(*property.length, property.type);
+          file_.limit_corners(count, limits_);
           for (std::uint64_t c = 0; c < count; ++c)
             file_.add_corner(data_.number(property.type), vertices_, at);
         } else if (p == which.uvs) {
           const std::uint64_t count = data_.length(*property.length, property.type);
+          file_.limit_corners(count / 2, limits_);
           for (std::uint64_t c = 0; c < count; ++c)
             uvs.push_back(static_cast<float>(data_.number(property.type)));
         } else if (p == which.texture) {
@@ -234,10 +236,11 @@ class PlyReader {
     file_.corner_uvs.resize(file_.corners.size() - corners);  // strips before the faces have none
     for (std::size_t c = 0; c < corners; ++c)
       file_.corner_uvs.push_back(complete ? Vec2f{uvs[2 * c], uvs[2 * c + 1]} : Vec2f{});
-    if (!complete && !uvs.empty())
-      file_.remarks.warn(
-          "Some faces of the PLY have texture coordinates for another number of corners than they have, so "
-          "these were left out. The texture is wrong there. Export the file again.");
+    if (complete || uvs.empty() || warned_) return;
+    warned_ = true;
+    file_.remarks.warn(
+        "Some faces of the PLY have texture coordinates for another number of corners than they have, so these "
+        "were left out. The texture is wrong there. Export the file again.");
   }
 
   void add_texture_number(double number) {
@@ -290,7 +293,7 @@ class PlyReader {
   ImportLimits limits_;
   PolygonFile& file_;
   std::uint64_t vertices_ = 0;
-  bool texture_of_corners_ = false;
+  bool texture_of_corners_ = false, warned_ = false;
 };
 
 void add_ply_materials(const PlyHeader& header, std::span<const ImportFile> files, PolygonFile& file) {

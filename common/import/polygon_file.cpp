@@ -167,6 +167,11 @@ void PolygonFile::add_corner(double vertex, std::size_t count, std::size_t place
   corners.push_back(static_cast<std::uint32_t>(vertex));
 }
 
+void PolygonFile::limit_corners(std::uint64_t count, const ImportLimits& limits) const {
+  if (count > 2 && count - 2 > limits.max_triangles - std::min(triangles, limits.max_triangles))
+    refuse_triangles(triangles + count - 2, limits);
+}
+
 void PolygonFile::end_face(const ImportLimits& limits) {
   const std::size_t begin = face_end.empty() ? 0 : face_end.back();
   const std::size_t count = corners.size() - begin;

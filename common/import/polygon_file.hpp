@@ -52,6 +52,8 @@ struct PolygonFile {
   void add_position(const Vec3d& position, std::size_t place);
   /// Adds a corner. Refuses a vertex that does not exist (kMalformedMesh): `vertex` must be in [0, count).
   void add_corner(double vertex, std::size_t count, std::size_t place);
+  /// Refuses a face with so many corners that its triangles would exceed the limit (kTooLarge), before they are added.
+  void limit_corners(std::uint64_t count, const ImportLimits& limits) const;
   /// Ends the face of the corners that were added last. Drops points and lines. Refuses more triangles than the limit.
   void end_face(const ImportLimits& limits);
   /// Ends the part of everything added since the previous part.

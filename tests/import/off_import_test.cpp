@@ -121,6 +121,12 @@ TEST(OffImport, IndicesThatDoNotExistAreRefusedWithTheLine) {
       AllOf(HasSubstr("line 7"), HasSubstr("\"-1\"")));
 }
 
+TEST(OffImport, FacesWithMoreCornersThanFitAreRefusedAtOnce) {
+  EXPECT_THAT(
+      must_refuse(off_text("OFF\n4 1 0", "", "18446744073709551615 0 2 1\n"), MeshFormat::kOff).detail,
+      AllOf(HasSubstr("line 7"), HasSubstr("18446744073709551615 corners")));
+}
+
 TEST(OffImport, FilesThatWereCutShortAreRefused) {
   const std::string text = off_text("OFF\n4 4 6");
   for (std::size_t length = 1; length + 1 < text.size(); ++length)

@@ -306,6 +306,16 @@ TEST(PlyImport, ANegativeLengthInABinaryFileIsRefusedWithTheByte) {
               AllOf(HasSubstr("negative length"), HasSubstr("byte " + std::to_string(at))));
 }
 
+TEST(PlyImport, ListsThatDoNotFitAreRefusedAtOnce) {
+  EXPECT_THAT(
+      must_refuse(ply_text(kPlyXyz, kPlyList, kPlySquare + "4000000000 0 1 2\n"), MeshFormat::kPly).detail,
+      AllOf(HasSubstr("list of 4000000000 values"), HasSubstr("line 14")));
+  std::string binary = ply_cube(true, "\n");
+  binary[binary.size() - 13] = '\xff';  // the length of the last list
+  EXPECT_THAT(must_refuse(binary, MeshFormat::kPly).detail,
+              AllOf(HasSubstr("byte " + std::to_string(binary.size() - 12)), HasSubstr("needs 1020 more")));
+}
+
 TEST(PlyImport, LimitsHoldBeforeAndWhileReading) {
   ImportLimits limits;
   limits.max_triangles = 1;
