@@ -89,9 +89,11 @@ class PlyReader {
       else
         skip_element(element);
     }
-    if (texture_of_corners_) {
+    if (has_corner_uvs_) {
       file_.uvs.clear();
       file_.corner_uvs.resize(file_.corners.size());
+    } else {
+      file_.corner_uvs.clear();  // all lists are empty
     }
     if (!file_.face_material.empty()) file_.face_material.resize(file_.face_end.size(), 0);
     file_.end_part({});
@@ -233,6 +235,7 @@ class PlyReader {
 
   void add_corner_uvs(const std::vector<float>& uvs, std::size_t corners) {
     const bool complete = uvs.size() == 2 * corners;
+    has_corner_uvs_ |= complete;
     file_.corner_uvs.resize(file_.corners.size() - corners);  // strips before the faces have none
     for (std::size_t c = 0; c < corners; ++c)
       file_.corner_uvs.push_back(complete ? Vec2f{uvs[2 * c], uvs[2 * c + 1]} : Vec2f{});
@@ -293,7 +296,7 @@ class PlyReader {
   ImportLimits limits_;
   PolygonFile& file_;
   std::uint64_t vertices_ = 0;
-  bool texture_of_corners_ = false, warned_ = false;
+  bool texture_of_corners_ = false, has_corner_uvs_ = false, warned_ = false;
 };
 
 void add_ply_materials(const PlyHeader& header, std::span<const ImportFile> files, PolygonFile& file) {

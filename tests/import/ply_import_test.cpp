@@ -205,6 +205,16 @@ TEST(PlyImport, TextureCoordinatesOfCornersSplitWedges) {
   EXPECT_EQ(mesh.triangles[0][2], mesh.triangles[1][1]);
 }
 
+TEST(PlyImport, EmptyListsOfTextureCoordinatesLeaveThoseOfTheVertices) {
+  const Mesh mesh = must_import(ply_text(kPlyXyz + "property float s\nproperty float t\n",
+                                         kPlyList + "property list uchar float texcoord\n",
+                                         "0 0 0 0.5 1\n1 0 0 0.5 1\n1 1 0 0.5 1\n3 0 1 2 0\n", 3),
+                                MeshFormat::kPly);
+  ASSERT_EQ(mesh.attributes.uvs.size(), 1u);
+  EXPECT_EQ(mesh.attributes.uvs[0][0], (Vec2f{0.5f, 0}));
+  EXPECT_THAT(mesh.remarks.warnings, IsEmpty());
+}
+
 TEST(PlyImport, TextureFilesBecomeMaterials) {
   const std::string png("\x89PNG\r\n\x1a\n and so on");
   const std::vector<ImportFile> files{{"a b.png", bytes_of(png)}};
