@@ -12,6 +12,7 @@
 #include "common/import/polygon_file.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/text_scanner.hpp"
+#include "common/import/text_words.hpp"
 
 namespace fracture {
 namespace {
@@ -63,7 +64,7 @@ class OffReader {
       refuse(ErrorCode::kMalformedMesh,
              "This is not an OFF file: it has to begin with \"OFF\" (after ST, C, N, 4 or n) but begins "
              "with " +
-                 quoted_word(word) + ".");
+                 quotation(word) + ".");
     };
     if (name == std::string_view::npos) other();
     std::string_view prefix = word.substr(0, name);
@@ -130,7 +131,6 @@ class OffReader {
         12 + 8 * unsigned{vertex_.uv} + 16 * unsigned{vertex_.color} + 12 * unsigned{vertex_.normal},
         limits_);
     vertices_ = vertices;
-    file_.positions.reserve(vertices);
   }
 
   void require_record(const char* kind, std::uint64_t index, std::uint64_t count) {

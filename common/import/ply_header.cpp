@@ -7,6 +7,7 @@
 #include "common/base/text.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/text_scanner.hpp"
+#include "common/import/text_words.hpp"
 
 namespace fracture {
 namespace {
@@ -33,7 +34,7 @@ class PlyHeaderReader {
     if (file_.substr(0, 3) != "ply" || file_.size() < 4 || trimmed(next_line()) != "ply")
       refuse(ErrorCode::kMalformedMesh,
              "This is not a PLY file: it has to begin with a line \"ply\" but begins with " +
-                 quoted_word(file_.substr(0, 16)) + ".");
+                 quotation(file_.substr(0, 16)) + ".");
     bool has_format = false;
     for (;;) {
       if (at_ >= file_.size() || at_ > kMaxPlyHeader)
@@ -89,7 +90,7 @@ class PlyHeaderReader {
     else if (format == "binary_big_endian")
       header_.encoding = PlyEncoding::kBigEndian;
     else
-      refuse_line("names the unknown format " + quoted_word(format) +
+      refuse_line("names the unknown format " + quotation(format) +
                   " (not ascii, binary_little_endian or binary_big_endian)");
   }
 
@@ -102,7 +103,7 @@ class PlyHeaderReader {
       refuse_line("has an element without a count");
     for (const PlyElement& other : header_.elements)
       if (other.name == element.name)
-        refuse_line("declares the element " + quoted_word(element.name) + " twice");
+        refuse_line("declares the element " + quotation(element.name) + " twice");
     if (header_.elements.size() >= 1000) refuse_line("declares more than 1,000 elements");
     header_.elements.push_back(std::move(element));
   }
@@ -110,7 +111,7 @@ class PlyHeaderReader {
   PlyType read_type(std::string_view word) const {
     for (const PlyTypeName& t : kPlyTypes)
       if (word == t.old_name || word == t.new_name) return t.type;
-    refuse_line("has a property of unknown type " + quoted_word(word));
+    refuse_line("has a property of unknown type " + quotation(word));
   }
 
   void read_property(TextScanner& line) {
@@ -147,9 +148,8 @@ class PlyHeaderReader {
       if (each == 0) continue;
       if (element.count > (remaining + (text ? 1 : 0)) / each)
         refuse(ErrorCode::kMalformedMesh, "The PLY declares " + std::to_string(element.count) + " elements " +
-                                              quoted_word(element.name) + " (at least " +
-                                              std::to_string(each) + " bytes each), but only " +
-                                              std::to_string(remaining) +
+                                              quotation(element.name) + " (at least " + std::to_string(each) +
+                                              " bytes each), but only " + std::to_string(remaining) +
                                               " bytes are left for them. Export or copy the file again.");
       remaining -= std::min(remaining, element.count * each);
     }

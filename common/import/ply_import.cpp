@@ -138,7 +138,6 @@ class PlyReader {
     const bool colors = has[kRed] || has[kGreen] || has[kBlue];
     limit_vertices(element.count, 12u + (normals ? 12u : 0u) + (colors ? 16u : 0u) + (uvs ? 8u : 0u),
                    limits_);
-    file_.positions.reserve(element.count);
     if (normals) file_.normals.reserve(element.count);
     if (colors) file_.colors.reserve(element.count);
     if (uvs) file_.uvs.reserve(element.count);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
+#include <utility>
 
 #include "common/import/mesh_builder.hpp"
 #include "common/import/polygon_triangles.hpp"
@@ -60,28 +60,21 @@ DividedFaces divide_faces(const PolygonFile& file) {
   return divided;
 }
 
-/// Vertices that no face uses may have any coordinates, as scanners write them.
-void check_used_positions(const PolygonFile& file) {
-  if (file.not_finite.empty()) return;
+/// Marks the positions of corners as used. Vertices that no face uses may have any coordinates, as scanners write them.
+void use_positions(PolygonFile& file) {
   for (const std::uint32_t vertex : file.corners) {
+    if (FilePositions::fits(file.positions[vertex])) {
+      file.positions.use(vertex);
+      continue;
+    }
     const auto bad = std::lower_bound(file.not_finite.begin(), file.not_finite.end(), vertex,
                                       [](const auto& entry, std::size_t v) { return entry.first < v; });
-    if (bad == file.not_finite.end() || bad->first != vertex) continue;
     refuse(ErrorCode::kNotFinite,
            "Vertex " + std::to_string(vertex) + " (counted from 0, at " + file.places(bad->second) +
                ") has a coordinate that is not a finite number of at most 3.4e38. Repair the mesh in a "
                "modelling tool.",
            {}, {{"vertex", vertex}});
   }
-}
-
-/// The only place where the positions of these formats are rounded.
-std::vector<Vec3f> rounded_positions(std::vector<Vec3d>&& positions) {
-  std::vector<Vec3f> rounded;
-  rounded.reserve(positions.size());
-  for (const Vec3d& p : positions) rounded.push_back(to_float(p));
-  positions = {};
-  return rounded;
 }
 
 template <class T>
@@ -148,10 +141,8 @@ void add_parts(const PolygonFile& file, const DividedFaces& divided, const std::
 }  // namespace
 
 void PolygonFile::add_position(const Vec3d& position, std::size_t place) {
-  constexpr double kMost = std::numeric_limits<float>::max();
-  if (!(std::fabs(position.x) <= kMost && std::fabs(position.y) <= kMost && std::fabs(position.z) <= kMost))
-    not_finite.emplace_back(positions.size(), place);
-  positions.push_back(position);
+  if (!FilePositions::fits(position)) not_finite.emplace_back(positions.size(), place);
+  positions.add(position);
 }
 
 void PolygonFile::add_corner(double vertex, std::size_t count, std::size_t place) {
@@ -210,9 +201,10 @@ nlohmann::json plain_material(const std::array<double, 3>& color) {
 
 Expected<Mesh> finish_polygon_file(PolygonFile file, const ImportLimits& limits) {
   try {
-    check_used_positions(file);
+    use_positions(file);
     const DividedFaces divided = divide_faces(file);
-    const std::vector<Vec3f> positions = rounded_positions(std::move(file.positions));
+    const Vec3d offset = file.positions.offset();
+    const std::vector<Vec3f> positions = std::exchange(file.positions, {}).rounded(offset);
     for (Vec3f& n : file.normals) n = unit_float(to_double(n));
     for (auto* uvs : {&file.uvs, &file.corner_uvs})
       for (Vec2f& uv : *uvs) uv.y = 1.0f - uv.y;  // glTF's v points down
@@ -221,7 +213,9 @@ Expected<Mesh> finish_polygon_file(PolygonFile file, const ImportLimits& limits)
     builder.set_library(std::move(file.library));
     add_parts(file, divided, positions, builder);
     Expected<Mesh> mesh = builder.finish();
-    if (mesh) mesh->dropped = std::move(file.dropped);
+    if (!mesh) return mesh;
+    mesh->frame.offset = offset;
+    mesh->dropped = std::move(file.dropped);
     return mesh;
   } catch (const Refused& refused) {
     return tl::unexpected<Error>(refused.error);

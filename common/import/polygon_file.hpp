@@ -13,6 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
+#include "common/import/file_positions.hpp"
 #include "common/import/import_input.hpp"
 #include "common/import/text_scanner.hpp"
 #include "common/mesh/dropped.hpp"
@@ -28,7 +29,7 @@ struct PolygonFile {
     std::size_t vertex_end = 0, face_end = 0;
   };
 
-  std::vector<Vec3d> positions;  ///< per vertex, as the file states them
+  FilePositions positions;  ///< per vertex, as the file states them
   /// Per vertex, or empty. Texture coordinates as in the file, whose v axis points up.
   std::vector<Vec3f> normals;
   std::vector<Vec2f> uvs;
@@ -45,7 +46,7 @@ struct PolygonFile {
   Remarks remarks;
   std::vector<Dropped> dropped;
   FilePlaces places;
-  /// Vertices with a coordinate that is not a finite float, and where they are in the file. In order.
+  /// Vertices whose position does not fit in floats, and their places in the file. In order.
   std::vector<std::pair<std::size_t, std::size_t>> not_finite;
 
   /// Adds a vertex that is at `place` in the file.
@@ -70,7 +71,7 @@ void limit_vertices(std::uint64_t vertices, std::uint64_t bytes, const ImportLim
 /// The material of a file that has none: not metallic, visible from both sides.
 nlohmann::json plain_material(const std::array<double, 3>& color);
 
-/// Makes the Mesh. Errors: kNotFinite with the vertex and its place, kTooLarge, kEmptyMesh.
+/// Makes the Mesh. Far coordinates get an offset (SourceFrame::offset), one for the whole file. Errors: kNotFinite with the vertex and its place, kTooLarge, kEmptyMesh.
 Expected<Mesh> finish_polygon_file(PolygonFile file, const ImportLimits& limits);
 
 }  // namespace fracture

@@ -26,7 +26,6 @@ class BinaryStl {
     if (facets_ == 0) refuse(ErrorCode::kEmptyMesh, "The binary STL declares 0 triangles.");
     limit_faces(facets_, limits);
     find_object_color();
-    file_.positions.reserve(3 * facets_);
     file_.corners.reserve(3 * facets_);
     file_.face_end.reserve(facets_);
     for (std::uint64_t facet = 0; facet < facets_; ++facet) read_facet(facet, limits);

@@ -17,9 +17,6 @@ struct FilePlaces {
   std::string operator()(std::size_t at) const;
 };
 
-/// Quotes a word of a file for an error message: up to 40 bytes, with a dot for all that is not printable ASCII.
-std::string quoted_word(std::string_view word);
-
 /// Whether two words differ at most in the case of ASCII letters. `lower` must be in lower case.
 bool is_keyword(std::string_view word, std::string_view lower);
 
@@ -45,9 +42,8 @@ class TextScanner {
   /// Goes to the end of this line.
   void skip_line();
 
-  /// Reads the next number of the file, correctly rounded. Too large numbers are infinite. "nan", "-nan(ind)" and "-1.#IND" are
-  /// NaN. `what`: the value in words, for errors: "a coordinate". Errors: kMalformedMesh if the next word is not a number or if
-  /// the file ends.
+  /// Reads the next number of the file (number_of() in text_words.hpp). `what`: the value in words, for errors: "a coordinate".
+  /// Errors: kMalformedMesh if the next word is not a number or if the file ends.
   double number(const char* what);
   /// Reads a whole number of at least 0. Errors: kMalformedMesh.
   std::uint64_t count(const char* what);

@@ -45,6 +45,9 @@ struct SourceFrame {
   bool metres_stated = false;  ///< false: not stated, so metres are assumed
   bool z_up = false;           ///< z is up and y points away; otherwise y is up
   bool up_stated = false;      ///< false: not stated, so y is assumed
+  /// Vector that the importer subtracted from each position, because floats at that distance from the origin are too coarse
+  /// (import/file_positions.hpp). In the units and axes of the positions. Zero for meshes near the origin.
+  Vec3d offset{};
 };
 
 /// A node of the source above one or several mesh instances, or a mesh of the source that has a name of its own.
@@ -74,8 +77,9 @@ struct Mesh {
   /// The rest of the scene, which is not fractured (mesh/selection.hpp) and is written unchanged with the
   /// fragments. Has the same frame, node_names and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;
-  Remarks remarks;               ///< what the importer changed (baked skins, …)
-  std::vector<Dropped> dropped;  ///< what the importer left out (lights, animations, …)
+  Remarks remarks;  ///< what the importer changed (baked skins, …)
+  std::vector<Dropped>
+      dropped;  ///< what the importer left out (lights, animations, …); see shorten_dropped()
 };
 
 }  // namespace fracture

@@ -20,6 +20,10 @@ using ::testing::IsEmpty;
 
 const std::string kPlyXyz = "property float x\nproperty float y\nproperty float z\n";
 const std::string kPlyList = "property list uchar int vertex_indices\n";
+/// The three coordinates with another type.
+std::string with_type(const std::string& type) {
+  return "property " + type + " x\nproperty " + type + " y\nproperty " + type + " z\n";
+}
 /// Four corners of a square in the plane z = 0.
 const std::string kPlySquare = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
@@ -267,6 +271,16 @@ TEST(PlyImport, OnlyUsedVerticesMustBeFinite) {
       must_refuse(ply_text(kPlyXyz, kPlyList, "0 0 0\n1e39 0 0\n1 1 0\n3 0 1 2\n", 3), MeshFormat::kPly).code,
       ErrorCode::kNotFinite)
       << "larger than any float";
+}
+
+TEST(PlyImport, SurveyCoordinatesKeepTheirDigits) {
+  // A side of 1 m, far from the origin: the offset is the centre, rounded to multiples of 2 m.
+  const Mesh mesh = must_import(
+      ply_text(with_type("double"), kPlyList,
+               "500000.25 30 4649776.5\n500001.25 30 4649776.5\n500001.25 31 4649777.5\n3 0 1 2\n", 3),
+      MeshFormat::kPly);
+  EXPECT_EQ(mesh.frame.offset, (Vec3d{500000, 30, 4649778}));
+  EXPECT_EQ(mesh.positions, (std::vector<Vec3f>{{0.25f, 0, -1.5f}, {1.25f, 0, -1.5f}, {1.25f, 1, -0.5f}}));
 }
 
 TEST(PlyImport, FilesThatWereCutShortAreRefused) {

@@ -185,6 +185,18 @@ TEST(StlImport, TheColourOfAWholeObjectBecomesItsMaterial) {
   EXPECT_EQ(mesh.material, std::vector<std::uint32_t>(4, 0));
 }
 
+TEST(StlImport, AllSolidsHaveTheSameOffset) {
+  std::string text;
+  for (const char* x : {"4000000", "4000002"})
+    text += std::string("solid\nfacet normal 0 0 1\nouter loop\nvertex ") + x + ".125 0 0\nvertex " + x +
+            ".625 0 0\nvertex " + x + ".125 1 0\nendloop\nendfacet\nendsolid\n";
+  const Mesh mesh = must_import(text, MeshFormat::kStl);
+  // The longest side of the file is 2.5, so the offset is a multiple of 4.
+  EXPECT_EQ(mesh.frame.offset, (Vec3d{4000000, 0, 0}));
+  EXPECT_EQ(corners_of(mesh, 0)[1], (Vec3f{0.625f, 0, 0}));
+  EXPECT_EQ(corners_of(mesh, 1)[0], (Vec3f{2.125f, 0, 0}));
+}
+
 TEST(StlImport, FilesWithoutFacetsAreEmpty) {
   for (const char* text : {"solid x\nendsolid x\n", "solid facet\nendsolid\n"})
     EXPECT_EQ(must_refuse(text, MeshFormat::kStl).code, ErrorCode::kEmptyMesh) << text;
