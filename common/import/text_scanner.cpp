@@ -56,7 +56,8 @@ void TextScanner::skip_line() {
 
 bool TextScanner::at_word_end() const {
   if (at_ >= text_.size() || blank_in_line(text_[at_]) || ends_line(text_[at_])) return true;
-  return comments_ && text_[at_] == '#' && (at_ == 0 || text_[at_ - 1] != '.');  // 1.#IND is a number, not 1 and a comment
+  return comments_ && text_[at_] == '#' &&
+         (at_ == 0 || text_[at_ - 1] != '.');  // 1.#IND is a number, not 1 and a comment
 }
 
 void TextScanner::require_word(const char* what) {
