@@ -73,12 +73,7 @@ void check_indices(const aiScene& scene) {
   }
 }
 
-/// Normals that only repeat the facets (STL) add no information. Without them, wedges can be shared, and
-/// readers use flat shading, as glTF prescribes for missing normals.
-bool keeps_normals(MeshFormat format) { return format != MeshFormat::kStl; }
-
-Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t material,
-                   MeshFormat format) {
+Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t material) {
   Surface surface;
   const std::size_t count = mesh.mNumVertices;
   const bool identity = transform == Transform{};
@@ -88,7 +83,7 @@ Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t
     const aiVector3D& p = mesh.mVertices[v];
     surface.positions[v] = identity ? Vec3f{p.x, p.y, p.z} : to_float(transform.point({p.x, p.y, p.z}));
   }
-  if (mesh.HasNormals() && keeps_normals(format)) {
+  if (mesh.HasNormals()) {
     surface.attributes.normals.resize(count);
     for (std::size_t v = 0; v < count; ++v) {
       const Vec3d n{mesh.mNormals[v].x, mesh.mNormals[v].y, mesh.mNormals[v].z};
@@ -131,8 +126,7 @@ std::string group_name(const aiNode& node) {
   return node.mParent == nullptr || name.starts_with('<') ? std::string() : name;
 }
 
-void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::uint32_t>& slots,
-               MeshBuilder& builder) {
+void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, MeshBuilder& builder) {
   struct Waiting {
     const aiNode* node;
     Transform parent;
@@ -154,7 +148,7 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
         builder.remarks().note("Morph targets were left out: the base shape is used.");
       const std::uint32_t material =
           mesh.mMaterialIndex < slots.size() ? slots[mesh.mMaterialIndex] : kNoIndex;
-      Surface surface = to_surface(mesh, world, material, format);
+      Surface surface = to_surface(mesh, world, material);
       if (surface.triangles.empty()) continue;
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }
@@ -220,7 +214,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     if (scene->mNumAnimations > 0)
       builder.remarks().note(counted(scene->mNumAnimations, "animation was", "animations were") +
                              " left out.");
-    add_scene(*scene, format, materials.slot, builder);
+    add_scene(*scene, materials.slot, builder);
     const SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
     Expected<Mesh> mesh = builder.finish();
     if (mesh) mesh->frame = frame;

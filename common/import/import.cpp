@@ -10,7 +10,10 @@
 #include "common/import/decompress.hpp"
 #include "common/import/gltf_import.hpp"
 #include "common/import/obj_import.hpp"
+#include "common/import/off_import.hpp"
+#include "common/import/ply_import.hpp"
 #include "common/import/preflight.hpp"
+#include "common/import/stl_import.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/surface_color/surface_colors.hpp"
 
@@ -56,15 +59,12 @@ Expected<PlainFile> make_plain(std::span<const std::byte> bytes, MeshFormat form
 Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits) {
   switch (format) {
     case MeshFormat::kGlb:
-    case MeshFormat::kGltf:  // the glTF reader does this itself, because it needs the chunks
-    case MeshFormat::kObj:   // our own reader trusts no number
-      return {};
+    case MeshFormat::kGltf:
+    case MeshFormat::kObj:
     case MeshFormat::kStl:
-      return preflight::check_stl(bytes, limits);
     case MeshFormat::kPly:
-      return preflight::check_ply(bytes, limits);
     case MeshFormat::kOff:
-      return preflight::check_off(bytes, limits);
+      return {};  // their readers do this themselves
     case MeshFormat::k3mf:
     case MeshFormat::kIfczip:
     case MeshFormat::kPk3:
@@ -81,8 +81,12 @@ Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span
   switch (format_info(file.format).reader) {
     case FormatReader::kTinygltf:
       return import_gltf(file.bytes, file.format, limits, files);
-    case FormatReader::kObj:
-      return import_obj(file.bytes, limits, files);
+    case FormatReader::kOwn:
+      if (file.format == MeshFormat::kObj) return import_obj(file.bytes, limits, files);
+      if (file.format == MeshFormat::kStl) return import_stl(file.bytes, limits);
+      if (file.format == MeshFormat::kPly) return import_ply(file.bytes, limits, files);
+      if (file.format == MeshFormat::kOff) return import_off(file.bytes, limits);
+      break;
     case FormatReader::kAssimp:
       return import_with_assimp(file.bytes, file.format, limits, files);
   }

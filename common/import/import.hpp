@@ -1,13 +1,13 @@
-// Imports mesh files: tinygltf reads glTF and GLB, our own reader reads OBJ (obj_import.hpp), and Assimp reads
-// everything else. The input is bytes, and the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
+// Imports mesh files: tinygltf reads glTF and GLB, our own readers read OBJ, STL, PLY and OFF (DECISION.md), and
+// Assimp reads everything else. The input is bytes, and the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
 // the additional parts of a multipart upload.
 //
 //   bytes ──> preflight (own code: magic, lengths, depth, ranges) ──> loader ──> Mesh ──> finish
 //                                                                                          (finite, limits)
 //
-// The preflight is needed because the loaders trust the numbers in a file. tinygltf accepts an accessor with
-// 2^31 elements. RapidJSON inside Assimp overflows the stack on 400 KB of '['. A PLY file of 186 bytes that
-// declares 10^7 vertices takes seconds. Both libraries open any local file that a uri names.
+// The preflight is needed because the libraries trust the numbers in a file. tinygltf accepts an accessor with
+// 2^31 elements. RapidJSON inside Assimp overflows the stack on 400 KB of '['. Both libraries open any local
+// file that a uri names. Our own readers check each number themselves.
 #pragma once
 
 #include <cstddef>

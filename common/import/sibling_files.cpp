@@ -59,6 +59,17 @@ void for_lines(std::string_view text, F&& f) {
   }
 }
 
+/// Comments in the header, as MeshLab writes them: "comment TextureFile wood grain.png".
+void add_ply(std::string_view text, Names& names) {
+  constexpr std::size_t kMaxHeader = 1u << 20;
+  constexpr std::string_view kKey = "TextureFile ";
+  const std::string_view header = text.substr(0, kMaxHeader);
+  for_lines(header.substr(0, header.find("end_header")), [&](std::string_view key, std::string_view rest) {
+    rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(" \t")));
+    if (key == "comment" && rest.starts_with(kKey)) names.add(std::string(rest.substr(kKey.size())));
+  });
+}
+
 void add_dae(std::string_view text, Names& names) {
   constexpr std::string_view kOpen = "<init_from>";
   for (std::size_t at = 0; (at = text.find(kOpen, at)) != std::string_view::npos;) {
@@ -195,6 +206,9 @@ std::vector<std::string> referenced_files(std::span<const std::byte> bytes, Mesh
         for (std::string& name : material_libraries(rest)) names.add(std::move(name));
       });
       break;
+    case MeshFormat::kPly:
+      add_ply(text, names);
+      break;
     case MeshFormat::kFbx:
       add_fbx(text, names);
       break;
@@ -224,9 +238,13 @@ std::vector<SiblingFile> read_sibling_files(const std::string& path, std::span<c
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
     case MeshFormat::kObj:
+    case MeshFormat::kPly:
     case MeshFormat::kFbx:
     case MeshFormat::kDae:
       break;
+    case MeshFormat::kStl:
+    case MeshFormat::kOff:  // they refer to no other file
+      return files;
     default:
       read_mentioned(path, folder, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, files);
       return files;

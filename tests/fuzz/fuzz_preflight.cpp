@@ -44,15 +44,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case MeshFormat::kObj:
       (void)textures_of_mtl(text);
       break;
-    case MeshFormat::kStl:
-      has_words(preflight::check_stl(file, limits));
-      break;
-    case MeshFormat::kPly:
-      has_words(preflight::check_ply(file, limits));
-      break;
-    case MeshFormat::kOff:
-      has_words(preflight::check_off(file, limits));
-      break;
     case MeshFormat::k3mf:
     case MeshFormat::kZae:
       has_words(preflight::check_zip(file, limits));

@@ -57,6 +57,14 @@ TEST(ReferencedFiles, OfObjAreItsLibrariesAndOfThoseTheirTextures) {
               ElementsAre("wood grain.png", "n.png"));
 }
 
+TEST(ReferencedFiles, OfPlyAreTheTexturesInItsComments) {
+  EXPECT_THAT(referenced_files(
+                  bytes_of("ply\r\ncomment TextureFile wood grain.png\r\ncomment no.png\r\n"
+                           "comment  TextureFile ./b.png \r\nend_header\r\ncomment TextureFile no.png\r\n"),
+                  MeshFormat::kPly),
+              ElementsAre("wood grain.png", "b.png"));
+}
+
 TEST(ReferencedFiles, OfFbxAndDaeAreTheirTextures) {
   std::string binary = "Kaydara...RelativeFilenameS";
   put<std::uint32_t>(binary, {8});
