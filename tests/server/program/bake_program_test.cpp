@@ -32,6 +32,20 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
+// -- links
+
+TEST_F(BakeProgram, FollowsLinksToFoldersAndNamesLinksWithoutATarget) {
+  ASSERT_EQ(shell("mkdir more linked && cp cube.off more/ && cp cube.off linked/ && ln -s ../more linked/more"), 0);
+  EXPECT_EQ(shell("$f bake linked -o linked-out --sites 5 -q"), 0) << err;
+  EXPECT_TRUE(fs::exists(folder / "linked-out/more/cube.off.glb"));
+  ASSERT_EQ(shell("ln -s absent linked/props && ln -s absent.off linked/gone.off"), 0);
+  EXPECT_EQ(shell("$f bake linked -o linked-out --sites 5 -q"), 1);
+  EXPECT_THAT(err, AllOf(HasSubstr("cannot read linked/props: the link's target does not exist"),
+                         HasSubstr("cannot read linked/gone.off: ")));
+  EXPECT_EQ(shell("$f bake linked -o linked-out --explain"), 1);
+  EXPECT_THAT(err, HasSubstr("cannot read linked/props: "));
+}
+
 // -- pipes
 
 TEST_F(BakeProgram, ReadsStandardInputAndWritesStandardOutput) {
