@@ -35,9 +35,9 @@ double area_of(const Corners& c) { return 0.5 * length(cross(c[1] - c[0], c[2] -
 /// The inner side of a double wall.
 struct InnerSide {
   std::uint64_t triangles = 0;
-  double area = 0;           ///< m²
-  Vec3d place;               ///< of its first triangle, or of its leak
-  std::optional<double> rim; ///< m, around the leak; empty: there is none
+  double area = 0;            ///< m²
+  Vec3d place;                ///< of its first triangle, or of its leak
+  std::optional<double> rim;  ///< m, around the leak; empty: there is none
 };
 
 /// A part's triangles, for rays.
@@ -62,8 +62,7 @@ class Triangles {
           pacer.step();
           return !met && may_meet(box, from, along);
         },
-        [] {},
-        [&](std::uint32_t other) { met |= other != t && meets(corners_[other], from, along); });
+        [] {}, [&](std::uint32_t other) { met |= other != t && meets(corners_[other], from, along); });
     return !met;
   }
 
@@ -206,7 +205,8 @@ std::optional<InnerSide> find_leaking_side(const Solid& solid, const Run& run, d
 
   const Rim rim = rim_of(triangles, solid, run, pairs, inner);
   InnerSide side{.place = rim.middle, .rim = rim.length};
-  double outer_area = 0, enclosed = 0;  // enclosed: by the inner side and a cone from its rim to the rim's middle
+  double outer_area = 0,
+         enclosed = 0;  // enclosed: by the inner side and a cone from its rim to the rim's middle
   for (std::size_t t = 0; t < count; ++t) {
     pacer.step();
     const Corners& c = triangles[t];

@@ -95,7 +95,7 @@ Shells close(Surface& side, double tolerance, const Execution& execution) {
   return find_shells(side, execution);
 }
 
-/// What closing one side of a piece gave.
+/// The result of closing one side of a piece.
 struct ClosedPiece {
   double own = 0, fill = 0;  ///< m²
   bool is_body = false;

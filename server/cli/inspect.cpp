@@ -102,7 +102,7 @@ void print(const std::string& input, const PreparedMesh& mesh, const ForRequest&
     for (const Choice& choice : *choices) std::printf("  choice: %s\n", in_words(choice).c_str());
 }
 
-/// What `inspect` found out about one file.
+/// The findings about one file.
 struct Inspected {
   nlohmann::json report{};  ///< see inspect_list.hpp
   int exit_code = kExitDone;
@@ -136,7 +136,8 @@ nlohmann::json report_of(const std::string& input, const PreparedMesh& mesh, con
 /// Inspects meshes with the same parameters and limits.
 class Inspector {
  public:
-  Inspector(const InspectOptions& options, const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
+  Inspector(const InspectOptions& options, const ServiceConfig& config,
+            std::unique_ptr<FractureEngine> engine)
       : options_(options), config_(config), service_(config, std::move(engine)) {}
 
   /// Must return a value before look_at() is called.
@@ -203,8 +204,8 @@ int inspect_many(const InspectOptions& options, Inspector& inspector) {
     }
   }
   if (const std::size_t results = search.skipped().size(); results > 0)
-    say("skipped " + counted(results, "result of an earlier bake", "results of earlier bakes") + ", such as " +
-        search.skipped().front());
+    say("skipped " + counted(results, "result of an earlier bake", "results of earlier bakes") +
+        ", such as " + search.skipped().front());
   InspectSummary summary;
   const auto print_line = [&](const std::string& line) {
     std::printf("%s\n", line.c_str());

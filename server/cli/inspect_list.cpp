@@ -79,8 +79,7 @@ std::vector<std::pair<std::string, std::size_t>> losses_in(const json& report) {
   };
   if (const auto dropped = report.find("dropped"); dropped != report.end() && dropped->is_array())
     for (const json& entry : *dropped) add(text_of(entry, "what"), 1);
-  add("thin piece without volume",
-      static_cast<std::size_t>(number_in(report, "solid", "shells_dropped")));
+  add("thin piece without volume", static_cast<std::size_t>(number_in(report, "solid", "shells_dropped")));
   return losses;
 }
 
@@ -111,8 +110,8 @@ void InspectSummary::cause(std::size_t kind, const std::string& name, const std:
 void InspectSummary::add(const json& report, int exit_code) {
   ++files_;
   const auto code = std::find(kCodes.begin(), kCodes.end(), exit_code);
-  worst_ = std::max(worst_, code == kCodes.end() ? kCodes.size() - 1
-                                                 : static_cast<std::size_t>(code - kCodes.begin()));
+  worst_ = std::max(
+      worst_, code == kCodes.end() ? kCodes.size() - 1 : static_cast<std::size_t>(code - kCodes.begin()));
   const std::string verdict = text_of(report, "verdict"), input = text_of(report, "input");
   ++verdicts_[verdict];
   if (verdict == "unreadable") return cause(kUnreadable, text_of(report, "detail"), input);
@@ -132,7 +131,8 @@ void InspectSummary::add_dangling(const std::string& link) {
 
 std::vector<InspectSummary::Cause> InspectSummary::sorted() const {
   std::vector<std::pair<std::size_t, Cause>> causes;
-  for (const auto& [key, inputs] : causes_) causes.push_back({key.first, {kKinds[key.first], key.second, inputs}});
+  for (const auto& [key, inputs] : causes_)
+    causes.push_back({key.first, {kKinds[key.first], key.second, inputs}});
   std::stable_sort(causes.begin(), causes.end(), [](const auto& a, const auto& b) {
     if (a.first != b.first) return a.first < b.first;
     return a.second.inputs.size() > b.second.inputs.size();

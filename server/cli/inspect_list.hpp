@@ -14,7 +14,7 @@ namespace fracture::cli {
 // mesh is refused, it has the members input, verdict ("refused"), error and detail. If the file cannot be read, it has input,
 // verdict ("unreadable") and detail.
 
-/// What the source contains and the answer will not, by kind: {"light", 2}, {"thin piece without volume", 1}.
+/// Counts, by kind, the things in the source that the answer will lack: {"light", 2}, {"thin piece without volume", 1}.
 std::vector<std::pair<std::string, std::size_t>> losses_in(const nlohmann::json& report);
 
 /// Returns one line: "props/tub.off: repaired; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing; 1 warning". Control

@@ -284,13 +284,15 @@ void add_bake(CLI::App& app, BakeOptions& o) {
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
-  app.add_option("input", o.inputs,
-                 "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file: a "
-                 "report. Otherwise: a line for each mesh, and a summary by cause")
+  app.add_option(
+         "input", o.inputs,
+         "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file: a "
+         "report. Otherwise: a line for each mesh, and a summary by cause")
       ->type_name("")
       ->required();
-  app.add_flag("--json", o.json,
-               "Print the report as JSON; of several meshes, one line for each, then a line with the summary");
+  app.add_flag(
+      "--json", o.json,
+      "Print the report as JSON; of several meshes, one line for each, then a line with the summary");
   add_bytes(app, "--memory", o.memory,
             "Memory for one mesh; default: three quarters of the memory of this machine or its control group",
             "Options");

@@ -74,8 +74,8 @@ TEST(DoubleWalls, ALeakIsNamedWithItsPlace) {
 }
 
 TEST(DoubleWalls, OthersAreCounted) {
-  const std::vector<std::string> warnings =
-      warnings_of(joined({double_wall(), translated(leaking_wall(), {5, 0, 0}), translated(cube(), {9, 0, 0})}));
+  const std::vector<std::string> warnings = warnings_of(
+      joined({double_wall(), translated(leaking_wall(), {5, 0, 0}), translated(cube(), {9, 0, 0})}));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_THAT(warnings[0], HasSubstr(" 1 further part is a double wall."));
 }
@@ -83,8 +83,9 @@ TEST(DoubleWalls, OthersAreCounted) {
 TEST(DoubleWalls, OtherPartsAreNot) {
   for (const auto& [name, mesh] : closed_shapes()) EXPECT_THAT(warnings_of(mesh), IsEmpty()) << name;
   EXPECT_THAT(warnings_of(joined({ico_sphere(3), reversed(ico_sphere(3, 0.6))})), IsEmpty()) << "thick";
-  EXPECT_THAT(warnings_of(joined({scaled(cube(8), {1, 1, 0.02}), reversed(scaled(cube(), {0.1, 0.1, 0.01}))})),
-              IsEmpty())
+  EXPECT_THAT(
+      warnings_of(joined({scaled(cube(8), {1, 1, 0.02}), reversed(scaled(cube(), {0.1, 0.1, 0.01}))})),
+      IsEmpty())
       << "a plate with a bubble";
 }
 

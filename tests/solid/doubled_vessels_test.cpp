@@ -66,7 +66,8 @@ TEST(DoubledVessels, AreClosedLikeThoseWithOneSide) {
       EXPECT_EQ(std::count(solid.material.begin(), solid.material.end(), 1u), 0) << "the inner sides";
       const std::vector<std::string>& notes = solid.report.remarks.notes;
       EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
-        return note.starts_with("1 open piece has every triangle twice, once for each side, and is a vessel.");
+        return note.starts_with(
+            "1 open piece has every triangle twice, once for each side, and is a vessel.");
       }));
     }
 }

@@ -69,7 +69,8 @@ TEST_F(BakePlanTest, LinksWithoutATargetAreNamed) {
   fs::create_symlink("absent.glb", folder / "in/b.glb");
   fs::create_symlink("../absent", folder / "in/props");
   const BakePlan made = plan({.inputs = {folder / "in"}, .output = "out"});
-  EXPECT_EQ(files(made), (Files{{folder / "in/a.obj", "out/a.obj.glb"}, {folder / "in/b.glb", "out/b.glb.glb"}}))
+  EXPECT_EQ(files(made),
+            (Files{{folder / "in/a.obj", "out/a.obj.glb"}, {folder / "in/b.glb", "out/b.glb.glb"}}))
       << "reading the link says why it cannot be read";
   EXPECT_EQ(made.dangling, std::vector<std::string>{folder / "in/props"});
   EXPECT_EQ(files(plan({.inputs = {folder / "in/*"}, .output = "out"})), files(made));

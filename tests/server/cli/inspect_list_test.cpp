@@ -26,8 +26,9 @@ TEST(InspectLine, StatesVerdictSizePartsAndOverlaps) {
   several["contacts"] = {{"overlapping", 3}};
   several["warnings"] = {"One.", "Two."};
   several["choices"] = {{{"kind", "lid"}}};
-  EXPECT_EQ(line_of(several),
-            "b.obj: repaired; 2 x 0.5 x 1.25 m; 1,200 parts; 3 overlaps; drops nothing; 2 warnings; 1 choice");
+  EXPECT_EQ(
+      line_of(several),
+      "b.obj: repaired; 2 x 0.5 x 1.25 m; 1,200 parts; 3 overlaps; drops nothing; 2 warnings; 1 choice");
 }
 
 TEST(InspectLine, CountsLossesByKind) {
@@ -36,9 +37,10 @@ TEST(InspectLine, CountsLossesByKind) {
   lossy["dropped"] = {{{"what", "light"}, {"name", "Sun"}},
                       {{"what", "camera"}, {"name", "Main"}},
                       {{"what", "light"}, {"name", "Lamp"}}};
-  EXPECT_EQ(line_of(lossy),
-            "a.glb: closed; 2 x 0.5 x 1.25 m; 1 part; no overlaps; drops light (2), camera (1), thin piece without "
-            "volume (4)");
+  EXPECT_EQ(
+      line_of(lossy),
+      "a.glb: closed; 2 x 0.5 x 1.25 m; 1 part; no overlaps; drops light (2), camera (1), thin piece without "
+      "volume (4)");
 }
 
 TEST(InspectLine, SaysWhyThereIsNoReportAndEscapesNames) {

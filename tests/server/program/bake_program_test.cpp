@@ -37,7 +37,8 @@ using testing::StartsWith;
 // -- links
 
 TEST_F(BakeProgram, FollowsLinksToFoldersAndNamesLinksWithoutATarget) {
-  ASSERT_EQ(shell("mkdir more linked && cp cube.off more/ && cp cube.off linked/ && ln -s ../more linked/more"), 0);
+  ASSERT_EQ(
+      shell("mkdir more linked && cp cube.off more/ && cp cube.off linked/ && ln -s ../more linked/more"), 0);
   EXPECT_EQ(shell("$f bake linked -o linked-out --sites 5 -q"), 0) << err;
   EXPECT_TRUE(fs::exists(folder / "linked-out/more/cube.off.glb"));
   ASSERT_EQ(shell("ln -s absent linked/props && ln -s absent.off linked/gone.off"), 0);
@@ -52,10 +53,11 @@ TEST_F(BakeProgram, FollowsLinksToFoldersAndNamesLinksWithoutATarget) {
 
 TEST_F(BakeProgram, InspectPrintsALineForEachMeshAndASummaryByCause) {
   EXPECT_EQ(shell("$f inspect in cube.off tub.off"), 3) << err;
-  EXPECT_THAT(out, AllOf(HasSubstr("cube.off: closed; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing\n"),
-                         HasSubstr("in/box2.obj: closed; 2 x 1 x 1 m; 1 part; no overlaps; drops nothing\n"),
-                         HasSubstr("tub.off: repaired; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing; 1 choice\n"),
-                         HasSubstr("in/poison/sheet.obj: refused: mesh-not-closed: ")));
+  EXPECT_THAT(
+      out, AllOf(HasSubstr("cube.off: closed; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing\n"),
+                 HasSubstr("in/box2.obj: closed; 2 x 1 x 1 m; 1 part; no overlaps; drops nothing\n"),
+                 HasSubstr("tub.off: repaired; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing; 1 choice\n"),
+                 HasSubstr("in/poison/sheet.obj: refused: mesh-not-closed: ")));
   EXPECT_THAT(out, HasSubstr("6 files: 4 closed, 1 repaired, 1 refused\n"
                              "  refused: mesh-not-closed: 1 (in/poison/sheet.obj)\n"
                              "  repaired: open edges: 1 (tub.off)\n"
