@@ -1,5 +1,5 @@
 // All mesh formats, from one table (formats.def): their names, how to recognize their files, and the meaning
-// of their coordinates. tinygltf reads glTF; Assimp reads all others.
+// of their coordinates. tinygltf reads glTF, own code reads 3MF, and Assimp reads all others.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ enum class FormatEncoding { kBinary, kText, kXml };
 /// Axes and units that a format defines if its files do not state them.
 enum class FormatFrame { kUnknown, kYUp, kZUp, kMetresYUp };
 
-/// The library that reads a format. import.cpp calls each.
-enum class FormatReader { kTinygltf, kAssimp };
+/// The reader of a format: a library, or threemf_import.cpp. import.cpp calls each.
+enum class FormatReader { kTinygltf, kAssimp, kThreemf };
 
 struct FormatInfo {
   MeshFormat format;

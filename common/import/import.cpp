@@ -11,6 +11,7 @@
 #include "common/import/gltf_import.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/import/threemf_import.hpp"
 #include "common/surface_color/surface_colors.hpp"
 
 namespace fracture {
@@ -81,6 +82,8 @@ Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span
   switch (format_info(file.format).reader) {
     case FormatReader::kTinygltf:
       return import_gltf(file.bytes, file.format, limits, files);
+    case FormatReader::kThreemf:
+      return import_3mf(file.bytes, limits);
     case FormatReader::kAssimp:
       return import_with_assimp(file.bytes, file.format, limits, files);
   }

@@ -16,12 +16,6 @@
 namespace fracture::solid_detail {
 namespace {
 
-double area_of(const Surface& surface, std::size_t triangle) {
-  const Triangle& c = surface.triangles[triangle];
-  const Vec3d a = to_double(surface.positions[c[0]]);
-  return 0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
-}
-
 /// The triangles that may have a copy for the other side. If a piece has more than one triangle on each side, each of them
 /// has an edge with four uses.
 std::vector<TriangleId> with_crowded_edges(const Surface& surface, const EdgeTable& edges,

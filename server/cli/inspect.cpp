@@ -174,13 +174,13 @@ class Inspector {
   RequestParameters parameters_;
 };
 
-void say(const std::string& line) {
+void complain(const std::string& line) {
   std::fprintf(stderr, "fracture-server inspect: %s\n", printable_lines(line).c_str());
 }
 
 int print_one(const InspectOptions& options, const std::string& input, const Inspected& found) {
   if (found.report.at("verdict") == "unreadable")
-    say("cannot read " + input + ": " + found.report.at("detail").get<std::string>());
+    complain("cannot read " + input + ": " + found.report.at("detail").get<std::string>());
   else if (options.json)
     std::printf("%s\n", json_text(found.report, 2).c_str());
   else if (found.error)
@@ -195,17 +195,17 @@ int inspect_many(const InspectOptions& options, Inspector& inspector) {
   bake::MeshSearch search;
   for (const std::string& input : options.inputs) {
     if (input == bake::kStandardStream) {
-      say("Standard input ('-') is one mesh and must be the only input.");
+      complain("Standard input ('-') is one mesh and must be the only input.");
       return kExitUsage;
     }
     if (const auto looked = search.look_into(input); !looked) {
-      say(looked.error().detail);
+      complain(looked.error().detail);
       return kExitUsage;
     }
   }
   if (const std::size_t results = search.skipped().size(); results > 0)
-    say("skipped " + counted(results, "result of an earlier bake", "results of earlier bakes") +
-        ", such as " + search.skipped().front());
+    complain("skipped " + counted(results, "result of an earlier bake", "results of earlier bakes") +
+             ", such as " + search.skipped().front());
   InspectSummary summary;
   const auto print_line = [&](const std::string& line) {
     std::printf("%s\n", line.c_str());
@@ -218,7 +218,7 @@ int inspect_many(const InspectOptions& options, Inspector& inspector) {
   }
   for (const std::string& link : search.dangling()) {
     summary.add_dangling(link);
-    say("cannot read " + link + ": " + bake::kDangling);
+    complain("cannot read " + link + ": " + bake::kDangling);
   }
   if (options.json) {
     print_line(json_text(nlohmann::json{{"summary", summary.document()}}));
@@ -235,7 +235,7 @@ int inspect(const InspectOptions& options) {
   try {
     engine = make_engine(bake::own_import_workers(1));
   } catch (const std::runtime_error& e) {
-    say(e.what());
+    complain(e.what());
     return kExitSystem;
   }
   // The limits of a bake of one mesh.
