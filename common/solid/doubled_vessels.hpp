@@ -11,8 +11,9 @@ namespace fracture::solid_detail {
 /// Share of a piece's area that must be there from both sides.
 inline constexpr double kNearlyAll = 0.95;
 /// The fills of an open vessel have at most this share of its area, which is counted without fills. The opening of a
-/// hemisphere has half of its area. Sheets need more: the opening of a half pipe has 2/π of its area, without the ends.
-inline constexpr double kMostOpening = 0.6;
+/// hemisphere has half of its area, and a bowl of this share is 0.58 times as deep as its radius. The fills of flat and
+/// bent sheets (leaves, cloth, terrain) have about as much area as the sheet.
+inline constexpr double kMostOpening = 0.75;
 
 /// Some programs (SketchUp, and sets of models made with it) write every triangle twice, once for each side. Such a piece is
 /// closed, but bounds no volume. This function looks at pieces (triangles connected across edges) of which nearly all triangles are

@@ -3,6 +3,7 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -68,6 +69,7 @@ std::vector<FoundMesh> MeshSearch::found() const {
 
 Expected<void> MeshSearch::look_into_folder(const std::string& folder) {
   std::error_code error;
+  const std::size_t dangling_before = dangling_.size();
   root_ = folder;
   searched_.clear();
   meshes_.clear();
@@ -91,7 +93,7 @@ Expected<void> MeshSearch::look_into_folder(const std::string& folder) {
       continue;
     if (const auto looked = look_into_one(next); !looked) return looked;
   }
-  std::sort(dangling_.begin(), dangling_.end());
+  std::sort(dangling_.begin() + static_cast<std::ptrdiff_t>(dangling_before), dangling_.end());
   // Reports anywhere in the folder say which of its meshes are results.
   for (FoundMesh& mesh : std::exchange(meshes_, {})) add(std::move(mesh));
   return {};

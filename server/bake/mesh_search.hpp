@@ -44,10 +44,8 @@ class MeshSearch {
 
   /// The meshes found so far, in the order of their paths.
   std::vector<FoundMesh> found() const;
-  const std::vector<std::string>& skipped() const { return skipped_; }  ///< results of earlier bakes
-  const std::vector<std::string>& dangling() const {
-    return dangling_;
-  }  ///< links without a target, by their paths
+  const std::vector<std::string>& skipped() const { return skipped_; }    ///< results of earlier bakes
+  const std::vector<std::string>& dangling() const { return dangling_; }  ///< links without a target
 
  private:
   Expected<void> look_into_folder(const std::string& folder);

@@ -93,6 +93,31 @@ TEST(DoubledVessels, MayLackSomeTrianglesOnOneSide) {
   }
 }
 
+/// The part of the unit sphere below this height.
+Mesh bowl(float height) {
+  const Mesh ball = uv_sphere(40, 48);
+  std::vector<std::size_t> above;
+  for (std::size_t t = 0; t < ball.triangles.size(); ++t)
+    if (std::any_of(ball.triangles[t].begin(), ball.triangles[t].end(),
+                    [&](std::uint32_t v) { return ball.positions[v].z > height; }))
+      above.push_back(t);
+  return joined({without_triangles(ball, above), translated(scaled(cube(), {0.5, 0.5, 0.5}), {5, 0, 0})});
+}
+
+// The opening of a cap with the height h has 1 - h / 2 of the area of the cap.
+TEST(DoubledVessels, BowlsAreClosedAndDishesAreSheets) {
+  const Solid deep = solid_of(with_both_sides(bowl(-0.2f), true)),
+              flat = solid_of(with_both_sides(bowl(-0.7f), true));
+  ASSERT_NO_THROW(deep.validate());
+  EXPECT_EQ(deep.report.holes_filled, 1u);
+  EXPECT_FALSE(deep.sheets);
+  EXPECT_GT(deep.report.volume, 1) << "a cap with the height 0.8 has a volume of 1.47";
+  ASSERT_NO_THROW(flat.validate());
+  EXPECT_EQ(flat.report.holes_filled, 0u);
+  EXPECT_TRUE(flat.sheets);
+  EXPECT_NEAR(flat.report.volume, 0.125, 1e-6) << "only the cube";
+}
+
 // Two squares at a right angle: the fills would have more area than the squares.
 TEST(DoubledVessels, SheetsKeepBothSides) {
   const Mesh fold = cube_without({0, 1, 3, 5});
