@@ -27,9 +27,9 @@ namespace {
 /// for bit.
 template <class Vector>
 void turn(Vector& v) {
-  const float y = v.y;
+  const auto y = v.y;
   v.y = v.z;
-  v.z = 0.0f - y;
+  v.z = 0 - y;
 }
 
 }  // namespace
@@ -73,6 +73,11 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
     for (Vec3f& n : mesh.attributes.normals) turn(n);
     for (Vec4f& t : mesh.attributes.tangents) turn(t);
   }
+  for (MeshInstance& instance : mesh.instances)
+    for (Vec3d* v : {&instance.x, &instance.y, &instance.z, &instance.t}) {
+      if (metres != 1) *v = metres * *v;
+      if (z_up) turn(*v);
+    }
   using From = FrameReport::From;
   const auto from = [](bool asked, bool stated) {
     return asked ? From::kRequest : stated ? From::kFile : From::kAssumed;
