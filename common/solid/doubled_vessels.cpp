@@ -1,5 +1,6 @@
 #include "common/solid/doubled_vessels.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -92,7 +93,14 @@ Shells close(Surface& side, double tolerance, const Execution& execution) {
 /// The result of closing one side of a piece.
 struct ClosedPiece {
   double own = 0, fill = 0;  ///< m²
+  double enclosed = 0;       ///< m³
+  /// m³, signed, of the piece with both sides. Two copies cancel out, so only the other triangles count.
+  double before = 0;
   bool is_body = false;
+
+  bool is_vessel() const {
+    return is_body && fill <= kMostOpening * own && std::fabs(before) <= kMostBefore * enclosed;
+  }
 };
 
 }  // namespace
@@ -116,7 +124,15 @@ bool drop_inner_sides(Surface& surface, const EdgeTable& edges, double tolerance
     ClosedPiece& piece = closed[piece_of(t)];
     (side.source[t] == kNoIndex ? piece.fill : piece.own) += area_of(side, t);
     piece.is_body |= !shells.list[shells.of_triangle[t]].flat;
+    if (const std::uint32_t source = side.source[t]; source != kNoIndex && mirror[source] == kNoTriangle) {
+      const Triangle& c = surface.triangles[source];
+      const Vec3d origin = to_double(surface.positions[surface.triangles[pieces[source]][0]]);
+      const auto corner = [&](std::size_t k) { return to_double(surface.positions[c[k]]) - origin; };
+      piece.before += dot(corner(0), cross(corner(1), corner(2))) / 6;
+    }
   });
+  for (const Shell& shell : shells.list)
+    closed[pieces[side.source[shell.first]]].enclosed += std::fabs(shell.volume);
 
   std::vector<std::uint8_t> doomed = filled<std::uint8_t>(execution, surface.triangles.size(), 0);
   std::uint64_t vessels = 0, dropped = 0;
@@ -125,7 +141,7 @@ bool drop_inner_sides(Surface& surface, const EdgeTable& edges, double tolerance
     const std::uint32_t source = side.source[t];
     if (source == kNoIndex) return;
     const ClosedPiece& piece = closed[pieces[source]];
-    if (!piece.is_body || piece.fill > kMostOpening * piece.own) return;
+    if (!piece.is_vessel()) return;
     if (source == pieces[source]) ++vessels;
     if (mirror[source] == kNoTriangle) return;
     const bool turned = !side.flipped.empty() && side.flipped[t] != 0,

@@ -14,12 +14,16 @@ inline constexpr double kNearlyAll = 0.95;
 /// hemisphere has half of its area, and a bowl of this share is 0.58 times as deep as its radius. The fills of flat and
 /// bent sheets (leaves, cloth, terrain) have about as much area as the sheet.
 inline constexpr double kMostOpening = 0.75;
+/// With both sides, a vessel bounds no volume: at most this share of the volume that its outer side encloses. Bodies that touch with
+/// most of their faces have common walls from both sides, too, but bound their volume.
+inline constexpr double kMostBefore = 0.5;
 
-/// Some programs (SketchUp, and sets of models made with it) write every triangle twice, once for each side. Such a piece is
-/// closed, but bounds no volume. This function looks at pieces (triangles connected across edges) of which nearly all triangles are
-/// doubled. It closes one side of each like any open surface. If that gives a body, and the fills are small (kMostOpening),
-/// the piece is a vessel. Then the triangles of its inner side are removed, so that it is closed like a vessel with one
-/// side. Otherwise, the piece is a sheet, and both sides stay.
+/// Some programs (SketchUp, and sets of models made with it) write every triangle twice, once for each side. Such a
+/// piece is closed, but bounds no volume. This function looks at pieces (triangles connected across edges) of which
+/// nearly all triangles are doubled. It closes one side of each like any open surface. If that gives a body, the fills
+/// are small (kMostOpening), and the piece bounds nearly no volume before (kMostBefore), the piece is a vessel. Then
+/// the triangles of its inner side are removed, so that it is closed like a vessel with one side. Otherwise, both sides
+/// stay.
 ///
 /// `tolerance`: of seams, m (see fill_holes()). The report counts the removed triangles as duplicates. If the result is
 /// true, the edge table is out of date. n log n. Throws Interrupted.

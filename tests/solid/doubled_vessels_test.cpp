@@ -129,6 +129,19 @@ TEST(DoubledVessels, SheetsKeepBothSides) {
   EXPECT_EQ(solid.sheets->triangles.size(), 8u);
 }
 
+// The common walls of touching plates are there from both sides and have 97 % of the area.
+TEST(DoubledVessels, TouchingBodiesStayBodies) {
+  const Mesh plate = box({-0.5, -0.5, -1.0 / 256}, {0.5, 0.5, 1.0 / 256});
+  std::vector<Mesh> stack;
+  for (int k = 0; k < 60; ++k)  // mirrored, so that the triangles of common walls are the same
+    stack.push_back(translated(k % 2 == 0 ? plate : scaled(plate, {1, 1, -1}), {0, 0, k / 128.0}));
+  const Solid solid = solid_of(joined(stack));
+  ASSERT_NO_THROW(solid.validate());
+  EXPECT_EQ(solid.report.duplicates_dropped, 0u);
+  EXPECT_EQ(solid.parts.size(), 60u);
+  EXPECT_EQ(solid.report.volume, 60 / 128.0);
+}
+
 TEST(DoubledVessels, ThicknessMakesWallsOfBothSides) {
   const Solid solid = solid_of(with_both_sides(tub(), true), {.thickness = 0.05});
   ASSERT_NO_THROW(solid.validate());
