@@ -1,5 +1,5 @@
 // All mesh formats, from one table (formats.def): their names, how to recognize their files, and the meaning
-// of their coordinates. tinygltf reads glTF, our own readers read OBJ, STL, PLY and OFF, and Assimp reads all others.
+// of their coordinates. tinygltf reads glTF, our own readers read OBJ, STL, PLY, OFF and 3MF, and Assimp reads the others.
 #pragma once
 
 #include <cstddef>

@@ -15,6 +15,7 @@
 #include "common/import/preflight.hpp"
 #include "common/import/stl_import.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/import/threemf_import.hpp"
 #include "common/surface_color/surface_colors.hpp"
 
 namespace fracture {
@@ -86,6 +87,7 @@ Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span
       if (file.format == MeshFormat::kStl) return import_stl(file.bytes, limits);
       if (file.format == MeshFormat::kPly) return import_ply(file.bytes, limits, files);
       if (file.format == MeshFormat::kOff) return import_off(file.bytes, limits);
+      if (file.format == MeshFormat::k3mf) return import_3mf(file.bytes, limits);
       break;
     case FormatReader::kAssimp:
       return import_with_assimp(file.bytes, file.format, limits, files);

@@ -1,4 +1,4 @@
-// Imports mesh files: tinygltf reads glTF and GLB, our own readers read OBJ, STL, PLY and OFF (DECISION.md), and
+// Imports mesh files: tinygltf reads glTF and GLB, our own readers read OBJ, STL, PLY, OFF and 3MF (DECISION.md), and
 // Assimp reads everything else. The input is bytes, and the result is a Mesh or a typed error. No file is ever opened by name: a loader can see only the bytes and
 // the additional parts of a multipart upload.
 //
@@ -20,7 +20,7 @@
 namespace fracture {
 
 /// Imports a mesh. Coordinates are those of the file after its own node transforms. Mesh::frame gives their
-/// meaning as far as the file or its format defines it (FormatInfo::frame; FBX in its global settings).
+/// meaning as far as the file or its format defines it (FormatInfo::frame; FBX and 3MF state it themselves).
 /// Wedges with identical positions in the file have bit-identical positions here. Texture coordinates follow
 /// glTF (v down) for all formats.
 /// Errors: kEmptyBody, kMalformedMesh (what, and at which byte or line), kUnsupportedFeature (with its name),

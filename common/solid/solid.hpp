@@ -202,10 +202,11 @@ struct Solid {
   void validate() const;
 };
 
-/// The range of coordinates, metres. No coordinate may exceed kMaxCoordinate (sites have the same limit, and
-/// the filters of the exact predicates depend on it). On each axis, the largest coordinate must be at least
-/// kLeastReach, so that the steps of the seam lattice (2^-23 of it) are floats.
-inline constexpr double kMaxCoordinate = 1e12, kLeastReach = 0x1p-126;
+/// The range of a mesh's coordinates, metres. kMaxCoordinate is a tenth of the limit for sites (kMaxSiteCoordinate,
+/// on which the filters of the exact predicates depend), because rings of sites and backs of slabs can be outside
+/// the mesh. On each axis, the largest coordinate must be at least kLeastReach, so that the steps of the seam
+/// lattice (2^-23 of it) are floats.
+inline constexpr double kMaxCoordinate = 1e11, kLeastReach = 0x1p-126;
 
 /// Sets SolidReport::edge_length, by which the cost of a fracture is estimated. Throws Interrupted.
 void measure_edges(Solid& solid, const Execution& execution);

@@ -4,6 +4,7 @@
 
 #include "common/contacts/contacts.hpp"
 #include "common/contacts/scenery.hpp"
+#include "common/hollow/double_walls.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -29,6 +30,7 @@ class LibraryEngine final : public FractureEngine {
       return make_solid(std::move(mesh), options, execution);
     }();
     if (!solid) return solid;
+    warn_of_double_walls(*solid, execution);
     {
       const StageProgress::Part part(execution.within, kBeforeContacts);
       solid = hollowed(std::move(*solid), hollow, execution);

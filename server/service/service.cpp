@@ -1,6 +1,7 @@
 #include "server/service/service.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "common/base/json_reader.hpp"
@@ -67,6 +68,24 @@ FractureParameters with_companions(const RequestParameters& asked) {
   parameters.filters = asked.physics == Physics::kKhr ? HullFilters::kSystems : HullFilters::kNone;
   return parameters;
 }
+
+/// An execution that may hold at most `limit` bytes of memory (0: any number), unless it already has an allowance.
+class Limited {
+ public:
+  Limited(const Execution& execution, std::uint64_t limit) : execution_(execution) {
+    if (execution.allowance || limit == 0) return;
+    execution_.allowance = &allowance_.emplace(0, limit, [limit](std::uint64_t bytes) {
+      return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
+    });
+  }
+  Limited(const Limited&) = delete;
+  Limited& operator=(const Limited&) = delete;
+  const Execution& operator*() const { return execution_; }
+
+ private:
+  std::optional<Allowance> allowance_;
+  Execution execution_;
+};
 
 /// Files of printers and measuring machines are in millimetres, unlike those of modelling tools.
 bool is_in_millimetres(MeshFormat format) { return format == MeshFormat::kStl; }
@@ -162,15 +181,8 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
     return answer;
   }
   if (auto failure = find_failure(keys.result)) return tl::unexpected<Error>(std::move(*failure));
-  Execution limited = execution;
-  std::optional<Allowance> allowance;
-  if (!execution.allowance && config_.max_bytes_per_job > 0) {
-    const std::uint64_t limit = config_.max_bytes_per_job;
-    limited.allowance = &allowance.emplace(0, limit, [limit](std::uint64_t bytes) {
-      return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
-    });
-  }
-  return fracture(request, keys, limited, std::move(answer));
+  const Limited limited(execution, config_.max_bytes_per_job);
+  return fracture(request, keys, *limited, std::move(answer));
 }
 
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request, const RequestKeys& keys,
@@ -207,8 +219,9 @@ Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepare(const Fra
                                                                        const Execution& execution) {
   const RequestKeys keys = keys_of(request);
   if (auto found = find_mesh(keys)) return found;
+  const Limited limited(execution, config_.max_bytes_per_job);
   try {
-    auto made = make_mesh(request, keys, execution);
+    auto made = make_mesh(request, keys, *limited);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     return made->value;
   } catch (const Interrupted& interrupted) {
