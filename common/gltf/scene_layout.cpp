@@ -7,6 +7,10 @@
 
 namespace fracture {
 
+void write_offset(JsonText& json, const Mesh& source) {
+  if (!(source.frame.offset == Vec3d{})) json.member("translation", source.frame.offset);
+}
+
 SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& options,
                          const Execution& execution)
     : physics_(options.physics != Physics::kNone), ucx_(options.ue_collision == UeCollision::kUcx) {

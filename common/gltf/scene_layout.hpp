@@ -7,9 +7,14 @@
 #include <vector>
 
 #include "common/gltf/gltf_writer.hpp"
+#include "common/gltf/json_text.hpp"
 #include "common/physics/collision_filters.hpp"
 
 namespace fracture {
+
+/// Writes the translation of a root node: the offset of the source's positions (SourceFrame::offset). Writes nothing if it is
+/// zero.
+void write_offset(JsonText& json, const Mesh& source);
 
 class SceneLayout {
  public:

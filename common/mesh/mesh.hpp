@@ -44,6 +44,9 @@ struct SourceFrame {
   bool metres_stated = false;  ///< false: not stated, so metres are assumed
   bool z_up = false;           ///< z is up and y points away; otherwise y is up
   bool up_stated = false;      ///< false: not stated, so y is assumed
+  /// What the importer subtracted from each position, because floats at that distance from the origin are too coarse
+  /// (import/file_positions.hpp). In the units and axes of the positions. Zero for meshes near the origin.
+  Vec3d offset{};
 };
 
 /// A node of the source above one or several mesh instances, or a mesh of the source that has a name of its own.
@@ -54,8 +57,8 @@ struct NodeGroup {
 };
 
 struct Mesh {
-  /// Per wedge, right-handed, in the frame of the scene's root. For an imported mesh, metres and y up only
-  /// after to_metres_y_up() (mesh/frame.hpp).
+  /// Per wedge, right-handed, in the frame of the scene's root, less frame.offset. For an imported mesh, metres and y up
+  /// only after to_metres_y_up() (mesh/frame.hpp).
   std::vector<Vec3f> positions;
   SourceFrame frame;
   Attributes attributes;
