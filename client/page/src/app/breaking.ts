@@ -11,6 +11,9 @@ import type { Shown } from './state';
 /** Time in ms that a live answer may take, retries included. If it takes longer, it becomes a job. */
 const IMPATIENT = 6000;
 
+/** Converts a place with the origin of the file to one below the root node. */
+const below = ([x, y, z]: Vector3, [dx, dy, dz]: Vector3): Vector3 => [x - dx, y - dy, z - dz];
+
 interface Question {
   wish: Wish;
   gesture: number;
@@ -98,7 +101,7 @@ export class Breaking {
   /** Handles a click with the Hit tool, which breaks the area around the point. The first click also sets the pattern's impact, if
    * the pattern uses impacts. */
   hitAt(point: Vector3): void {
-    const { wish, shown, radius, sites } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
+    const { wish, shown, radius, sites } = this.app.state, rounded = this.given(point);
     if (!shown || this.asker.busy) return;
     if (this.onlyOne !== undefined) {
       this.app.set({ problem: localProblem(words.pieces.noHit) });
@@ -113,9 +116,17 @@ export class Breaking {
     this.app.set({ wish: next });
     this.asker.put({ wish: next, gesture: this.alone(), hitOn: { answer: shown.answer, hit } });
   }
+  /** Converts a place on the shown mesh to a parameter, which has the origin of the file. */
+  private given(point: Vector3): Vector3 {
+    const offset = this.app.state.source?.whole.offset ?? [0, 0, 0];
+    return point.map((value, k) => {
+      const rounded = Number(value.toPrecision(6));
+      return offset[k] === 0 ? rounded : Number((rounded + offset[k]!).toPrecision(15));
+    }) as Vector3;
+  }
   aimAt(point: Vector3): void {
     const { settings, hits } = this.app.state.wish, known = this.takesImpacts(settings);
-    const next = { ...settings, impacts: [point.map(value => Number(value.toPrecision(6)))] };
+    const next = { ...settings, impacts: [this.given(point)] };
     this.wishFor({ hits, settings: known ? next : { ...next, pattern: 'impact' } }, 'impacts', true);
   }
   /** Returns whether the settings accept impacts. If a pattern is chosen, it must use impacts. Otherwise a material is enough,
@@ -150,7 +161,7 @@ export class Breaking {
   private async answerTo({ wish, hitOn }: Question, signal: AbortSignal): Promise<Answer> {
     // Two retries, because the server may have forgotten the mesh, which is then sent again.
     const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
-    if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, { ...options, ...(hitOn.hit.sites === undefined ? {} : { sites: hitOn.hit.sites }) });
+    if (hitOn) return hitOn.answer.hit(below(hitOn.hit.point, hitOn.answer.offset), hitOn.hit.radius, { ...options, ...(hitOn.hit.sites === undefined ? {} : { sites: hitOn.hit.sites }) });
     const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
     void this.estimate(mesh, wish, signal);
     return mesh.fracture(parametersOf(wish), options);
