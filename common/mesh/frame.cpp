@@ -35,8 +35,8 @@ void turn(Vector& v) {
 
 /// The shortest digits that read back as the same double, without the locale.
 std::string written(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  char text[350];  // the largest double has 309 digits
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed).ptr;
   return {text, end};
 }
 

@@ -105,8 +105,9 @@ void expect_frames_of_source(const Box24& file, const Transform& m) {
           if (std::fabs(q[other]) > std::fabs(q[a])) a = other;
         ASSERT_NEAR(std::fabs(q[a]), 1, 1e-4) << "the outside is not where the source is";
         const Face source = face(a, q[a] > 0 ? 1 : -1);
-        if (length(outwards) > 1e-3)  // thinner triangles lean by the rounding of their corners
+        if (length(outwards) > 1e-3) {  // thinner triangles lean by the rounding of their corners
           EXPECT_GT(dot(unit(outwards), unit(m.normal(source.normal))), 0.999);
+        }
         for (std::size_t c = 0; c < 3; ++c) {
           const std::uint32_t v = f.indices[k + c];
           const Vec3d n = to_double(f.attributes.normals[v]);
