@@ -11,7 +11,9 @@ namespace {
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 constexpr int kFloatBits = std::numeric_limits<float>::digits;
 
-double largest(double a, double b, double c) { return std::fmax(std::fabs(a), std::fmax(std::fabs(b), std::fabs(c))); }
+double largest(double a, double b, double c) {
+  return std::fmax(std::fabs(a), std::fmax(std::fabs(b), std::fabs(c)));
+}
 
 /// The distance between floats of this size.
 double float_step(double size) {
@@ -26,7 +28,8 @@ Vec3d offset_for(const Box& box) {
   constexpr double kTolerated = 1e-6;  // of the longest side
   if (box.empty()) return {};
   const double side = box.longest_side();
-  const double far = std::fmax(largest(box.min.x, box.min.y, box.min.z), largest(box.max.x, box.max.y, box.max.z));
+  const double far =
+      std::fmax(largest(box.min.x, box.min.y, box.min.z), largest(box.max.x, box.max.y, box.max.z));
   if (!(side > 0) || !(0.5 * float_step(far) > kTolerated * side)) return {};
   int exponent = 0;
   std::frexp(side, &exponent);
@@ -42,7 +45,8 @@ Vec3d offset_for(const Box& box) {
 }
 
 bool FilePositions::fits(const Vec3d& p) {
-  return std::fabs(p.x) <= kLargestFloat && std::fabs(p.y) <= kLargestFloat && std::fabs(p.z) <= kLargestFloat;
+  return std::fabs(p.x) <= kLargestFloat && std::fabs(p.y) <= kLargestFloat &&
+         std::fabs(p.z) <= kLargestFloat;
 }
 
 std::vector<Vec3f> FilePositions::rounded(const Vec3d& offset) const {

@@ -126,7 +126,7 @@ Vec3d triple(const std::vector<double>& values, std::size_t v, std::size_t width
   return {values[width * v], values[width * v + 1], values[width * v + 2]};
 }
 
-/// Returns the surface after applying a transform to each vertex (the same for all vertices unless skinned). Where the
+/// Returns the surface after applying a transform to each vertex (the same for all vertices unless skinned). If the
 /// transform mirrors, tangents change their handedness. A triangle is reversed if most of its corners are mirrored, so
 /// its winding still agrees with its normals.
 template <class TransformOf, class IsMirrored>
@@ -184,7 +184,8 @@ Surface place(const RawSurface& raw, const Transform& transform) {
 
 Surface blend(const RawSurface& raw, const Skinning& skinning) {
   std::vector<Transform> of_vertex(raw.positions.size() / 3);
-  for (std::size_t v = 0; v < of_vertex.size(); ++v) of_vertex[v] = skinning.blend(raw.joints, raw.weights, v);
+  for (std::size_t v = 0; v < of_vertex.size(); ++v)
+    of_vertex[v] = skinning.blend(raw.joints, raw.weights, v);
   return place(
       raw, [&](std::size_t v) { return of_vertex[v].determinant() < 0; },
       [&](std::size_t v) -> const Transform& { return of_vertex[v]; });

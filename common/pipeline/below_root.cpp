@@ -78,8 +78,8 @@ Expected<FractureParameters> below_root(FractureParameters parameters, const Vec
   shift.move(parameters.anchors);
   if (shift.too_far())
     return fail(ErrorCode::kBadParameter,
-                std::string("A place in '") + shift.too_far() + "' is more than " + short_number(kFarBelowRoot) +
-                    " m from the mesh's root, which is at " + to_text(offset) +
+                std::string("A place in '") + shift.too_far() + "' is more than " +
+                    short_number(kFarBelowRoot) + " m from the mesh's root, which is at " + to_text(offset) +
                     ". Give places in metres, with y up and with the origin of the file.",
                 shift.too_far());
   return parameters;

@@ -8,8 +8,8 @@
 
 namespace fracture {
 
-/// No place may be farther than this from the root on any axis, m: sites much farther away than the mesh is large
-/// cannot be told from each other.
+/// No place may be farther than this from the root on any axis, m: doubles do not distinguish sites at a distance that is
+/// many times the size of the mesh.
 inline constexpr double kFarBelowRoot = 1e6;
 
 /// Subtracts `offset` (m, y up) in double from every place: points and impacts of patterns (of `assigned`, too), hits, the

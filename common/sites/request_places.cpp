@@ -15,7 +15,7 @@
 namespace fracture {
 namespace {
 
-/// What places of the solid are relative to (SourceFrame::offset).
+/// The place of the root node, to which places of the solid are relative (SourceFrame::offset).
 Vec3d root_of(const Solid& solid) { return solid.source ? solid.source->frame.offset : Vec3d{}; }
 
 /// Returns a place as in the request. Short numbers are too short for places that are far from the origin.
@@ -142,8 +142,8 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
   remarks.warn((none_inside ? "None of the 'points' is inside the mesh, so it may stay in one piece."
                             : counted(outliers, "of the 'points' is", "of the 'points' are") +
                                   " far outside the mesh and may make no pieces.") +
-               (unit ? " They are in metres, with y up, but " + written(sample, root_of(solid)) + " looks like " + *unit +
-                           ": convert them to metres."
+               (unit ? " They are in metres, with y up, but " + written(sample, root_of(solid)) +
+                           " looks like " + *unit + ": convert them to metres."
                      : " Move them into the mesh; coordinates are in metres, with y up."));
 }
 

@@ -119,8 +119,9 @@ const char* objection_to(Bytes file, const Head& head) {
     return "is a KTX2 texture in BasisLZ (ETC1S), which only graphics libraries decode";
   if (head.supercompression > kZlib) return "is a KTX2 texture in an unknown compression";
   if (!is_uastc(head))
-    return channels_of(head.format).empty() ? "is a KTX2 texture in a format that only graphics libraries decode"
-                                            : nullptr;
+    return channels_of(head.format).empty()
+               ? "is a KTX2 texture in a format that only graphics libraries decode"
+               : nullptr;
   if ((std::max(head.width, head.height) >> (head.levels - 1)) > 1)
     return "is a KTX2 texture in UASTC without a mip level of 1 x 1";
   constexpr std::uint8_t kModeOfOneColor = 0x17, kModeMask = 0x1f;
@@ -156,7 +157,8 @@ const char* why_ktx2_is_unread(Bytes ktx2) {
 std::optional<Pixels> decode_ktx2(Bytes ktx2) {
   const std::optional<Head> head = head_of(ktx2);
   if (!head || objection_to(ktx2, *head) != nullptr) return std::nullopt;
-  const std::uint32_t level = level_of(*head), width = side(head->width, level), height = side(head->height, level);
+  const std::uint32_t level = level_of(*head), width = side(head->width, level),
+                      height = side(head->height, level);
   std::uint8_t* values = nullptr;
   if (is_uastc(*head)) {
     const auto block = last_block(ktx2, *head);

@@ -103,7 +103,8 @@ void require_memory(Bytes image, const Head& head) {
 void Pixels::Free::operator()(std::uint8_t* values) const { stbi_image_free(values); }
 
 const char* why_unread(Bytes image) {
-  const bool known = begins_with(image, kPng) || begins_with(image, kJpeg) || is_webp(image) || is_ktx2(image);
+  const bool known =
+      begins_with(image, kPng) || begins_with(image, kJpeg) || is_webp(image) || is_ktx2(image);
   if (!known) return "is neither PNG, JPEG, WebP nor KTX2";
   const char* const reason = is_ktx2(image) ? why_ktx2_is_unread(image) : nullptr;
   return reason ? reason : "has a damaged header, or is an animation";

@@ -128,9 +128,10 @@ std::optional<Pixels> pixels_of(const Image& image, const std::string& material,
   if (small) pixels = decode_image(image.bytes);
   const std::string name = image.name.empty() ? "" : " \"" + shortened(image.name) + "\"";
   if (!pixels && small)
-    remarks.warn("The image" + name + " of " + material +
-                 " is damaged. The answer contains it unchanged, and cut faces take no colour from it. Export "
-                 "it again.");
+    remarks.warn(
+        "The image" + name + " of " + material +
+        " is damaged. The answer contains it unchanged, and cut faces take no colour from it. Export "
+        "it again.");
   else if (!pixels)
     remarks.note("Cut faces take no colour from the image" + name + " of " + material + ", because it " +
                  (count ? "has too many pixels (" + grouped(*count) + ")" : why_unread(image.bytes)) +
@@ -152,11 +153,11 @@ class Painter {
     paint_without_images();
     PixelBudget budget(*mesh_.library, limits);
     for (const auto& [use, slots] : materials_of_) {
-      const auto first = std::find_if(slots.begin(), slots.end(),
-                                      [&](auto slot) { return !triangles_of_[slot].empty(); });
+      const auto first =
+          std::find_if(slots.begin(), slots.end(), [&](auto slot) { return !triangles_of_[slot].empty(); });
       if (first == slots.end()) continue;
-      std::optional<Pixels> pixels = pixels_of(mesh_.library->images[use.first],
-                                               name_of(*mesh_.library, *first), budget, remarks);
+      std::optional<Pixels> pixels =
+          pixels_of(mesh_.library->images[use.first], name_of(*mesh_.library, *first), budget, remarks);
       if (!pixels) continue;
       const MeanPyramid pyramid(std::move(*pixels), use.second);
       for (const std::uint32_t slot : slots) paint(slot, pyramid);

@@ -35,7 +35,8 @@ std::optional<Pixels> decode_webp(Bytes webp) {
   const auto features = features_of(webp);
   WebPDecoderConfig config;
   if (!features || WebPInitDecoderConfig(&config) == 0) return std::nullopt;
-  const auto width = static_cast<std::uint32_t>(features->width), height = static_cast<std::uint32_t>(features->height);
+  const auto width = static_cast<std::uint32_t>(features->width),
+             height = static_cast<std::uint32_t>(features->height);
   const std::size_t bytes = std::size_t{4} * width * height;
   auto* const values = static_cast<std::uint8_t*>(std::malloc(bytes));
   if (values == nullptr) throw std::bad_alloc();

@@ -74,7 +74,8 @@ Expected<FractureParameters> for_mesh(const RequestParameters& asked, const Prep
 /// Says what the places in an error about a mesh are relative to. Without an offset, they are those of the file.
 Error relative_to(const Vec3d& offset, Error error) {
   if (!(offset == Vec3d{}))
-    error.detail += " All places are relative to " + to_text(offset) + ", because the mesh is far from its origin.";
+    error.detail +=
+        " All places are relative to " + to_text(offset) + ", because the mesh is far from its origin.";
   return error;
 }
 
@@ -289,8 +290,7 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     StageProgress progress(Stage::kTetrahedralize, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    Expected<CutBase> made =
-        engine_->base(mesh.solid, *parameters, request.parameters.selection, telling);
+    Expected<CutBase> made = engine_->base(mesh.solid, *parameters, request.parameters.selection, telling);
     if (!made)
       return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters, mesh.solid));
     base = std::make_shared<const CutBase>(std::move(*made));

@@ -25,8 +25,7 @@ TEST(BelowRoot, EveryPlaceIsMovedAndNothingElse) {
   p.assigned = {{.breaks = breaks}};
 
   const FractureParameters q = below_root(p, kOffset).value();
-  EXPECT_EQ(std::get<ImpactPattern>(q.pattern),
-            (ImpactPattern{.impacts = {{0.5, 1, 2}}, .radius = 0.25}));
+  EXPECT_EQ(std::get<ImpactPattern>(q.pattern), (ImpactPattern{.impacts = {{0.5, 1, 2}}, .radius = 0.25}));
   EXPECT_EQ(q.hits[0].point, (Vec3d{1, 2, 3}));
   EXPECT_EQ(q.hits[0].radius, 0.5);
   EXPECT_EQ(q.keep->center, (Vec3d{4, 5, 6}));
@@ -51,7 +50,8 @@ TEST(BelowRoot, APlaceFarFromTheMeshIsRefusedWithItsParameter) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBadParameter);
   EXPECT_EQ(refused.error().pointer, "impacts");
-  EXPECT_NE(refused.error().detail.find("(500000, 30, 4649776)"), std::string::npos) << refused.error().detail;
+  EXPECT_NE(refused.error().detail.find("(500000, 30, 4649776)"), std::string::npos)
+      << refused.error().detail;
 }
 
 TEST(BelowRoot, ABoxMayReachAnyFar) {

@@ -27,7 +27,9 @@ Vec3d axis(int a, double length = 1) {
 }
 
 /// The face on the side `sign` of an axis. Neighbouring faces have different handedness.
-Face face(int a, double sign) { return {axis(a, sign), axis((a + 1) % 3), (a % 2 == 0) == (sign > 0) ? 1.0 : -1.0}; }
+Face face(int a, double sign) {
+  return {axis(a, sign), axis((a + 1) % 3), (a % 2 == 0) == (sign > 0) ? 1.0 : -1.0};
+}
 
 /// The box [-1, 1]³ with four vertices for each face, and a material with a normal map.
 struct Box24 : Tetrahedron {
@@ -90,7 +92,8 @@ void expect_frames_of_source(const Box24& file, const Transform& m) {
     ASSERT_EQ(f.attributes.tangents.size(), f.positions.size());
     for (const FragmentPrimitive& primitive : f.primitives) {
       if (primitive.material != 0) continue;  // a cut
-      for (std::uint32_t k = primitive.first_index; k < primitive.first_index + primitive.index_count; k += 3) {
+      for (std::uint32_t k = primitive.first_index; k < primitive.first_index + primitive.index_count;
+           k += 3) {
         Vec3d corners[3], center;
         for (std::size_t c = 0; c < 3; ++c) {
           corners[c] = to_double(f.positions[f.indices[k + c]]) + f.pivot;
@@ -122,8 +125,7 @@ void expect_frames_of_source(const Box24& file, const Transform& m) {
     }
   }
   double whole = 0;
-  for (int b = 0; b < 3; ++b)
-    whole += 8 * length(cross(b == 0 ? m.y : m.x, b == 2 ? m.y : m.z));
+  for (int b = 0; b < 3; ++b) whole += 8 * length(cross(b == 0 ? m.y : m.x, b == 2 ? m.y : m.z));
   EXPECT_NEAR(area / whole, 1, 1e-3) << "all of the outside was sampled";
 }
 
@@ -167,8 +169,9 @@ TEST(OutsideFrames, AreThoseOfASkinWhoseJointsMirrorAlike) {
 
 // The upper joint is 1 m higher, so y = -1 … 1 becomes -1 … 2.
 TEST(OutsideFrames, AreThoseOfASkinWhoseJointsMirrorAtDifferentPlaces) {
-  expect_frames_of_source(skinned({{"scale", {-1, 1, 1}}}, {{"scale", {-1, 1, 1}}, {"translation", {0, 1, 0}}}),
-                          {{-1, 0, 0}, {0, 1.5, 0}, {0, 0, 1}, {0, 0.5, 0}});
+  expect_frames_of_source(
+      skinned({{"scale", {-1, 1, 1}}}, {{"scale", {-1, 1, 1}}, {"translation", {0, 1, 0}}}),
+      {{-1, 0, 0}, {0, 1.5, 0}, {0, 0, 1}, {0, 0.5, 0}});
   expect_frames_of_source(skinned(json::object(), {{"translation", {0, 1, 0}}}),
                           {{1, 0, 0}, {0, 1.5, 0}, {0, 0, 1}, {0, 0.5, 0}});
 }

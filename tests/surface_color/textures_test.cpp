@@ -97,14 +97,16 @@ TEST(Textures, Ktx2IsReadInEachOrderOfChannels) {
   const Bytes two = file_of({.format = 29, .width = 2, .levels = {{9, 9, 9, 1, 2, 3}, {5, 5, 5}}});
   EXPECT_EQ(pixel_count(two), 2u);
   EXPECT_EQ(decode_image(two).value().at(1, 0), (Pixel{1, 2, 3, 255}));
-  EXPECT_FALSE(decode_image(std::span(two).first(two.size() - 4))) << "cut off within the first level's bytes";
+  EXPECT_FALSE(decode_image(std::span(two).first(two.size() - 4)))
+      << "cut off within the first level's bytes";
 }
 
 TEST(Textures, Ktx2InZstandardIsRead) {
   Bytes level(ZSTD_compressBound(4));
   const Bytes pixel{7, 8, 9, 10};
   level.resize(ZSTD_compress(level.data(), level.size(), pixel.data(), pixel.size(), 3));
-  EXPECT_EQ(first_of(file_of({.format = 37, .supercompression = 2, .levels = {level}})), (Pixel{7, 8, 9, 10}));
+  EXPECT_EQ(first_of(file_of({.format = 37, .supercompression = 2, .levels = {level}})),
+            (Pixel{7, 8, 9, 10}));
 }
 
 TEST(Textures, UastcGivesTheColourOfItsSmallestLevel) {
@@ -124,8 +126,11 @@ TEST(Textures, EncodingsThatAreNotReadSayWhy) {
     EXPECT_FALSE(decode_image(file));
     return std::string(why_unread(file));
   };
-  const auto contains = [](const std::string& text, const char* part) { return text.find(part) != text.npos; };
-  EXPECT_TRUE(contains(reason(file_of({.supercompression = 1, .model = 163, .levels = {Bytes(4)}})), "BasisLZ"));
+  const auto contains = [](const std::string& text, const char* part) {
+    return text.find(part) != text.npos;
+  };
+  EXPECT_TRUE(
+      contains(reason(file_of({.supercompression = 1, .model = 163, .levels = {Bytes(4)}})), "BasisLZ"));
   EXPECT_TRUE(contains(reason(file_of({.width = 8, .model = 166, .levels = {Bytes(32)}})), "1 x 1"));
   EXPECT_TRUE(contains(reason(file_of({.model = 166, .levels = {Bytes(16)}})), "one colour"));
   EXPECT_TRUE(contains(reason(file_of({.format = 146, .levels = {Bytes(16)}})), "format"));  // BC7
@@ -133,7 +138,8 @@ TEST(Textures, EncodingsThatAreNotReadSayWhy) {
 }
 
 TEST(Textures, EveryTruncationIsSafe) {
-  const Bytes file = file_of({.width = 2, .height = 2, .model = 166, .levels = {Bytes(16), block_of({1, 2, 3, 4})}});
+  const Bytes file =
+      file_of({.width = 2, .height = 2, .model = 166, .levels = {Bytes(16), block_of({1, 2, 3, 4})}});
   for (std::size_t size = 0; size < file.size(); ++size) {
     (void)pixel_count(std::span(file).first(size));
     (void)decode_image(std::span(file).first(size));

@@ -64,15 +64,21 @@ TEST(FarMesh, GivesTheAnswerOfItsTwinBelowARootAtTheOffset) {
   const auto requests = [](const Vec3d& o) {
     return std::vector<json>{
         {{"sites", 6}, {"intact", "true"}},
-        {{"pattern", "points"}, {"points", {at(o, .125, .125, .125), at(o, .5, .125, .125), at(o, .125, .5, .25)}}},
-        {{"sites", 8}, {"pattern", "impact"}, {"impacts", json::array({at(o, .25, .25, .25)})}, {"radius", 0.25}},
+        {{"pattern", "points"},
+         {"points", {at(o, .125, .125, .125), at(o, .5, .125, .125), at(o, .125, .5, .25)}}},
+        {{"sites", 8},
+         {"pattern", "impact"},
+         {"impacts", json::array({at(o, .25, .25, .25)})},
+         {"radius", 0.25}},
         {{"sites", 4},
          {"local_point", json::array({at(o, .125, .125, .125)})},
          {"local_radius", json::array({0.25})},
          {"local_sites", json::array({5})},
          {"anchor_plane", {at(o, 0, .0625, 0), {0, 1, 0}}}},
         {{"sites", 8}, {"keep_center", at(o, .125, .125, .125)}, {"keep_radius", 0.125}},
-        {{"sites", 8}, {"keep_box", {at(o, 0, 0, 0), at(o, .25, .25, .25)}}, {"anchor_points", json::array({at(o, .25, .125, .125)})}}};
+        {{"sites", 8},
+         {"keep_box", {at(o, 0, 0, 0), at(o, .25, .25, .25)}},
+         {"anchor_points", json::array({at(o, .25, .125, .125)})}}};
   };
   const std::vector<json> near_requests = requests({}), far_requests = requests(kFar);
   for (std::size_t k = 0; k < near_requests.size(); ++k) {
@@ -109,13 +115,15 @@ TEST(FarMesh, IsReportedWithItsOffset) {
 TEST(FarMesh, PlacesInMessagesAreThoseOfTheRequest) {
   FarMesh far(tetrahedron_at(kFar));
   // 1 m to the left of the corner (0, 0, 0), which is the nearest place.
-  const Glb glb = far.glb({{"sites", 4}, {"pattern", "impact"}, {"impacts", json::array({at(kFar, -1, 0, 0)})}});
+  const Glb glb =
+      far.glb({{"sites", 4}, {"pattern", "impact"}, {"impacts", json::array({at(kFar, -1, 0, 0)})}});
   const auto warnings = figures_in(glb).at("report").at("warnings").get<std::vector<std::string>>();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("499999,30,4649776"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[0].find("500000,30,4649776"), std::string::npos) << warnings[0];
 
-  const auto refused = far.answer({{"sites", 4}, {"pattern", "impact"}, {"impacts", json::array({at({}, 0, 0, 0)})}});
+  const auto refused =
+      far.answer({{"sites", 4}, {"pattern", "impact"}, {"impacts", json::array({at({}, 0, 0, 0)})}});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBadParameter);
   EXPECT_EQ(refused.error().pointer, "impacts");
@@ -130,7 +138,8 @@ TEST(FarMesh, AnAnswerCanBeBrokenAgain) {
   FarMesh again(std::string(file.begin(), file.end()));
   const json report = again.report();
   for (int axis = 0; axis < 3; ++axis)
-    EXPECT_NEAR(report.at("frame").at("offset").at(static_cast<std::size_t>(axis)).get<double>(), kFar[axis], 2);
+    EXPECT_NEAR(report.at("frame").at("offset").at(static_cast<std::size_t>(axis)).get<double>(), kFar[axis],
+                2);
   EXPECT_NEAR(report.at("solid").at("volume").get<double>(), 1.0 / 6, 1e-6);
 }
 
