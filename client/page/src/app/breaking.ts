@@ -1,7 +1,7 @@
 // Turns the requested parameters and hits into an answer, with undo and redo: at once if possible, otherwise as a job.
 import { type Answer, FractureError, type Mesh, type ParameterValue, type Vector3 } from 'fracture-client';
 import { Asker } from '../service/asker';
-import { firstPlace, placesIn, withoutPlace } from '../state/places';
+import { firstPlace, moved, placesIn, withoutPlace } from '../state/places';
 import { Gestures, type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
 import { localProblem } from '../take/problems';
 import { words } from '../words/words';
@@ -116,9 +116,13 @@ export class Breaking {
     this.app.set({ wish: next });
     this.asker.put({ wish: next, gesture: this.alone(), hitOn: { answer: shown.answer, hit } });
   }
+  /** The offset of the mesh (Answer.offset). */
+  private get offset(): Vector3 {
+    return this.app.state.source?.whole.offset ?? [0, 0, 0];
+  }
   /** Converts a place on the shown mesh to a parameter, which has the origin of the file. */
   private given(point: Vector3): Vector3 {
-    const offset = this.app.state.source?.whole.offset ?? [0, 0, 0];
+    const { offset } = this;
     return point.map((value, k) => {
       const rounded = Number(value.toPrecision(6));
       return offset[k] === 0 ? rounded : Number((rounded + offset[k]!).toPrecision(15));
@@ -312,22 +316,23 @@ export class Breaking {
     const name = this.pickingFor, parameter = this.app.service.parameters.find(each => each.name === name);
     this.pickingFor = undefined;
     if (!name || !parameter) return;
-    const rounded = point.map(value => Number(value.toPrecision(6)));
+    const rounded = this.given(point);
     this.setParameter(name, String(parameter['text']).includes(';') ? [rounded] : rounded);
   }
   /** Adds a region with this name at its initial position, to be dragged; removes it if it exists. */
   togglePlace(name: string): void {
-    const { wish } = this.app.state, kind = placesIn(this.app.service.parameters).get(name), bounds = this.app.view?.bounds;
+    const { wish } = this.app.state, places = placesIn(this.app.service.parameters), kind = places.get(name), bounds = this.app.view?.bounds;
     if (!kind || !bounds) return;
     const { service } = this.app, material = service.knowledge?.patterns.materials.find(each => each.name === wish.settings['material']);
     const known = (material?.parameters[name] ?? service.parameters.find(parameter => parameter.name === name)?.['default']) as ParameterValue | undefined;
-    const settings = wish.settings[name] === undefined ? { ...wish.settings, ...firstPlace(name, kind, bounds, known) } : withoutPlace(wish.settings, name);
+    const settings = wish.settings[name] === undefined ? { ...wish.settings, ...moved(firstPlace(name, kind, bounds, known), places, this.offset) } : withoutPlace(wish.settings, name);
     this.wishFor({ ...wish, settings }, '', true);
   }
   /** Applies the settings that result from dragging a handle. `settled`: the drag has ended. */
   drag(handle: string, settings: Settings, settled: boolean): void {
     const { wish } = this.app.state;
-    this.wishFor({ ...wish, settings: { ...wish.settings, ...settings } }, handle, settled);
+    const given = moved(settings, placesIn(this.app.service.parameters), this.offset);
+    this.wishFor({ ...wish, settings: { ...wish.settings, ...given } }, handle, settled);
   }
 
   /** Sets the material. It also removes the pattern setting, so that the material's own pattern is used. */
