@@ -34,6 +34,16 @@ TEST(GltfOffset, AFarNodeIsTheOffsetAndNoPositionIsRounded) {
   }
 }
 
+TEST(FileOffset, TextThatIsFarAwayHasTheSameOffset) {
+  const Expected<Mesh> mesh = import_text(
+      "v 500000 30 4649776\nv 500001 30 4649776\nv 500000 31 4649776\nv 500000 30 4649777\n"
+      "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+      MeshFormat::kObj);
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_EQ(mesh->frame.offset, kFar);
+  EXPECT_EQ(signed_volume(*mesh), 1.0 / 6);
+}
+
 TEST(GltfOffset, OneOffsetServesAllNodesAndInstances) {
   Tetrahedron tet;
   tet.json["nodes"] = {{{"mesh", 0}, {"translation", {500000, 30, 4649776}}},

@@ -247,7 +247,7 @@ class Answer:
 
 def _moved(point: Union[Point, Sequence[Point]], offset: Vector) -> Any:
     """Adds the offset to a point or to each point of a list."""
-    if len(point) > 0 and not isinstance(point[0], (int, float)):
+    if len(point) > 0 and hasattr(point[0], "__len__"):
         return [_moved(each, offset) for each in point]  # type: ignore[arg-type]
     return [float(value) + by for value, by in zip(point, offset)]  # type: ignore[arg-type]
 
