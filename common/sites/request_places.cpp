@@ -28,7 +28,7 @@ std::string written(const Vec3d& p, const Vec3d& root) {
 
 std::optional<std::string> likely_unit(const Vec3d& place, const Solid& solid) {
   const Vec3d root = root_of(solid);
-  return likely_unit(place + root, {solid.box.min + root, solid.box.max + root});
+  return likely_unit(place + root, Box{solid.box.min + root, solid.box.max + root});
 }
 
 /// The nearest point of the surface. If several triangles are equally near, that of the first one.

@@ -30,15 +30,16 @@ std::uint64_t number_at(Bytes bytes, std::size_t at, std::size_t size) {
   return value;
 }
 
-struct Head {
+struct Ktx2Head {
   std::uint32_t format, width, height, depth, layers, faces, levels, supercompression;
   std::uint8_t model;
 };
 
-std::optional<Head> head_of(Bytes file) {
+std::optional<Ktx2Head> ktx2_head_of(Bytes file) {
   if (!is_ktx2(file) || file.size() < kHeader) return std::nullopt;
   const auto word = [&](std::size_t at) { return static_cast<std::uint32_t>(number_at(file, at, 4)); };
-  Head head{word(12), word(20), word(24), word(28), word(32), word(36), std::max(word(40), 1u), word(44), 0};
+  Ktx2Head head{word(12), word(20), word(24), word(28), word(32), word(36), std::max(word(40), 1u),
+                word(44), 0};
   // The colour model is the first byte after the head of the first descriptor block.
   head.model = static_cast<std::uint8_t>(number_at(file, std::size_t{word(48)} + 12, 1));
   if (head.width == 0 || head.levels > 32 || kHeader + head.levels * kLevelEntry > file.size())
@@ -67,15 +68,15 @@ std::string_view channels_of(std::uint32_t format) {
   }
 }
 
-bool is_uastc(const Head& head) { return head.format == 0 && head.model == kUastc; }
+bool is_uastc(const Ktx2Head& head) { return head.format == 0 && head.model == kUastc; }
 
 std::uint32_t side(std::uint32_t size, std::uint32_t level) { return std::max(size >> level, 1u); }
-std::uint64_t pixels_of(const Head& head, std::uint32_t level) {
+std::uint64_t pixels_of(const Ktx2Head& head, std::uint32_t level) {
   return std::uint64_t{side(head.width, level)} * side(head.height, level);
 }
 
 /// The level to read.
-std::uint32_t level_of(const Head& head) {
+std::uint32_t level_of(const Ktx2Head& head) {
   std::uint32_t level = 0;
   if (is_uastc(head)) return head.levels - 1;
   while (level + 1 < head.levels && pixels_of(head, level) > kMostPixels) ++level;
@@ -83,7 +84,7 @@ std::uint32_t level_of(const Head& head) {
 }
 
 /// The bytes of a level, which must be `size`; nothing if the file is damaged.
-std::optional<std::vector<std::uint8_t>> level_bytes(Bytes file, const Head& head, std::uint32_t level,
+std::optional<std::vector<std::uint8_t>> level_bytes(Bytes file, const Ktx2Head& head, std::uint32_t level,
                                                      std::size_t size) {
   const std::size_t entry = kHeader + level * kLevelEntry;
   const std::uint64_t at = number_at(file, entry, 8), length = number_at(file, entry + 8, 8);
@@ -108,12 +109,12 @@ std::optional<std::vector<std::uint8_t>> level_bytes(Bytes file, const Head& hea
 }
 
 /// The smallest level of a UASTC texture: one block. Nothing if the file is damaged.
-std::optional<std::vector<std::uint8_t>> last_block(Bytes file, const Head& head) {
+std::optional<std::vector<std::uint8_t>> last_block(Bytes file, const Ktx2Head& head) {
   return level_bytes(file, head, head.levels - 1, kBlock);
 }
 
 /// Why the encoding is not read; null if it is.
-const char* objection_to(Bytes file, const Head& head) {
+const char* objection_to(Bytes file, const Ktx2Head& head) {
   if (head.depth > 1 || head.layers > 1 || head.faces != 1) return "is a KTX2 texture with several images";
   if (head.supercompression == kBasisLz || (head.format == 0 && head.model == kEtc1s))
     return "is a KTX2 texture in BasisLZ (ETC1S), which only graphics libraries decode";
@@ -144,18 +145,18 @@ bool is_ktx2(Bytes image) {
 }
 
 std::optional<std::uint64_t> ktx2_pixel_count(Bytes ktx2) {
-  const std::optional<Head> head = head_of(ktx2);
+  const std::optional<Ktx2Head> head = ktx2_head_of(ktx2);
   if (!head || objection_to(ktx2, *head) != nullptr) return std::nullopt;
   return pixels_of(*head, level_of(*head));
 }
 
 const char* why_ktx2_is_unread(Bytes ktx2) {
-  const std::optional<Head> head = head_of(ktx2);
+  const std::optional<Ktx2Head> head = ktx2_head_of(ktx2);
   return head ? objection_to(ktx2, *head) : nullptr;
 }
 
 std::optional<Pixels> decode_ktx2(Bytes ktx2) {
-  const std::optional<Head> head = head_of(ktx2);
+  const std::optional<Ktx2Head> head = ktx2_head_of(ktx2);
   if (!head || objection_to(ktx2, *head) != nullptr) return std::nullopt;
   const std::uint32_t level = level_of(*head), width = side(head->width, level),
                       height = side(head->height, level);
