@@ -44,7 +44,7 @@ struct SourceFrame {
   bool metres_stated = false;  ///< false: not stated, so metres are assumed
   bool z_up = false;           ///< z is up and y points away; otherwise y is up
   bool up_stated = false;      ///< false: not stated, so y is assumed
-  /// The importer subtracted this from each position, because floats at that distance from the origin are too coarse
+  /// Vector that the importer subtracted from each position, because floats at that distance from the origin are too coarse
   /// (import/file_positions.hpp). In the units and axes of the positions. Zero for meshes near the origin.
   Vec3d offset{};
 };
