@@ -74,13 +74,16 @@ glm::dvec3 to_world(const Transform& t, double x, double y, double z) {
           t.t.z + x * t.x.z + y * t.y.z + z * t.z.z};
 }
 
-/// Returns the rotation. The transform must be rigid: the service writes no others, and bodies cannot be
-/// scaled.
+/// Returns the rotation. The transform must be rigid apart from a uniform scale, which only nodes of instances have. Hulls are
+/// scaled, but mass and moments are not (KHR_physics_rigid_bodies).
 glm::dquat rotation_of(const Transform& t, const std::string& where) {
-  const glm::dmat3 r(t.x.x, t.x.y, t.x.z, t.y.x, t.y.y, t.y.z, t.z.x, t.z.y, t.z.z);
+  glm::dmat3 r(t.x.x, t.x.y, t.x.z, t.y.x, t.y.y, t.y.z, t.z.x, t.z.y, t.z.z);
+  const double scale = glm::length(r[0]);
+  if (!(scale > 0)) malformed(where + " is flat.");
+  r = (1 / scale) * r;
   const glm::dmat3 unit = glm::transpose(r) * r - glm::dmat3(1);
   for (int c = 0; c < 3; ++c)
-    if (!(glm::length(unit[c]) < 1e-6)) malformed(where + " is scaled or sheared.");
+    if (!(glm::length(unit[c]) < 1e-6)) malformed(where + " is sheared, or its axes are scaled differently.");
   if (glm::determinant(r) < 0) malformed(where + " is mirrored.");
   return glm::normalize(glm::quat_cast(r));
 }

@@ -9,6 +9,9 @@
 //             └─ fragment 1 …
 //   scene "Intact", if requested: the solid before it breaks (intact_scene.hpp)
 //
+// A fragment that is a whole instance of a mesh refers to a mesh that several of them share (pipeline/instanced_bodies.hpp). Its
+// node has a rotation and a uniform scale, and I2 does not hold for it: its vertices are rounded before the node's transform.
+//
 // All fragments share one bufferView for each attribute and one for the indices. The primitives of a mesh
 // share their attribute accessors. World positions are float32(local) + float32(translation), exact by
 // construction (I2), and are those below the root. Collision hulls are separate meshes that follow those of the fragments.

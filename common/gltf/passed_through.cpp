@@ -65,7 +65,7 @@ void add_nodes(const Mesh& mesh, std::vector<std::uint32_t> order, UniqueNames& 
     std::string name = names.add(node < mesh.node_names.size() ? std::string_view(mesh.node_names[node])
                                                                : std::string_view("mesh"));
     nodes.push_back(
-        {std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
+        {node, std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
   }
 }
 

@@ -194,6 +194,12 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
         .member("flat", report.hulls->flat)
         .member("simplified", report.hulls->simplified)
         .end_object();
+  if (report.instances)
+    json.key("instances")
+        .begin_object()
+        .member("fragments", report.instances->fragments)
+        .member("shapes", report.instances->shapes)
+        .end_object();
   if (report.kept)
     json.key("keep")
         .begin_object()

@@ -58,6 +58,7 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   mesh.node_names = source.node_names;
   mesh.groups = source.groups;
   mesh.group_of_node = source.group_of_node;
+  mesh.instances = source.instances;
   mesh.library = source.library;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;

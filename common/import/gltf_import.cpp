@@ -232,7 +232,7 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d&
   const Transform& world = *scene.world[static_cast<std::size_t>(index)];
   for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
-    builder.begin_node(name, group);
+    builder.begin_node(name, group, {static_cast<std::uint32_t>(node.mesh), m.x, m.y, m.z, m.t});
     for (const RawSurface& raw : surfaces) add(builder, place(raw, m));
   }
 }

@@ -31,7 +31,7 @@ class MeshBuilder {
   /// result is then `parent`.
   std::uint32_t add_group(std::string name, std::uint32_t parent);
   /// Begins a mesh instance in a group (kNoIndex: none). The surfaces added next belong to it.
-  void begin_node(std::string name, std::uint32_t group = kNoIndex);
+  void begin_node(std::string name, std::uint32_t group = kNoIndex, const MeshInstance& instance = {});
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }

@@ -88,6 +88,11 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
     for (Vec3f& n : mesh.attributes.normals) turn(n);
     for (Vec4f& t : mesh.attributes.tangents) turn(t);
   }
+  for (MeshInstance& instance : mesh.instances)
+    for (Vec3d* v : {&instance.x, &instance.y, &instance.z, &instance.t}) {
+      if (metres != 1) *v = metres * *v;
+      if (z_up) turn(*v);
+    }
   using From = FrameReport::From;
   const auto from = [](bool asked, bool stated) {
     return asked ? From::kRequest : stated ? From::kFile : From::kAssumed;

@@ -56,6 +56,15 @@ struct NodeGroup {
   friend bool operator==(const NodeGroup&, const NodeGroup&) = default;
 };
 
+/// How a node of the source placed a mesh that several nodes may share.
+struct MeshInstance {
+  std::uint32_t mesh =
+      kNoIndex;  ///< number of the mesh in the source; kNoIndex: the vertices depend on more than a transform
+  /// From the mesh's coordinates to the frame of Mesh::positions: the columns of the linear part, and the translation.
+  Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, t{0, 0, 0};
+  friend bool operator==(const MeshInstance&, const MeshInstance&) = default;
+};
+
 struct Mesh {
   /// Per wedge, right-handed, in the frame of the scene's root, less frame.offset. For an imported mesh, metres and y up
   /// only after to_metres_y_up() (mesh/frame.hpp).
@@ -68,13 +77,14 @@ struct Mesh {
   std::vector<std::string> node_names;  ///< mesh instances of the source, UTF-8, possibly repeated
   std::vector<NodeGroup> groups{};      ///< parents come before their children
   std::vector<std::uint32_t>
-      group_of_node{};  ///< per node: its innermost group, or kNoIndex; empty: no groups
+      group_of_node{};                    ///< per node: its innermost group, or kNoIndex; empty: no groups
+  std::vector<MeshInstance> instances{};  ///< one for each of node_names; empty: none is known
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();
   std::string copyright;  ///< asset.copyright of the source, copied to the output
   /// The rest of the scene, which is not fractured (mesh/selection.hpp) and is written unchanged with the
-  /// fragments. Has the same frame, node_names and library. Null if there is none.
+  /// fragments. Has the same frame, node_names, instances and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;
   Remarks remarks;  ///< what the importer changed or left out (baked skins, animations left out, …)
 };

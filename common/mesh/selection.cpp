@@ -67,6 +67,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.node_names = mesh.node_names;
   part.groups = mesh.groups;
   part.group_of_node = mesh.group_of_node;
+  part.instances = mesh.instances;
   part.triangle_color = gathered(mesh.triangle_color, triangles);
   part.library = mesh.library;
   part.copyright = mesh.copyright;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/similarity.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture::outputs {
@@ -73,6 +74,8 @@ struct Object {
   std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: another object
   bool carried = false;             ///< sheets of the fragment before it
   Vec3f place;                      ///< translation of the node below the root, added to its positions
+  std::optional<Similarity>
+      turned{};  ///< of the node of an instance: rotation, scale and translation; none: only `place`
   Floats positions, normals, colors;
   std::vector<Floats> uvs;
   std::vector<Primitive> primitives;
@@ -81,10 +84,19 @@ struct Object {
   Indices merge_corners, merge_vertices;
 
   /// Position in the frame of the root node, metres. Exact, because the pivots were chosen for this (I2): points
-  /// that two fragments share have the same bits in both.
+  /// that two fragments share have the same bits in both. Instances share no points; theirs are rounded.
   Vec3f position(std::size_t vertex) const {
     const Vec3f p = positions.vec3(vertex);
+    if (turned) return rounded(turned->point(to_double(p)));
     return {p.x + place.x, p.y + place.y, p.z + place.z};
+  }
+  /// Normal in the frame of the scene.
+  Vec3f normal(std::size_t vertex) const {
+    const Vec3f n = normals.vec3(vertex);
+    return turned ? rounded(rotated(turned->rotation, to_double(n))) : n;
+  }
+  static Vec3f rounded(const Vec3d& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
   std::size_t triangles() const;
 };

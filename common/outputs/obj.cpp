@@ -133,7 +133,7 @@ class ObjWriter {
     Numbering<3> numbers;
     vn_.resize(object.normals.size());
     for (std::size_t vertex = 0; vertex < vn_.size(); ++vertex) {
-      const Vec3f n = object.normals.vec3(vertex);
+      const Vec3f n = object.normal(vertex);
       const auto [number, fresh] = numbers.of(std::bit_cast<Bits<3>>(n));
       vn_[vertex] = normals_ + number;
       if (fresh) out_.text("vn ").number(n.x).text(" ").number(n.y).text(" ").number(n.z).text("\n");

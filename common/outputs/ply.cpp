@@ -60,7 +60,7 @@ void write_vertices(Blocks& out, const Object& object, const Columns& columns, V
     const Vec3f p = object.position(v);
     out.raw(p.x).raw(p.y).raw(p.z);
     if (columns.normals) {
-      const Vec3f n = object.normals.empty() ? Vec3f{} : object.normals.vec3(v);
+      const Vec3f n = object.normals.empty() ? Vec3f{} : object.normal(v);
       out.raw(n.x).raw(n.y).raw(n.z);
     }
     if (columns.uvs) {

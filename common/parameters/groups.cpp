@@ -68,6 +68,7 @@ constexpr GroupedParameter kRough[] = {
 constexpr GroupedParameter kSizes[] = {
     {"fragments", "pieces, shards, chunks, count, number, amount, number of pieces"},
     {"parts", "separate parts, loose parts, islands"},
+    {"instances", "copies, duplicates, linked meshes, instancing, repeated objects"},
     {"min_volume", "smallest piece, crumbs, dust"},
     {"min_fraction", "smallest piece, crumbs, dust"},
     {"min_of_mean", "smallest piece, crumbs, dust"},

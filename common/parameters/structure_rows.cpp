@@ -59,9 +59,26 @@ ParameterSpec parts_row() {
   return spec;
 }
 
+ParameterSpec instances_row() {
+  ParameterSpec spec = with_member(
+      {.name = "instances",
+       .type = Type::kChoice,
+       .choices = {"keep", "separate"},
+       .doc =
+           "Nodes of a glTF file that place the same mesh by rotation, translation and uniform scale. `keep`: an instance no "
+           "larger than the mean fragment stays whole as one fragment, unless it is joined to parts that it touches. The answer "
+           "then contains the mesh once, and a rotated and scaled node for each such instance. A hit cuts an instance like any "
+           "other fragment; its pieces have their own meshes. `separate`: instances are parts like others, and each fragment has "
+           "its own mesh. With `parts=apart`, `pivot=source` and `dual=barycenter`, each fragment has its own mesh, too."},
+      [](auto& r) -> auto& { return r.fracture.instances; });
+  spec.matters = [](const RequestParameters& r) { return r.fracture.instances != InstanceUse::kKeep; };
+  return spec;
+}
+
 void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   rows.push_back(fragments_row(max_sites));
   rows.push_back(parts_row());
+  rows.push_back(instances_row());
   const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
     rows.push_back(with_member(
         {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));

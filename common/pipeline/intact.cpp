@@ -28,7 +28,7 @@ Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& 
   count_overlaps_once(solid, together, set, execution);
   if (!parameters.assigned.empty())
     weigh_assigned(solid, parameters, choose_assigned(solid, parameters, execution), together, set,
-                   execution);
+                   made->whole_bonds, execution);
   // Static colliders never collide with each other, so their hulls need no rest.
   CollisionHulls hulls;
   if (parameters.hulls == Hulls::kConvex)

@@ -17,6 +17,7 @@
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/solid/contact_graph.hpp"
+#include "common/solid/instances.hpp"
 #include "common/solid/vertex_id.hpp"
 
 namespace fracture {
@@ -148,6 +149,7 @@ struct SolidReport {
   bool operator==(const SolidReport&) const = default;
 };
 
+struct Scenery;  // contacts/scenery.hpp
 struct Solid;
 
 /// The sheets that a solid's answer keeps: triangles of the source as they are in the file.
@@ -189,6 +191,10 @@ struct Solid {
   std::shared_ptr<const ContactGraph> contacts{};
   /// Null if there are none, and in images and patches.
   std::shared_ptr<const Sheets> sheets{};
+  /// Null until keep_instances() (solid/instances.hpp), or if there are none. Copies share it; images and patches have none.
+  std::shared_ptr<const Instances> instances{};
+  /// Null until keep_scenery() (contacts/scenery.hpp), or if there are none. Copies share it; images and patches have none.
+  std::shared_ptr<const Scenery> scenery{};
 
   /// The remarks of the importer, followed by those of make_solid().
   Remarks remarks() const;

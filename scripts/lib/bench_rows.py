@@ -16,7 +16,7 @@ import time
 
 NUMBER = r"([\d.]+)"
 LONGEST = 900  # maximum seconds for one run of a program
-MOST_SITES, HIT_SITES = 100_000, 30  # maximum sites of a request (common/pipeline); sites that a hit of bench_local_impact adds
+MOST_SITES, HIT_SITES = 100_000, 30  # maximum sites of a request (common/pipeline); cells of a hit of bench_local_impact
 
 
 class Unknown(Exception):
@@ -151,12 +151,14 @@ def stage(name, threads=1):
 
 # -- hits
 
-def hit(cells):
+def hit(cells, line="without the untouched", hulls=False):
+    """A hit on a stored answer. `line`: the time to take, of the changed fragments or ("a hit") of the whole answer."""
     def ask(bench, build):
         sites = min(cells, MOST_SITES - HIT_SITES)
         text, peak = run([build.program("bench_local_impact"), "--sites", sites, "--repeat", 2 if sites > 9999 else 7,
-                          "--hulls", 0])
-        return Sample(float(found(rf"^without hulls:[^$]*?without the untouched {NUMBER} ms", text)[1]), peak=peak)
+                          "--hulls", int(hulls)])
+        kind = "with" if hulls else "without"
+        return Sample(float(found(rf"^{kind} hulls:[^$]*?{line} {NUMBER} ms", text)[1]), peak=peak)
     return ask
 
 
@@ -244,6 +246,8 @@ def all_rows():
     for cells, goal, before in ((300, 2.5, 3.3), (3000, 3, 10), (30000, 6, 140), (100000, 12, 820)):
         rows.append(Row("hit", f"in {cells} cells", {"ours": hit(cells)}, goal_last=before / goal, quick=cells == 3000,
                         rounds=2 if cells > 9999 else 0))
+    rows.append(Row("hit", "in 300 cells, whole answer", {"ours": hit(300, "a hit")}))
+    rows.append(Row("hit", "in 300 cells, hulls", {"ours": hit(300, hulls=True)}))
     for size, threads, goal in (("1M", 1, 60), ("4M", 1, 260), ("1M", 2, 40), ("4M", 2, 170)):
         rows.append(Row("prepare", f"{size} triangles", {"ours": stage(f"prepare_{size}", threads)}, threads=threads, target=goal, rounds=3))
     giant = {"ours": stage("giant_100k")}

@@ -1,9 +1,11 @@
 #include "server/import_worker/mesh_codec.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "common/base/json_reader.hpp"
 #include "common/import/text_encoding.hpp"
@@ -15,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x34524d46;  // "FMR4"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x35524d46;  // "FMR5"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -70,6 +72,14 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
     out.value(group.parent);
   }
   out.array(mesh.group_of_node);
+  std::vector<std::uint32_t> meshes;  // two arrays, because MeshInstance has padding
+  std::vector<std::array<Vec3d, 4>> transforms;
+  for (const MeshInstance& instance : mesh.instances) {
+    meshes.push_back(instance.mesh);
+    transforms.push_back({instance.x, instance.y, instance.z, instance.t});
+  }
+  out.array(meshes);
+  out.array(transforms);
   const MaterialLibrary& library = *mesh.library;
   for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
   out.value<std::uint64_t>(library.images.size());
@@ -163,6 +173,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
           "the group is not given for every node");
   for (const std::uint32_t group : mesh.group_of_node)
     require(group < mesh.groups.size() || group == kNoIndex, "a node names no group");
+  require(mesh.instances.empty() || mesh.instances.size() == mesh.node_names.size(),
+          "the instance is not given for every node");
   const std::size_t materials = mesh.library->materials.size();
   for (const std::uint32_t slot : mesh.material)
     require(slot < materials || slot == kNoIndex, "a triangle names no material");
@@ -192,6 +204,13 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
     require(is_utf8(group.name), "a text is not UTF-8");
   }
   mesh.group_of_node = in.array<std::uint32_t>();
+  const std::vector<std::uint32_t> meshes = in.array<std::uint32_t>();
+  const std::vector<std::array<Vec3d, 4>> transforms = in.array<std::array<Vec3d, 4>>();
+  require(meshes.size() == transforms.size(), "the transform is not given for every instance");
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const auto& [x, y, z, t] = transforms[k];
+    mesh.instances.push_back({meshes[k], x, y, z, t});
+  }
   MaterialLibrary library;
   library.materials = read_objects(in, limits);
   library.textures = read_objects(in, limits);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/contacts/contacts.hpp"
+#include "common/contacts/scenery.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -35,6 +36,8 @@ class LibraryEngine final : public FractureEngine {
     if (!solid) return solid;
     const StageProgress::Part part(execution.within, 1);
     keep_contacts(*solid, options.contact_gap, execution);
+    keep_instances(*solid, execution);
+    keep_scenery(*solid, options, execution);
     return solid;
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,

@@ -299,9 +299,9 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"BondIsNowhere", [](GlbParts& p) { bonds(p).erase("centroid"); }, ErrorCode::kMalformedMesh},
         Spoilt{"BondStrengthNegative", [](GlbParts& p) { bonds(p)["strength"] = {-1.0}; },
                ErrorCode::kMalformedMesh},
-        Spoilt{"ScaledNode",
+        Spoilt{"UnevenlyScaledNode",
                [](GlbParts& p) {
-                 p.json["nodes"][1]["scale"] = {2, 2, 2};
+                 p.json["nodes"][1]["scale"] = {2, 2, 1};
                },
                ErrorCode::kMalformedMesh},
         Spoilt{"RestitutionAboveOne",

@@ -117,9 +117,13 @@ TEST(Answer, WhatContradictsItselfIsRefusedAndSaysWhy) {
       {"no nodes[99]", [](json& d) { d["nodes"][0]["children"][0] = 99; }},
       {"not a tree", [](json& d) { d["nodes"][0]["children"][0] = 0; }},
       {"not a tree", [](json& d) { d["nodes"][0]["children"][1] = 1; }},
-      {"rotation",
+      {"turned or scaled",
        [](json& d) {
-         d["nodes"][1]["rotation"] = {0, 0, 0, 1};
+         d["nodes"][0]["rotation"] = {0, 0, 0, 1};
+       }},
+      {"scaled uniformly",
+       [](json& d) {
+         d["nodes"][1]["scale"] = {1, 2, 1};
        }},
       {"no meshes[7000]", [](json& d) { d["nodes"][1]["mesh"] = 7000; }},
       {"'mesh'", [](json& d) { d["nodes"][1]["mesh"] = -1; }},

@@ -188,8 +188,8 @@ class Answer:
         """Hits this answer one or more times. Returns an answer with all fragments; its `delta` lists the changes.
 
         point       centre of the hit in the answer's frame (m, y up): (x, y, z), or a list of such points for several hits
-        radius      reach of the hit (m): one number for all hits, or a list with one per hit
-        sites       number of cells that the hit adds (server default: 30): one number for all hits, or a list with one per hit
+        radius      radius of the hit (m); nothing is cut beyond 1.25 times the radius. One number for all hits, or a list with one per hit
+        sites       number of cells that cut the fragments there (server default: 30): one number for all hits, or a list with one per hit
         timeout     seconds for everything, retries included; None: the client's
         realtime    True: computed before batch work, with the server's short deadline (2 s by default); None: the client's setting
         parameters  `gravity` and `broken`; with delta="none" also parameters that affect neither the mesh nor the cells

@@ -23,7 +23,7 @@ export interface AnswerHead {
 }
 
 export interface HitOptions extends FractureOptions {
-  /** Number of sites that a hit adds: one number for all hits, or one per hit. Default: the server's, 30. */
+  /** Number of cells of a hit, which cut fragments into pieces: one number for all hits, or one per hit. Default: the server's, 30. */
   sites?: number | readonly number[];
   /** Further parameters of a hit: `gravity`, `broken`. */
   parameters?: Parameters;

@@ -4,8 +4,10 @@
 The server itself is the judge: the same hit with delta=stated has every fragment.
 """
 import copy
+import math
 import os
 import pathlib
+import struct
 import unittest
 
 from support import Client, FaultServer, WithServer, box_obj, caught, digest, answer as http_answer, figures, main, problem, \
@@ -25,6 +27,25 @@ def values(fragment):
     return (fragment.translation, fragment.volume, fragment.mass, fragment.area, fragment.exterior_area, fragment.center_of_mass,
             fragment.inertia_diagonal, fragment.inertia_orientation, fragment.anchored, fragment.part, fragment.sites, primitives,
             hulls, sheet)
+
+
+def boxes_glb():
+    """Nine nodes that place a unit cube, 4 m apart, with different turns about y and scales. The fifth one is the largest."""
+    corners = [(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]  # counter-clockwise from outside
+    indices = [corner for a, b, c, d in sides for corner in (a, b, c, a, c, d)]
+    binary = struct.pack("<24f", *(value for corner in corners for value in corner)) + struct.pack("<36H", *indices)
+    nodes = []
+    for k in range(9):
+        scale = 1.4 if k == 4 else 0.8 + 0.05 * k
+        nodes.append({"mesh": 0, "name": "box", "translation": [4 * (k % 3), 0, 4 * (k // 3)], "scale": [scale] * 3,
+                      "rotation": [0, math.sin(0.35 * k), 0, math.cos(0.35 * k)]})
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}]
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+                 {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}]
+    return glb.pack({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(9))}], "nodes": nodes,
+                     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "accessors": accessors,
+                     "bufferViews": views}, binary)
 
 
 def bonds(answer):
@@ -96,7 +117,7 @@ class Hits(WithServer):
         names = mesh.report["nodes"]
         self.assertEqual(len(names), 2)
         for more in ({"nodes": [names[0]]}, {"pivot": "source"}, {"interior_color": "#ff0000"}, {"interior_crushed": 0.9},
-                     {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.02}, {"intact": "true"}):
+                     {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.004}, {"intact": "true"}):
             with self.subTest(**more):
                 self.hit_twice(mesh, sites=20, **more)
 
@@ -111,6 +132,15 @@ class Hits(WithServer):
                 self.assertEqual(bool(carried), "sheets" not in more)
                 self.assertFalse(any(primitive.interior for primitive in carried))
                 self.assertAlmostEqual(again.certificate["sheet_area_out"], 1, delta=1e-5)
+
+    def test_instances(self):
+        mesh = self.client.put(boxes_glb(), format="glb")
+        for more in ({}, {"physics": "omi"}, {"ue_collision": "ucx"}, {"physics": "none"}, {"pivot": "source"}):
+            with self.subTest(**more):
+                first, merged, again = self.hit_twice(mesh, fragments=3, **more)
+                counted = [answer.report.get("instances") for answer in (first, merged, again)]
+                expected = [{"fragments": n, "shapes": 1} for n in (9, 8, 8)]  # the hits cut the fifth box
+                self.assertEqual(counted, [None] * 3 if "pivot" in more else expected)
 
     def test_answers_that_are_about_all_fragments_come_as_a_whole(self):
         mesh = self.client.put(box_obj(), format="obj")

@@ -195,6 +195,7 @@ const std::vector<Case> kIdle = {
     {"tilt", "20", R"({"pattern": "slice", "normals": [[1, 0, 0], [0, 1, 0]]})"},
     {"impacts", "[[0, 0.5, 0.4], [2, 0.5, 0.4]]", R"({"pattern": "radial"})"},
     {"parts", "\"apart\""},
+    {"instances", "\"separate\""},
     {"contact_gap", "0.01"},
     {"contact_strength", "0.5"},
     {"gravity", "[0, -3, 0]"},
@@ -267,34 +268,17 @@ TEST(Effects, AValueWithoutEffectIsNamedInTheReport) {
 }
 
 TEST(Effects, EveryParameterHasACase) {
-  // Tested elsewhere: they need other meshes (materials, sheets, colours) or earlier answers, or two of them
+  // Tested elsewhere: they need other meshes (materials, sheets, colours, instances) or earlier answers, or two of them
   // are one value.
-  std::set<std::string> known{"format",
-                              "repair",
-                              "thickness",
-                              "weld_tolerance",
-                              "materials",
-                              "density_from",
-                              "sheets",
-                              "assign",
-                              "exterior",
-                              "interior",
-                              "interior_material",
-                              "interior_mix",
-                              "interior_shade",
-                              "interior_crushed",
-                              "levels",
-                              "keep_center",
-                              "keep_radius",
-                              "local_point",
-                              "local_radius",
-                              "of",
-                              "delta",
-                              "local_new",
-                              "fragment",
-                              "fragment_sites",
-                              "fragment_seed",
-                              "hull_excess"};
+  std::set<std::string> known{"format",         "repair",         "thickness",
+                              "weld_tolerance", "materials",      "density_from",
+                              "sheets",         "assign",         "instances",
+                              "exterior",       "interior",       "interior_material",
+                              "interior_mix",   "interior_shade", "interior_crushed",
+                              "levels",         "keep_center",    "keep_radius",
+                              "local_point",    "local_radius",   "of",
+                              "delta",          "local_new",      "fragment",
+                              "fragment_sites", "fragment_seed",  "hull_excess"};
   for (const Case& c : kCases) known.insert(c.parameter);
   const ParameterTable table(1'000, FormatSet());
   for (const ParameterSpec& row : table.specs())

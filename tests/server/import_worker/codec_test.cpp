@@ -33,6 +33,7 @@ Mesh full_mesh() {
   mesh.node_names = {"left", "r\xc3\xa9"};
   mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
   mesh.group_of_node = {1, kNoIndex};
+  mesh.instances = {{3, {0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, {1, -0.5, 1e300}}, {}};
   mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
   MaterialLibrary library;
   library.materials =
@@ -83,6 +84,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.node_names, mesh.node_names);
   EXPECT_EQ(back.groups, mesh.groups);
   EXPECT_EQ(back.group_of_node, mesh.group_of_node);
+  EXPECT_EQ(back.instances, mesh.instances);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
   EXPECT_EQ(back.library->materials.dump(), mesh.library->materials.dump());
   EXPECT_EQ(back.library->images[0].bytes, mesh.library->images[0].bytes);
@@ -131,6 +133,7 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));
+  EXPECT_THAT(broken([](Mesh& m) { m.instances.pop_back(); }), HasSubstr("instance"));
   EXPECT_THAT(broken([](Mesh& m) {
                 MaterialLibrary library;
                 library.materials = {5};
