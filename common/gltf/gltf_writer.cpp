@@ -83,6 +83,7 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
 TextRange write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
                      const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
   json.begin_object().member("name", "Fracture");
+  write_offset(json, *fractured.set.source);
   if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
     for (const std::size_t node : clusters.roots()) json.value(node);

@@ -87,7 +87,9 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   const std::size_t first_part = first_node_ + 1, first_child = first_part + names_.size();
   std::size_t children_before = 0;
   for (std::size_t k = 0; k < names_.size(); ++k) children_before += children(k);
-  json.begin_object().member("name", root_name_).key("children").begin_array();
+  json.begin_object().member("name", root_name_);
+  write_offset(json, *fractured_.set.source);
+  json.key("children").begin_array();
   for (std::size_t k = 0; k < names_.size(); ++k) json.value(first_part + k);
   for (std::size_t k = 0; k < whole_names_.size(); ++k) json.value(first_child + children_before + k);
   json.end_array().key("extras").begin_object().key("intact").begin_object();

@@ -8,6 +8,10 @@
 
 namespace fracture {
 
+void write_offset(JsonText& json, const Mesh& source) {
+  if (!(source.frame.offset == Vec3d{})) json.member("translation", source.frame.offset);
+}
+
 const InstancedBodies::Body* instance_in_file(const FracturedSolid& fractured, const GltfOptions& options,
                                               std::size_t fragment) {
   const InstancedBodies::Body* const body = fractured.instances.of(fragment);

@@ -8,9 +8,14 @@
 #include <vector>
 
 #include "common/gltf/gltf_writer.hpp"
+#include "common/gltf/json_text.hpp"
 #include "common/physics/collision_filters.hpp"
 
 namespace fracture {
+
+/// Writes the translation of a root node: the offset of the source's positions (SourceFrame::offset). Writes nothing if it is
+/// zero.
+void write_offset(JsonText& json, const Mesh& source);
 
 /// How the fragment's node places the shape of its instance; null if the fragment has a mesh of its own. Godot, which reads
 /// OMI_physics_body, ignores the scale of a body, so scaled instances then have their own meshes.

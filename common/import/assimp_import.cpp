@@ -11,12 +11,14 @@
 #include <new>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/words.hpp"
 #include "common/import/assimp_files.hpp"
 #include "common/import/assimp_materials.hpp"
 #include "common/import/assimp_polygons.hpp"
+#include "common/import/file_positions.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/text_encoding.hpp"
@@ -126,18 +128,60 @@ std::string group_name(const aiNode& node) {
   return node.mParent == nullptr || name.starts_with('<') ? std::string() : name;
 }
 
-void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, MeshBuilder& builder) {
+Transform below(const Transform& parent, const aiNode& node) {
+  const Transform local = to_transform(node.mTransformation);
+  return parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
+}
+
+Box box_of(const aiMesh& mesh) {
+  Box box;
+  for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+    const aiVector3D& p = mesh.mVertices[v];
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) box.add(Vec3d{p.x, p.y, p.z});
+  }
+  return box;
+}
+
+/// The offset of the scene (file_positions.hpp), by the boxes of its meshes.
+Vec3d offset_of(const aiScene& scene) {
+  std::vector<Box> boxes;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) boxes.push_back(box_of(*scene.mMeshes[m]));
+  Box all;
+  std::vector<std::pair<const aiNode*, Transform>> stack{{scene.mRootNode, Transform{}}};
+  while (!stack.empty()) {
+    const auto [node, parent] = stack.back();
+    stack.pop_back();
+    const Transform world = below(parent, *node);
+    for (unsigned k = 0; k < node->mNumMeshes; ++k) {
+      if (node->mMeshes[k] >= boxes.size() || boxes[node->mMeshes[k]].empty()) continue;
+      const Box& box = boxes[node->mMeshes[k]];
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d p = world.point({(corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
+                                     (corner & 4 ? box.max : box.min).z});
+        if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) all.add(p);
+      }
+    }
+    for (unsigned k = 0; k < node->mNumChildren; ++k)
+      if (node->mChildren[k] != nullptr) stack.emplace_back(node->mChildren[k], world);
+  }
+  return offset_for(all);
+}
+
+/// `offset`: subtracted from all positions before they are rounded.
+void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, const Vec3d& offset,
+               MeshBuilder& builder) {
   struct Waiting {
     const aiNode* node;
     Transform parent;
     std::uint32_t group;  ///< of the nodes above
   };
-  std::vector<Waiting> stack{{scene.mRootNode, Transform{}, kNoIndex}};
+  Transform root;
+  root.t = root.t - offset;
+  std::vector<Waiting> stack{{scene.mRootNode, root, kNoIndex}};
   while (!stack.empty()) {
     const auto [node, parent, above] = stack.back();
     stack.pop_back();
-    const Transform local = to_transform(node->mTransformation);
-    const Transform world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
+    const Transform world = below(parent, *node);
     if (node->mNumMeshes > 0) builder.begin_node(node_name(*node), above);
     for (unsigned k = 0; k < node->mNumMeshes; ++k) {
       if (node->mMeshes[k] >= scene.mNumMeshes)
@@ -214,8 +258,10 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     if (scene->mNumAnimations > 0)
       builder.remarks().note(counted(scene->mNumAnimations, "animation was", "animations were") +
                              " left out.");
-    add_scene(*scene, materials.slot, builder);
-    const SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
+    const Vec3d offset = offset_of(*scene);
+    add_scene(*scene, materials.slot, offset, builder);
+    SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
+    frame.offset = offset;
     Expected<Mesh> mesh = builder.finish();
     if (mesh) mesh->frame = frame;
     return mesh;

@@ -1,5 +1,6 @@
 #include "common/mesh/frame.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -32,6 +33,13 @@ void turn(Vector& v) {
   v.z = 0 - y;
 }
 
+/// The shortest digits that read back as the same double, without the locale.
+std::string written(double value) {
+  char text[350];  // the largest double has 309 digits
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed).ptr;
+  return {text, end};
+}
+
 }  // namespace
 
 const char* name_of(FrameReport::From from) {
@@ -50,6 +58,11 @@ void to_json(nlohmann::json& document, const FrameReport& frame) {
               {"unit_from", name_of(frame.unit_from)},
               {"up", frame.z_up ? "z" : "y"},
               {"up_from", name_of(frame.up_from)}};
+  if (!(frame.offset == Vec3d{})) document["offset"] = {frame.offset.x, frame.offset.y, frame.offset.z};
+}
+
+std::string to_text(const Vec3d& place) {
+  return "(" + written(place.x) + ", " + written(place.y) + ", " + written(place.z) + ")";
 }
 
 Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
@@ -68,7 +81,9 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
                         std::to_string(metres) + " m).",
                     "unit", {{"vertex", v}});
     }
+  Vec3d offset = metres * mesh.frame.offset;
   if (z_up) {
+    turn(offset);
     for (Vec3f& p : mesh.positions) turn(p);
     for (Vec3f& n : mesh.attributes.normals) turn(n);
     for (Vec4f& t : mesh.attributes.tangents) turn(t);
@@ -85,8 +100,16 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
   const FrameReport report{.metres_per_unit = metres,
                            .unit_from = from(unit_asked, mesh.frame.metres_stated),
                            .z_up = z_up,
-                           .up_from = from(up_asked, mesh.frame.up_stated)};
-  mesh.frame = {.metres = 1, .metres_stated = true, .z_up = false, .up_stated = true};
+                           .up_from = from(up_asked, mesh.frame.up_stated),
+                           .offset = offset};
+  mesh.frame = {
+      .metres = 1, .metres_stated = true, .z_up = false, .up_stated = true, .offset = report.offset};
+  if (!(offset == Vec3d{}))
+    mesh.remarks.note(
+        "The mesh is so far from its origin that floats are too coarse there. So the answer's root node is at " +
+        to_text(offset) +
+        " m, and all places in the answer and its report are relative to this point. Places in parameters "
+        "are not: they have the origin of the file.");
   return report;
 }
 

@@ -67,8 +67,8 @@ struct MeshInstance {
 };
 
 struct Mesh {
-  /// Per wedge, right-handed, in the frame of the scene's root. For an imported mesh, metres and y up only
-  /// after to_metres_y_up() (mesh/frame.hpp).
+  /// Per wedge, right-handed, in the frame of the scene's root, less frame.offset. For an imported mesh, metres and y up
+  /// only after to_metres_y_up() (mesh/frame.hpp).
   std::vector<Vec3f> positions;
   SourceFrame frame;
   Attributes attributes;

@@ -1,6 +1,7 @@
 #include "common/outputs/answer.hpp"
 
 #include "common/gltf/container.hpp"
+#include "common/mesh/frame.hpp"
 #include "common/mesh/gltf_component.hpp"
 #include "common/outputs/answer_document.hpp"
 
@@ -110,7 +111,10 @@ class Reader {
     seen_[index] = true;
     const bool turned = node.contains("rotation") || node.contains("scale");
     if (node.contains("matrix")) throw Broken{"node " + std::to_string(index) + " has a matrix"};
-    if (const auto by = node.find("translation"); by != node.end())
+    const auto by = node.find("translation");
+    if (by != node.end() && depth == 0)
+      answer_.offset = {by->at(0).get<double>(), by->at(1).get<double>(), by->at(2).get<double>()};
+    else if (by != node.end())
       place = {place.x + by->at(0).get<float>(), place.y + by->at(1).get<float>(),
                place.z + by->at(2).get<float>()};
     const bool fragment = is_fragment(node);
@@ -259,6 +263,10 @@ std::size_t Object::triangles() const {
   std::size_t sum = 0;
   for (const Primitive& primitive : primitives) sum += primitive.indices.size() / 3;
   return sum;
+}
+
+std::string Answer::offset_text() const {
+  return offset == Vec3d{} ? std::string() : "offset " + to_text(offset);
 }
 
 std::size_t Answer::vertices() const {

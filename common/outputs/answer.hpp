@@ -73,7 +73,7 @@ struct Object {
   std::string name;                 ///< unique among objects; ASCII letters, digits and _
   std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: another object
   bool carried = false;             ///< sheets of the fragment before it
-  Vec3f place;                      ///< translation of the node, added to its positions
+  Vec3f place;                      ///< translation of the node below the root, added to its positions
   std::optional<Similarity>
       turned{};  ///< of the node of an instance: rotation, scale and translation; none: only `place`
   Floats positions, normals, colors;
@@ -83,7 +83,7 @@ struct Object {
   bool manifold = false;
   Indices merge_corners, merge_vertices;
 
-  /// Position in the frame of the scene, metres. Exact, because the pivots were chosen for this (I2): points
+  /// Position in the frame of the root node, metres. Exact, because the pivots were chosen for this (I2): points
   /// that two fragments share have the same bits in both. Instances share no points; theirs are rounded.
   Vec3f position(std::size_t vertex) const {
     const Vec3f p = positions.vec3(vertex);
@@ -127,10 +127,14 @@ struct Image {
 
 struct Answer {
   std::string generator;  ///< "fracture, algorithm 14"
+  /// Translation of the root node, m. Not in Object::place, because floats are too coarse at that distance from the origin.
+  Vec3d offset{};
   std::vector<Object> objects;
   std::vector<Material> materials;
   std::vector<Image> images;
 
+  /// "offset (x, y, z)" with the fewest digits that read back as the same numbers; empty if the offset is zero.
+  std::string offset_text() const;
   std::size_t vertices() const;
   std::size_t triangles() const;
 };

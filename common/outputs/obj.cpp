@@ -69,7 +69,10 @@ class ObjWriter {
       : answer_(answer), colors_(colors), out_(sink) {}
 
   bool operator()(const std::string& materials) {
-    out_.text("# ").text(answer_.generator).text("\n# metres, y up\nmtllib ").text(materials).text("\n");
+    out_.text("# ").text(answer_.generator).text("\n# metres, y up\n");
+    if (const std::string offset = answer_.offset_text(); !offset.empty())
+      out_.text("# ").text(offset).text("\n");
+    out_.text("mtllib ").text(materials).text("\n");
     for (const Object& object : answer_.objects) {
       if (!out_.good()) break;
       write(object);

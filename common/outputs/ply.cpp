@@ -23,6 +23,8 @@ struct Columns {
 void write_head(Blocks& out, const Answer& answer, const Columns& columns) {
   out.text("ply\nformat binary_little_endian 1.0\ncomment ").text(answer.generator);
   out.text("\ncomment metres, y up\n");
+  if (const std::string offset = answer.offset_text(); !offset.empty())
+    out.text("comment ").text(offset).text("\n");
   std::int32_t fragment = 0;
   for (const Object& object : answer.objects)
     if (object.id)

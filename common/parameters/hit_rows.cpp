@@ -11,6 +11,7 @@ namespace fracture {
 namespace {
 
 using parameter_fields::kFar;
+using parameter_fields::kFarPlace;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 
@@ -76,10 +77,10 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .unit = "m",
        .min = 1,
        .max = kMostHits,
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, in the answer's coordinate frame. Each hit breaks only what is within its radius. Hits "
+           "Points where the mesh is hit, measured from the file's origin. Each hit breaks only what is within its radius. Hits "
            "are applied in order, and a later hit cuts the pieces of earlier ones. Use `local_point` for a hole or a chipped "
            "corner. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));

@@ -8,6 +8,7 @@ namespace fracture {
 namespace {
 
 using parameter_fields::kFar;
+using parameter_fields::kFarPlace;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 
@@ -167,8 +168,8 @@ ParameterSpec box_row(const char* name, const char* doc) {
                      .unit = "m",
                      .min = 2,
                      .max = 2,
-                     .low = -kFar,
-                     .high = kFar,
+                     .low = -kFarPlace,
+                     .high = kFarPlace,
                      .doc = doc};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
@@ -185,8 +186,8 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
       {.name = "keep_center",
        .type = Type::kVector,
        .unit = "m",
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc =
            "Centre of a sphere in which nothing is cut. Outside it, the mesh breaks as usual, and the sphere is a cut made of 92 "
            "flat facets. Requires `keep_radius`."},
@@ -221,8 +222,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
       .type = Type::kVectors,
       .min = 2,
       .max = 2,
-      .low = -kFar,
-      .high = kFar,
+      .low = -kFarPlace,
+      .high = kFarPlace,
       .doc =
           "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored, so they do "
           "not fall. `0,0,0;0,1,0` is the ground at height 0."};
@@ -256,8 +257,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .min = 1,
        .max = 1000,
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc = "Fragments that contain or touch one of these points are anchored."},
       [](auto& r) -> auto& { return r.fracture.anchors.points; }));
   const std::size_t support = rows.size();

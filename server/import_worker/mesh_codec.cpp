@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x34524d46;  // "FMR4"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x35524d46;  // "FMR5"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -55,6 +55,7 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.value(mesh.frame.metres);
   for (const bool flag : {mesh.frame.metres_stated, mesh.frame.z_up, mesh.frame.up_stated})
     out.value<std::uint8_t>(flag);
+  for (int axis = 0; axis < 3; ++axis) out.value(mesh.frame.offset[axis]);
   out.array(mesh.positions);
   out.array(mesh.attributes.normals);
   out.array(mesh.attributes.tangents);
@@ -144,6 +145,8 @@ bool all_finite(const std::vector<T>& values) {
 void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
   const std::size_t wedges = mesh.positions.size(), triangles = mesh.triangles.size();
   require(std::isfinite(mesh.frame.metres) && mesh.frame.metres > 0, "the unit is not a positive length");
+  for (int axis = 0; axis < 3; ++axis)
+    require(std::isfinite(mesh.frame.offset[axis]), "the offset is not finite");
   require(triangles > 0 && triangles <= limits.max_triangles, "the number of triangles is out of range");
   require(wedges < kNoIndex, "there are too many vertices");
   const auto complete = [&](const auto& values) {
@@ -183,6 +186,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.frame.metres_stated = in.value<std::uint8_t>() != 0;
   mesh.frame.z_up = in.value<std::uint8_t>() != 0;
   mesh.frame.up_stated = in.value<std::uint8_t>() != 0;
+  for (int axis = 0; axis < 3; ++axis) mesh.frame.offset[axis] = in.value<double>();
   mesh.positions = in.array<Vec3f>();
   mesh.attributes.normals = in.array<Vec3f>();
   mesh.attributes.tangents = in.array<Vec4f>();

@@ -8,6 +8,7 @@
 #include "common/parameters/effects.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "common/pipeline/below_root.hpp"
 #include "common/solid/size_check.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
@@ -58,15 +59,25 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   return options;
 }
 
-/// Returns the parameters with collision hulls if the request asks for physics or Unreal collision. A hit's answer has no
-/// unbroken mesh.
-FractureParameters with_companions(const RequestParameters& asked) {
-  FractureParameters parameters = asked.fracture;
+/// Returns the parameters for this mesh, with collision hulls if the request asks for physics or Unreal collision. A hit's
+/// answer has no unbroken mesh. Errors: those of below_root().
+Expected<FractureParameters> for_mesh(const RequestParameters& asked, const PreparedMesh& mesh) {
+  Expected<FractureParameters> placed = below_root(asked.fracture, mesh.frame.offset);
+  if (!placed) return placed;
+  FractureParameters& parameters = *placed;
   const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
   parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
   parameters.intact = asked.fracture.intact && asked.delta == DeltaAnswer::kNone;
   parameters.filters = asked.physics == Physics::kKhr ? HullFilters::kSystems : HullFilters::kNone;
-  return parameters;
+  return placed;
+}
+
+/// Says what the places in an error about a mesh are relative to. Without an offset, they are those of the file.
+Error relative_to(const Vec3d& offset, Error error) {
+  if (!(offset == Vec3d{}))
+    error.detail +=
+        " All places are relative to " + to_text(offset) + ", because the mesh is far from its origin.";
+  return error;
 }
 
 /// An execution that may hold at most `limit` bytes of memory (0: any number), unless it already has an allowance.
@@ -267,7 +278,7 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     telling.within = &progress;
     Expected<Solid> made =
         engine_->prepare(std::move(mesh), request.parameters.solid, request.parameters.hollow, telling);
-    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    if (!made) return tl::unexpected<Error>(relative_to(result->frame.offset, std::move(made.error())));
     result->solid = std::move(*made);
     measure_edges(result->solid, telling);
     SolidReport& report = result->solid.report;
@@ -283,6 +294,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
                                                       const FractureRequest& request, const RequestKeys& keys,
                                                       const Execution& execution) {
   if (execution.progress) execution.progress(Stage::kTetrahedralize, 0);
+  const Expected<FractureParameters> parameters = for_mesh(request.parameters, mesh);
+  if (!parameters) return tl::unexpected<Error>(parameters.error());
   Step<CutBase> step;
   std::shared_ptr<const CutBase> base;
   {
@@ -290,8 +303,7 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     StageProgress progress(Stage::kTetrahedralize, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    Expected<CutBase> made =
-        engine_->base(mesh.solid, with_companions(request.parameters), request.parameters.selection, telling);
+    Expected<CutBase> made = engine_->base(mesh.solid, *parameters, request.parameters.selection, telling);
     if (!made)
       return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters, mesh.solid));
     base = std::make_shared<const CutBase>(std::move(*made));
@@ -307,7 +319,9 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   if (execution.progress) execution.progress(Stage::kClip, 0);
   InteriorLook look = request.parameters.interior;
   look.has_maps = request.parameters.delta == DeltaAnswer::kOnly;
-  const FractureParameters& fracture = request.parameters.fracture;
+  const Expected<FractureParameters> placed = for_mesh(request.parameters, mesh);
+  if (!placed) return tl::unexpected<Error>(placed.error());
+  const FractureParameters& fracture = *placed;
   const std::uint32_t pieces = fracture.size.fragments > 0 ? fracture.size.fragments : fracture.sites;
   const PartOptions parts(request.parameters, mesh.solid, execution);
   auto interior = parts.interior(look, mesh.solid, pieces, execution);
@@ -317,8 +331,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     StageProgress progress(Stage::kClip, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    return engine_->cut(mesh.solid, base, with_companions(request.parameters), request.parameters.selection,
-                        telling);
+    return engine_->cut(mesh.solid, base, fracture, request.parameters.selection, telling);
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
@@ -52,6 +54,24 @@ TEST(Frame, ZUpIsTurnedSoThatTheTopIsTheTopAndNothingIsMirrored) {
   EXPECT_EQ(mesh.attributes.tangents[0], (Vec4f{0, 0, -1, -1}));
   for (const Vec3f& p : mesh.positions) EXPECT_FALSE(p.z == 0 && std::signbit(p.z));
   EXPECT_TRUE(report->z_up);
+}
+
+// (100, 200, 300) cm with z up are 1 m to the right, 3 m up and 2 m away, which is -z.
+TEST(Frame, TheOffsetIsConvertedLikeThePositionsAndStated) {
+  Mesh mesh = cube();
+  const std::size_t notes = mesh.remarks.notes.size();
+  EXPECT_FALSE(nlohmann::json(*to_metres_y_up(mesh, {})).contains("offset")) << "near the origin";
+  EXPECT_EQ(mesh.remarks.notes.size(), notes);
+  mesh = cube();
+  mesh.frame.offset = {100, 200, 300};
+  const auto report = to_metres_y_up(mesh, {.unit = LengthUnit::kCentimetre, .up = UpAxis::kZ});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->offset, (Vec3d{1, 3, -2}));
+  EXPECT_EQ(mesh.frame.offset, report->offset);
+  EXPECT_EQ(nlohmann::json(*report).at("offset"), nlohmann::json({1.0, 3.0, -2.0}));
+  ASSERT_EQ(mesh.remarks.notes.size(), notes + 1);
+  EXPECT_NE(mesh.remarks.notes.back().find("(1, 3, -2) m"), std::string::npos) << mesh.remarks.notes.back();
+  EXPECT_EQ(to_text({500000.25, -30, 4649776}), "(500000.25, -30, 4649776)");
 }
 
 TEST(Frame, TheFileIsBelievedUnlessTheRequestSaysOtherwise) {

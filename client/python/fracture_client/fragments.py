@@ -43,7 +43,7 @@ class Fragment:
     mass: float  # kg
     area: float  # m², of the whole surface
     exterior_area: float  # m², of the faces that belonged to the mesh's surface
-    center_of_mass: Vector  # m, in the frame of the scene
+    center_of_mass: Vector  # m, in the frame of the root node (see Answer.offset)
     inertia_diagonal: Optional[Vector]  # kg m², principal moments about the centre of mass; None without physics=khr
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
@@ -82,7 +82,7 @@ class Bond:
     a: int  # id of a fragment, or of a cluster in a level
     b: int
     area: float  # m²
-    centroid: Vector  # m, in the frame of the scene
+    centroid: Vector  # m, in the frame of the root node (see Answer.offset)
     normal: Vector  # from a to b, unit length; zero if the shared faces have no common plane
     strength: float  # N: the tension at which it breaks
 
@@ -104,6 +104,14 @@ def figures_of(glb: Glb) -> Dict[str, Any]:
         if "certificate" in own:
             return own
     raise damaged("no node has extras.fracture.certificate, but every answer from a fracture server does")
+
+
+def root_offset(glb: Glb) -> "Vector":
+    """Returns the translation of the node with the figures (m); (0, 0, 0) if it has none."""
+    for node in glb.list("nodes"):
+        if "certificate" in extras_of(node):
+            return _vector(node.get("translation", (0, 0, 0)))
+    return (0.0, 0.0, 0.0)
 
 
 def extras_of(node: Dict[str, Any]) -> Dict[str, Any]:

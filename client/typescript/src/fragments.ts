@@ -11,7 +11,7 @@ export interface BondColumns {
   b: number[];
   /** m² */
   area: number[];
-  /** m, in the mesh's frame. */
+  /** m, in the frame of the root node (see Answer.offset). */
   centroid: Vector3[];
   /** From a to b, unit length. */
   normal: Vector3[];
@@ -74,7 +74,7 @@ export interface Bond {
   b: number;
   /** m² */
   area: number;
-  /** m, in the frame of the mesh. */
+  /** m, in the frame of the root node (see Answer.offset). */
   centroid: Vector3;
   /** From a to b, unit length. */
   normal: Vector3;
@@ -134,7 +134,7 @@ export class Piece {
   get name(): string {
     return this.source.name ?? '';
   }
-  /** The node's origin in the frame of the mesh (m). A vertex is at translation + position. */
+  /** The node's origin in the frame of the root node (m). A vertex is at translation + position. */
   get translation(): Vector3 {
     return this.source.translation ?? [0, 0, 0];
   }
@@ -204,7 +204,7 @@ export class Fragment extends Piece {
   get exteriorArea(): number {
     return this.figures['exterior_area'];
   }
-  /** m, in the frame of the mesh. */
+  /** m, in the frame of the root node (see Answer.offset). */
   get centerOfMass(): Vector3 {
     return this.figures['center_of_mass'];
   }
@@ -313,9 +313,13 @@ function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array
 }
 
 /** Reads the data of an answer. Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
+export function rootOf(glb: Glb): GltfNode | undefined {
+  const { nodes, scenes, scene } = glb.json;
+  return nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
+}
+
 export function figuresOf(glb: Glb): Figures {
-  const { nodes, scenes, scene } = glb.json, root = nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
-  const figures = root?.extras?.['fracture'] as Figures | undefined;
+  const figures = rootOf(glb)?.extras?.['fracture'] as Figures | undefined;
   if (!figures?.parameters || !figures.certificate || !figures.bonds)
     throw localError('damaged-answer', 'The root node of this GLB has no extras.fracture, so the file is not from a fracture server.');
   return figures;

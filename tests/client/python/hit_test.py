@@ -236,6 +236,25 @@ class Parts(unittest.TestCase):
             self.assertEqual(len(server.asked), 2)
             self.assertEqual(copy.deepcopy(answer.figures), figures())
 
+    def test_a_hit_has_the_origin_of_the_file_and_the_answer_that_of_its_root(self):
+        document, binary = glb.Glb(small_glb()).document, b""
+        document["nodes"][0]["translation"] = [500000, 30, 4649776]
+        far = glb.pack(document, binary)
+        asked = []
+
+        class Mesh:
+            def fracture(self, parameters, **_):
+                asked.append(parameters)
+                return Answer(far, self)
+
+        answer = Answer(far, Mesh(), {"content-location": "/fractures/sha256:1"})
+        self.assertEqual(answer.offset, (500000, 30, 4649776))
+        self.assertEqual(Answer(small_glb()).offset, (0, 0, 0))
+        answer.hit((0.5, 1, 2), 1)
+        answer.hit([(0.5, 1, 2), (0, 0, 0)], 1)
+        self.assertEqual([each["local_point"] for each in asked],
+                         [[500000.5, 31, 4649778], [[500000.5, 31, 4649778], [500000, 30, 4649776]]])
+
 
 if __name__ == "__main__":
     main()

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';
 import { test } from 'node:test';
-import { built, Client, Glb, packGlb, refusal, FractureError, fake, answer, stored, problem } from './support.mjs';
+import { built, Client, Glb, packGlb, refusal, FractureError, fake, answer, stored, problem, glb as small } from './support.mjs';
 
 const { sha256Here, digestMatches } = await built('sha256.js');
 const { retryAfter } = await built('problems.js');
@@ -109,6 +109,17 @@ test('a GLB is read where it lies', () => {
   odd.set(glb.bytes, 1);
   assert.deepEqual([...new Glb(odd.subarray(1)).accessor(0)], [...floats]);
   for (let size = 0; size < glb.bytes.length; size += 11) assert.throws(() => new Glb(glb.bytes.subarray(0, size)), FractureError, `${size}`);
+});
+
+test('a hit has the origin of the file, and an answer that of its root', async () => {
+  const { Answer } = await built('answer.js'), { json } = new Glb(small), [root, ...others] = json.nodes, asked = [];
+  const far = packGlb({ ...json, nodes: [{ ...root, translation: [500000, 30, 4649776] }, ...others] }, new Uint8Array());
+  const mesh = { deadline: 1000, fracture: parameters => (asked.push(parameters), Promise.reject(new Error('enough'))) };
+  const head = { location: '/fractures/sha256:1' }, made = new Answer(far, head, () => mesh);
+  assert.deepEqual(made.offset, [500000, 30, 4649776]);
+  assert.deepEqual(new Answer(small, head, () => mesh).offset, [0, 0, 0]);
+  await assert.rejects(made.hit([0.5, 1, 2], 1), /enough/);
+  assert.deepEqual(asked.map(parameters => parameters.local_point), [[[500000.5, 31, 4649778]]]);
 });
 
 // -- mass

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 /// Two triangles with everything that a Mesh can have.
 Mesh full_mesh() {
   Mesh mesh;
-  mesh.frame = {0.0254, true, true, true};
+  mesh.frame = {0.0254, true, true, true, {500000, 30, 4649776.25}};
   mesh.positions = {{0, 0, 0}, {1, 0, -0.0f}, {0, 1, 0}, {0, 0, 1e-30f}};
   mesh.attributes.normals.assign(4, {0, 0, 1});
   mesh.attributes.tangents.assign(4, {1, 0, 0, -1});
@@ -74,6 +74,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(encode_reply(back), bytes);
   EXPECT_EQ(back.frame.metres, 0.0254);
   EXPECT_TRUE(back.frame.z_up && back.frame.up_stated && back.frame.metres_stated);
+  EXPECT_EQ(back.frame.offset, (Vec3d{500000, 30, 4649776.25}));
   EXPECT_TRUE(std::signbit(back.positions[1].z));
   EXPECT_EQ(back.positions[3].z, 1e-30f);
   EXPECT_EQ(back.attributes.tangents[2].w, -1);
@@ -127,6 +128,7 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.attributes.uvs[1].pop_back(); }), HasSubstr("every vertex"));
   EXPECT_THAT(broken([](Mesh& m) { m.attributes.uvs.resize(65); }), HasSubstr("too many attribute sets"));
   EXPECT_THAT(broken([](Mesh& m) { m.frame.metres = 0; }), HasSubstr("unit"));
+  EXPECT_THAT(broken([](Mesh& m) { m.frame.offset.y = INFINITY; }), HasSubstr("offset"));
   EXPECT_THAT(broken([](Mesh& m) { m.node_names[0] = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
