@@ -34,9 +34,7 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
     pacer.step(32);
     const std::string_view source =
         parts[k].node < sources.size() ? std::string_view(sources[parts[k].node]) : "mesh";
-    std::string base(ucx_ && source.starts_with("UCX_") ? 1 : 0, '_');
-    base += source;
-    names_.push_back(names.add(base, kSuffix, kRoom));
+    names_.push_back(names.add(visible_name(source), kSuffix, kRoom));
     first_hull_.push_back(first_hull_.back() +
                           (has_physics_ || ucx_ ? fractured.intact->hulls.of(k).size() : 0));
     node_count_ += children(k);
