@@ -76,6 +76,15 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
 
 }  // namespace
 
+void keep_triangles(Mesh& mesh, const std::vector<bool>& kept) {
+  Mesh result = part_of(mesh, kept, true);
+  result.given_hulls = std::move(mesh.given_hulls);
+  result.remarks = std::move(mesh.remarks);
+  result.dropped = std::move(mesh.dropped);
+  result.passed_through = std::move(mesh.passed_through);
+  mesh = std::move(result);
+}
+
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   if (selection == PartSelection{}) return {};
   SceneNames scene(mesh);
@@ -106,6 +115,7 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false));
   Mesh kept = part_of(mesh, selected, true);
   kept.remarks = std::move(mesh.remarks);
+  kept.dropped = std::move(mesh.dropped);
   kept.passed_through = std::move(rest);
   mesh = std::move(kept);
   return {};
