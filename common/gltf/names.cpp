@@ -31,6 +31,20 @@ bool is_kept(char32_t code) {
                       [&](const auto& range) { return code >= range[0] && code <= range[1]; });
 }
 
+/// Whether Godot would treat a node with this name, and a number after it, as more than a mesh. Its import hints are case-insensitive,
+/// after - or _, and may be followed by a number (Godot 4.5, "Node type customization using name suffixes").
+bool is_import_hint(std::string_view name) {
+  name = name.substr(0, name.find_last_not_of("0123456789_") + 1);
+  std::string lower;
+  for (const char c : name) lower += c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+  const std::size_t at = lower.find_last_of("-_");
+  if (at == std::string::npos) return false;
+  constexpr std::array<std::string_view, 11> kHints{"col",     "colonly", "convcol", "convcolonly",
+                                                    "noimp",   "occ",     "occonly", "navmesh",
+                                                    "vehicle", "wheel",   "rigid"};
+  return std::find(kHints.begin(), kHints.end(), std::string_view(lower).substr(at + 1)) != kHints.end();
+}
+
 }  // namespace
 
 std::string kept_name(std::string_view name, std::size_t room) {
@@ -67,10 +81,11 @@ std::vector<std::string> names_of_sources(const std::vector<std::string>& source
     const auto [at, is_new] = name_of.try_emplace(source);
     if (is_new) {
       const std::string wanted = visible_name(source);
-      std::string name = kept_name(wanted, room);
+      const std::string piece = is_import_hint(kept_name(wanted, room)) ? "_piece" : "";
+      std::string name = kept_name(wanted, room - piece.size()) + piece;
       if (!taken.insert(name).second) {
         for (std::size_t& number = last_number.try_emplace(name, 1).first->second;;) {
-          const std::string end = "_" + std::to_string(++number);
+          const std::string end = piece + "_" + std::to_string(++number);
           name = kept_name(wanted, room - end.size()) + end;
           if (taken.insert(name).second) break;
         }

@@ -22,7 +22,9 @@ std::string kept_name(std::string_view name, std::size_t room = kMaxName);
 std::string visible_name(std::string_view name);
 
 /// Returns a name for each name of a source's node, of at most `room` bytes. Equal names remain equal, and different names
-/// remain different: if kept_name() is taken, _2, _3, … is appended. Throws Interrupted.
+/// remain different: if kept_name() is taken, _2, _3, … is appended. Fragments of a "Crate-col" or a "Car_Wheel" are called
+/// "Crate-col_piece_07": without that word, Godot would add a collider to each of them, or turn it into a wheel. Throws
+/// Interrupted.
 std::vector<std::string> names_of_sources(const std::vector<std::string>& sources, std::size_t room,
                                           const Execution& execution);
 

@@ -72,14 +72,15 @@ std::optional<HullName> hull_in(std::string_view name) {
     }
     return hull;
   }
-  // Godot ignores a number at the end.
+  // Godot ignores a number at the end. It also accepts $ and _ instead of -, but "Temple_col" may be a column.
   const std::size_t end = name.find_last_not_of("0123456789 _.");
   const std::string_view text = name.substr(0, end == std::string_view::npos ? 0 : end + 1);
-  for (const std::string_view suffix : {"-col", "-colonly", "-convcol", "-convcolonly"}) {
+  for (const std::string_view suffix : {"-col", "-colonly", "-convcol", "-convcolonly", "$col", "$colonly",
+                                        "$convcol", "$convcolonly", "_colonly", "_convcol", "_convcolonly"}) {
     if (text.size() <= suffix.size() || lower(text.substr(text.size() - suffix.size())) != suffix) continue;
     const std::string owner(text.substr(0, text.size() - suffix.size()));
     return HullName{{owner + std::string(name.substr(text.size())), owner},
-                    suffix.starts_with("-conv"),
+                    suffix.substr(1).starts_with("conv"),
                     suffix.ends_with("only")};
   }
   return std::nullopt;

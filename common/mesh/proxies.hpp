@@ -16,8 +16,8 @@ enum class Proxies {
 ///
 /// - Levels of detail: "Crate_LOD1" if there is a "Crate_LOD0". They are added to Mesh::dropped.
 /// - Collision geometry, by Unreal's names (UCX_Crate, UCX_Crate_00; UBX_, USP_ and UCP_) and Godot's (Crate-col, Crate-convcol,
-///   Crate-colonly, Crate-convcolonly). The owner or a node above it is called "Crate" or "Crate_LOD0". It is added to
-///   Mesh::given_hulls, and to Mesh::dropped, because the fragments do not have it.
+///   Crate-colonly, Crate-convcolonly; also with $ or, except for -col, with _). The owner or a node above it is called "Crate"
+///   or "Crate_LOD0". It is added to Mesh::given_hulls, and to Mesh::dropped, because the fragments do not have it.
 /// - "Crate-colonly" and "Crate-convcolonly" without an owner, because they are never visible. They are added to Mesh::dropped.
 ///   But if the mesh had no other triangles, they would stay.
 ///

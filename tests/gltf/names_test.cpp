@@ -67,6 +67,14 @@ TEST(Names, OfSourcesAreNotThoseOfCollisionGeometry) {
             (std::vector<std::string>{"_UCX_a", "_UBX_a", "_USP_a", "_UCP_a", "_UCX_a_2", "UCXa"}));
 }
 
+TEST(Names, OfSourcesAreNotImportHintsOfGodot) {
+  EXPECT_EQ(names_of_sources({"Crate-col", "Car_Wheel", "wheel", "Wall$ConvCol.001", "protocol",
+                              "Crate-col_piece", "a-colour"},
+                             63, {}),
+            (std::vector<std::string>{"Crate-col_piece", "Car_Wheel_piece", "wheel", "Wall_ConvCol_001_piece",
+                                      "protocol", "Crate-col_piece_2", "a-colour"}));
+}
+
 TEST(Names, OfFiftyThousandEqualNamesCostLittle) {
   std::vector<std::string> sources;
   for (int k = 0; k < 50'000; ++k) sources.push_back(std::string(70, 'y') + std::to_string(k));

@@ -118,6 +118,11 @@ TEST(Proxies, CollisionGeometryOfGodotBecomesHulls) {
   for (const std::size_t k : {2u, 3u}) EXPECT_TRUE(mesh.given_hulls[k].convex) << k;
 }
 
+TEST(Proxies, OtherSeparatorsOfGodotCountUnlessTheNameIsAmbiguous) {
+  EXPECT_THAT(left({"Wall", "Wall$col", "Wall_colonly", "Wall_convcol"}), ElementsAre("Wall"));
+  EXPECT_THAT(left({"Temple", "Temple_col"}), ElementsAre("Temple", "Temple_col")) << "maybe a column";
+}
+
 TEST(Proxies, NamesWithoutAnOwnerAreOrdinaryUnlessTheyAreNeverVisible) {
   EXPECT_THAT(left({"UCX_Wall_00", "Floor"}), ElementsAre("UCX_Wall_00", "Floor"));
   EXPECT_THAT(left({"UCX_Wall", "UCX_Wall_00"}), ElementsAre("UCX_Wall", "UCX_Wall_00"));
