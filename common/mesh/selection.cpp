@@ -77,12 +77,13 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
 }  // namespace
 
 void keep_triangles(Mesh& mesh, const std::vector<bool>& kept) {
-  Mesh result = part_of(mesh, kept, true);
-  result.given_hulls = std::move(mesh.given_hulls);
-  result.remarks = std::move(mesh.remarks);
-  result.dropped = std::move(mesh.dropped);
-  result.passed_through = std::move(mesh.passed_through);
-  mesh = std::move(result);
+  Mesh part = part_of(mesh, kept, true);
+  mesh.positions = std::move(part.positions);
+  mesh.attributes = std::move(part.attributes);
+  mesh.triangles = std::move(part.triangles);
+  mesh.material = std::move(part.material);
+  mesh.node = std::move(part.node);
+  mesh.triangle_color = std::move(part.triangle_color);
 }
 
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
