@@ -12,20 +12,20 @@
 namespace fracture {
 namespace {
 
-struct Piece {
+struct HullPiece {
   std::vector<Vec3f> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
 /// The connected pieces, in the order of their first points.
-std::vector<Piece> pieces_of(const GivenHull& given, Pacer& pacer) {
+std::vector<HullPiece> connected_pieces(const GivenHull& given, Pacer& pacer) {
   DisjointSets sets(given.points.size());
   for (const auto& t : given.triangles) {
     pacer.step();
     sets.unite(t[0], t[1]);
     sets.unite(t[1], t[2]);
   }
-  std::vector<Piece> pieces;
+  std::vector<HullPiece> pieces;
   // The root of a set is its lowest point. So it gets its number before the others.
   std::vector<std::uint32_t> piece_of(given.points.size()), number(given.points.size());
   for (std::uint32_t p = 0; p < given.points.size(); ++p) {
@@ -54,7 +54,7 @@ FragmentHulls make_given_hulls(const GivenHull& given, double most_excess, const
   FragmentHulls made;
   ConvexHullBuilder builder;
   std::vector<std::uint32_t> index;
-  for (const Piece& piece : pieces_of(given, pacer)) {
+  for (const HullPiece& piece : connected_pieces(given, pacer)) {
     const ConvexHullBuilder::Triangles& triangles = builder.build(piece.points, kMaxHullPoints, execution);
     if (triangles.empty()) {
       if (!given.convex) return {};

@@ -201,8 +201,8 @@ std::vector<std::set<std::array<float, 3>>> colliders_of(const Glb& file, const 
 }
 
 TEST(IntactScene, CollidersAreTheGivenOnesIfTheSourceHasAny) {
-  Mesh mesh = box({0, 0, 0}, {1, 1, 1});
-  const std::vector<Mesh> shapes{box({-0.125, 0, 0}, {0.5, 1, 1}), box({0.5, 0, 0}, {1.25, 1, 1})};
+  Mesh mesh = box({0.25, 0, 0}, {1.25, 1, 1});
+  const std::vector<Mesh> shapes{box({0.125, 0, 0}, {0.75, 1, 1}), box({0.75, 0, 0}, {1.5, 1, 1})};
   for (const Mesh& shape : shapes) mesh.given_hulls.push_back(hull_of_first_node(shape));
   const Fractured made = made_of(mesh, true);
   const Glb file = written(made);
@@ -218,12 +218,13 @@ TEST(IntactScene, CollidersAreTheGivenOnesIfTheSourceHasAny) {
 }
 
 TEST(IntactScene, GivenCollidersStandForAllPartsOfTheirNode) {
-  Mesh mesh = joined({box({0, 0, 0}, {1, 1, 1}), box({3, 0, 0}, {4, 1, 1}), box({6, 0, 0}, {7, 1, 1})});
+  Mesh mesh = joined(
+      {box({0.25, 0, 0}, {1.25, 1, 1}), box({3.25, 0, 0}, {4.25, 1, 1}), box({6.25, 0, 0}, {7.25, 1, 1})});
   mesh.node_names = {"two", "one"};
   mesh.node.assign(36, 0);
   for (std::size_t t = 24; t < 36; ++t) mesh.node[t] = 1;
   mesh.material.resize(36, kNoIndex);
-  mesh.given_hulls = {hull_of_first_node(box({2.5, 0, 0}, {4.5, 1, 1}))};
+  mesh.given_hulls = {hull_of_first_node(box({2.75, 0, 0}, {4.75, 1, 1}))};
   const Glb file = written(made_of(mesh, true));
   ASSERT_EQ(parts(file).size(), 3u);
   std::size_t of_two = 0;
@@ -235,13 +236,13 @@ TEST(IntactScene, GivenCollidersStandForAllPartsOfTheirNode) {
     }
     of_two += colliders.size();
     for (const auto& points : colliders)
-      EXPECT_EQ(points.begin()->at(0), 2.5f) << "the collider is on the part that it covers";
+      EXPECT_EQ(points.begin()->at(0), 2.75f) << "the collider is on the part that it covers";
   }
   EXPECT_EQ(of_two, 1u);
 }
 
 TEST(IntactScene, FlatCollidersAreReplacedWithAWarning) {
-  Mesh mesh = box({0, 0, 0}, {1, 1, 1}), flat;
+  Mesh mesh = box({0.25, 0, 0}, {1.25, 1, 1}), flat;
   flat.positions = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}};
   flat.triangles = {{0, 2, 1}};
   mesh.given_hulls = {hull_of_first_node(flat)};

@@ -18,7 +18,7 @@ GivenHull given(const Mesh& mesh, bool convex) {
           mesh.triangles};
 }
 
-std::set<std::array<float, 3>> corners(const std::vector<Vec3f>& points) {
+std::set<std::array<float, 3>> corner_set(const std::vector<Vec3f>& points) {
   std::set<std::array<float, 3>> result;
   for (const Vec3f& p : points) result.insert({p.x, p.y, p.z});
   return result;
@@ -33,7 +33,7 @@ TEST(GivenHulls, HaveTheCornersOfTheGeometryUnmoved) {
   const Mesh cube = box({1, 2, 3}, {2, 4, 6});
   const FragmentHulls made = make_given_hulls(given(cube, true), 1.5, {});
   ASSERT_EQ(made.hulls.size(), 1u);
-  EXPECT_EQ(corners(made.hulls[0].points), corners(cube.positions));
+  EXPECT_EQ(corner_set(made.hulls[0].points), corner_set(cube.positions));
   EXPECT_EQ(made.hulls[0].triangles.size(), 12u);
   EXPECT_DOUBLE_EQ(made.volume, 6);
 }
