@@ -14,7 +14,7 @@ namespace fracture {
 
 struct WholeNode {
   std::uint32_t node;  ///< index into Mesh::node_names
-  std::string name;    ///< the source's, as ASCII; a number is added if the name is taken
+  std::string name;    ///< the source's, see kept_name(); a number is added if the name is taken
   /// Only the members that the mesh writer needs: positions in the scene's frame, attributes, indices, and
   /// primitives in material order (triangles without a material last).
   Fragment mesh;

@@ -35,15 +35,13 @@ SceneLayout::SceneLayout(const FracturedSolid& fractured, const GltfOptions& opt
                            : !first_sheet_.empty() ? kMaxName - std::string_view("_sheet").size()
                                                    : kMaxName;
   names_.reserve(count);
-  const auto& sources = set.source->node_names;
+  const std::vector<std::string> sources =
+      names_of_sources(set.source->node_names, room - fragment_suffix(count), execution);
   for (std::size_t k = 0; k < count; ++k) {
     pacer.step(4);
     const std::uint32_t node = set.fragments[k].node;
-    const std::string_view source = node < sources.size() ? std::string_view(sources[node]) : "mesh";
-    // Unreal would take a fragment whose name begins with UCX_ for collision geometry.
-    std::string base(ucx_ && source.starts_with("UCX_") ? 1 : 0, '_');
-    base += source;
-    names_.push_back(fragment_name(base, k, count, room));
+    names_.push_back(
+        fragment_name(node < sources.size() ? std::string_view(sources[node]) : "mesh", k, count));
   }
 
   if (options.physics == Physics::kKhr && has_hulls() && fractured.rest) filters_ = &fractured.rest->filters;

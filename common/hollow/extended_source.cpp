@@ -60,9 +60,11 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   mesh.group_of_node = source.group_of_node;
   mesh.instances = source.instances;
   mesh.library = source.library;
+  mesh.given_hulls = source.given_hulls;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;
   mesh.remarks = source.remarks;
+  mesh.dropped = source.dropped;
 
   const Copier copier(execution);
   copier.copy(source.positions, wedges, mesh.positions);

@@ -13,6 +13,7 @@
 #include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/dropped.hpp"
+#include "common/mesh/given_hull.hpp"
 
 namespace fracture {
 
@@ -83,7 +84,8 @@ struct Mesh {
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();
-  std::string copyright;  ///< asset.copyright of the source, copied to the output
+  std::vector<GivenHull> given_hulls{};  ///< see mesh/proxies.hpp; none until take_proxies()
+  std::string copyright;                 ///< asset.copyright of the source, copied to the output
   /// The rest of the scene, which is not fractured (mesh/selection.hpp) and is written unchanged with the
   /// fragments. Has the same frame, node_names, instances and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;

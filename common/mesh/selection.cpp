@@ -76,6 +76,16 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
 
 }  // namespace
 
+void keep_triangles(Mesh& mesh, const std::vector<bool>& kept) {
+  Mesh part = part_of(mesh, kept, true);
+  mesh.positions = std::move(part.positions);
+  mesh.attributes = std::move(part.attributes);
+  mesh.triangles = std::move(part.triangles);
+  mesh.material = std::move(part.material);
+  mesh.node = std::move(part.node);
+  mesh.triangle_color = std::move(part.triangle_color);
+}
+
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   if (selection == PartSelection{}) return {};
   SceneNames scene(mesh);
@@ -106,6 +116,7 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false));
   Mesh kept = part_of(mesh, selected, true);
   kept.remarks = std::move(mesh.remarks);
+  kept.dropped = std::move(mesh.dropped);
   kept.passed_through = std::move(rest);
   mesh = std::move(kept);
   return {};

@@ -97,7 +97,7 @@ class Reader {
       const std::uint64_t at = number_at(view, "byteOffset", 0),
                           length = number_at(view, "byteLength", kHasToBeThere);
       if (at + length > buffer_.size()) throw Broken{"an image extends beyond its buffer"};
-      const std::string name = type.starts_with("image/") ? ascii_name(type.substr(6)) : "bin";
+      const std::string name = type.starts_with("image/") ? kept_name(type.substr(6)) : "bin";
       answer_.images.push_back({"." + (name == "jpeg" ? "jpg" : name), buffer_.subspan(at, length)});
     }
   }

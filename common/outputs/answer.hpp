@@ -70,7 +70,7 @@ struct Primitive {
 
 /// A fragment, the sheets that a fragment carries, or a part of the scene that was not fractured.
 struct Object {
-  std::string name;                 ///< unique among objects; ASCII letters, digits and _
+  std::string name;                 ///< unique among objects (kept_name())
   std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: another object
   bool carried = false;             ///< sheets of the fragment before it
   Vec3f place;                      ///< translation of the node below the root, added to its positions

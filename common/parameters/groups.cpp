@@ -9,6 +9,7 @@ constexpr GroupedParameter kMesh[] = {
     {"up", "up axis, z-up, orientation, rotate"},
     {"nodes", "objects, selection, only"},
     {"materials", "material slots, slots"},
+    {"proxies", "lod, levels of detail, collision meshes, ucx, colonly, proxy geometry"},
     {"repair", "fix, close holes, fill holes, watertight, manifold"},
     {"weld_tolerance", "merge vertices, weld, crack, seam"},
     {"sheets", "planes, panes, leaves, decals, cloth, cards, open surfaces"},

@@ -291,6 +291,8 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   out.report.instances =
       cut.whole ? cut.whole->instances : count_instances(out.instances, out.instances.of_fragment);
   for (std::string& warning : warnings) out.report.remarks.warn(std::move(warning));
+  if (out.intact)
+    for (const std::string& warning : out.intact->warnings) out.report.remarks.warn(warning);
   execution.poll();
   return out;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/base/similarity.hpp"
@@ -30,8 +31,9 @@ struct Delta {
 
 /// The solid without cuts, for engines that show it until it breaks. A companion of a FragmentSet.
 struct IntactSolid {
-  std::vector<Fragment> parts;  ///< a fragment for each part, in the solid's frame (Pivot::kSource)
-  CollisionHulls hulls;         ///< of the parts
+  std::vector<Fragment> parts;          ///< a fragment for each part, in the solid's frame (Pivot::kSource)
+  CollisionHulls hulls;                 ///< of the parts
+  std::vector<std::string> warnings{};  ///< see Remarks
 };
 
 /// The fragments that are whole instances of a mesh (solid/instances.hpp). The file contains each shape once, and a node for each

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/utf8.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/mesh/material_library.hpp"
 #include "server/import_worker/byte_stream.hpp"

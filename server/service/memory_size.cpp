@@ -29,6 +29,9 @@ std::size_t memory_size(const Mesh& mesh) {
                       heap(mesh.instances) + heap(mesh.triangle_color) + heap(mesh.remarks.warnings) +
                       heap(mesh.remarks.notes) + mesh.copyright.capacity() + memory_size(*mesh.library);
   for (const NodeGroup& group : mesh.groups) bytes += group.name.capacity();
+  for (const GivenHull& hull : mesh.given_hulls)
+    bytes +=
+        sizeof hull + hull.name.capacity() + heap(*hull.owners) + heap(hull.points) + heap(hull.triangles);
   // Both meshes share the library, so it is counted twice. That does no harm.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;

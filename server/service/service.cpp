@@ -269,6 +269,7 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     result->frame = *frame;
     if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
+    if (request.parameters.proxies == Proxies::kHulls) take_proxies(*mesh);
   }
   if (execution.progress) execution.progress(Stage::kPrepare, 0);
   {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <span>
 
+#include "common/base/utf8.hpp"
 #include "common/import/decompress.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/sibling_files.hpp"

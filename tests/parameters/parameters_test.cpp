@@ -402,5 +402,12 @@ TEST(Sheets, AreInTheCanonicalFormOnlyIfTheyAreNotTheDefault) {
   EXPECT_EQ(canonical_solid_parameters(*parse_text("sheets", "solid"))["sheets"], "solid");
 }
 
+TEST(Proxies, AreInTheCanonicalFormOnlyIfTheyAreNotTheDefault) {
+  EXPECT_EQ(table().parse({})->proxies, Proxies::kHulls);
+  EXPECT_FALSE(canonical_solid_parameters(*parse_text("proxies", "hulls")).contains("proxies"));
+  EXPECT_EQ(canonical_solid_parameters(*parse_text("proxies", "geometry"))["proxies"], "geometry");
+  EXPECT_FALSE(parse_text("proxies", "none"));
+}
+
 }  // namespace
 }  // namespace fracture

@@ -17,7 +17,7 @@ from .filters import Filter, collision_filters
 from .fragments import extras_of, figures_of, fragment_nodes, sheet_meshes
 from .glb import Glb, damaged, pack
 
-NAME_ROOM = 51  # bytes for a fragment's name; common tools allow 63, and the hulls' names need the rest
+MOST_NAME = 63  # bytes; common tools cut longer names
 KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
 
 
@@ -117,9 +117,18 @@ def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> L
 def _rename(pieces: List[_Piece]) -> None:
     """Names each fragment "<node of the mesh>_007". The number makes the name unique and has as many digits as the last one."""
     width = len(str(len(pieces) - 1))
+    sheets = [sheet_meshes(piece.glb, piece.node) for piece in pieces]
+    has_hulls = any(mesh not in own for piece, own in zip(pieces, sheets) for mesh in _hull_meshes(piece))
+    # The names of hulls, colliders and sheets need the rest.
+    room = MOST_NAME - (len("_00_collider") if has_hulls else len("_sheet") if any(sheets) else 0)
     for number, piece in enumerate(pieces):
         base = str(piece.node["name"]).rpartition("_")[0]
-        piece.name = f"{base[:NAME_ROOM - 1 - width]}_{number:0{width}}"
+        piece.name = f"{_cut(base, room - 1 - width)}_{number:0{width}}"
+
+
+def _cut(text: str, size: int) -> str:
+    """Cuts a text to `size` bytes in UTF-8, at the end of a character."""
+    return text.encode("utf-8", "replace")[:size].decode("utf-8", "ignore")
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:

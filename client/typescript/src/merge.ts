@@ -20,6 +20,28 @@ interface Source {
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_physics_shape';
 
+const encoder = new TextEncoder();
+
+/** Cuts a text to `size` bytes in UTF-8, at the end of a character. */
+function cut(text: string, size: number): string {
+  let kept = '';
+  for (const character of text) {
+    size -= encoder.encode(character).length;
+    if (size < 0) break;
+    kept += character;
+  }
+  return kept;
+}
+
+/** Returns the number of bytes for the name of a fragment. The names of its hulls, colliders and sheets, which are longer, have at most
+ *  63 bytes. */
+function nameRoom(sources: Source[]): number {
+  const hasHulls = sources.some(({ glb, node }) => [node, ...(node.children ?? []).map(child => glb.json.nodes![child]!)].some(
+    ({ extensions, name }) => extensions?.[KHR]?.collider || extensions?.[OMI]?.collider || name?.startsWith('UCX_')));
+  if (hasHulls) return 63 - '_00_collider'.length;
+  return sources.some(({ glb, node }) => sheetNodeOf(glb, node) !== undefined) ? 63 - '_sheet'.length : 63;
+}
+
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
 
 /** Returns the merged GLB. Undefined if it would not match the certificate; the caller must then request the whole answer. */
@@ -112,8 +134,8 @@ function withPairs({ filtered: _, ...figures }: Figures, pairs: [number, number]
 }
 
 function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds: BondColumns, pairs: [number, number][]): Uint8Array {
-  const width = String(sources.length - 1).length;
-  const nameOf = (name: string, k: number) => `${name.replace(/_\d+$/, '').slice(0, 62 - width)}_${String(k).padStart(width, '0')}`;
+  const width = String(sources.length - 1).length, room = nameRoom(sources) - 1 - width;
+  const nameOf = (name: string, k: number) => `${cut(name.replace(/_\d+$/, ''), room)}_${String(k).padStart(width, '0')}`;
   const copier = new MeshCopier(), numbers = new Map<string, number>(), listed: object[] = [];
   const filters = collisionFilters(sources.length, pairs).map(filter => {  // numbered in the order of their first fragments
     if (!filter) return undefined;

@@ -70,7 +70,7 @@ class Hits(WithServer):
         self.assertEqual(bonds(merged), bonds(stated))
         names = [node["name"] for node in merged._file.document["nodes"]]
         self.assertEqual(len(set(names)), len(names))
-        self.assertLessEqual(max(map(len, names)), 63)
+        self.assertLessEqual(max(len(name.encode()) for name in names), 63)
         for key, value in stated._file.document.items():  # everything except nodes, meshes and buffers, word for word
             if key not in ("nodes", "meshes", "accessors", "bufferViews", "extensions"):
                 self.assertEqual(merged._file.document[key], value, key)
@@ -120,6 +120,14 @@ class Hits(WithServer):
                      {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.004}, {"intact": "true"}):
             with self.subTest(**more):
                 self.hit_twice(mesh, sites=20, **more)
+
+    def test_long_names_in_other_scripts(self):
+        mesh = self.client.put(box_obj(extra="o T\u00fcr_" + "\u684c\u5b50" * 20), format="obj")
+        for more in ({}, {"physics": "none"}, {"ue_collision": "ucx"}):
+            with self.subTest(**more):
+                first, _, again = self.hit_twice(mesh, sites=9, **more)
+                for answer in (first, again):
+                    self.assertTrue(all(fragment.name.startswith("T\u00fcr_\u684c\u5b50") for fragment in answer.fragments))
 
     def test_sheets(self):
         pane = "v 0 1.2 0\nv 1 1.2 0\nv 1 1.2 1\nv 0 1.2 1\nf 9 10 11 12\n".encode()

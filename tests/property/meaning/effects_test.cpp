@@ -270,15 +270,34 @@ TEST(Effects, AValueWithoutEffectIsNamedInTheReport) {
 TEST(Effects, EveryParameterHasACase) {
   // Tested elsewhere: they need other meshes (materials, sheets, colours, instances) or earlier answers, or two of them
   // are one value.
-  std::set<std::string> known{"format",         "repair",         "thickness",
-                              "weld_tolerance", "materials",      "density_from",
-                              "sheets",         "assign",         "instances",
-                              "exterior",       "interior",       "interior_material",
-                              "interior_mix",   "interior_shade", "interior_crushed",
-                              "levels",         "keep_center",    "keep_radius",
-                              "local_point",    "local_radius",   "of",
-                              "delta",          "local_new",      "fragment",
-                              "fragment_sites", "fragment_seed",  "hull_excess"};
+  std::set<std::string> known{"format",
+                              "repair",
+                              "thickness",
+                              "weld_tolerance",
+                              "materials",
+                              "density_from",
+                              "sheets",
+                              "proxies",
+                              "assign",
+                              "instances",
+                              "exterior",
+                              "interior",
+                              "interior_material",
+                              "interior_mix",
+                              "interior_shade",
+                              "interior_crushed",
+                              "levels",
+                              "keep_center",
+                              "keep_radius",
+                              "local_point",
+                              "local_radius",
+                              "of",
+                              "delta",
+                              "local_new",
+                              "fragment",
+                              "fragment_sites",
+                              "fragment_seed",
+                              "hull_excess"};
   for (const Case& c : kCases) known.insert(c.parameter);
   const ParameterTable table(1'000, FormatSet());
   for (const ParameterSpec& row : table.specs())
