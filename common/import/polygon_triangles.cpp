@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "common/base/execution.hpp"
-#include "common/solid/loop_triangulation.hpp"
+#include "common/mesh/loop_triangulation.hpp"
 
 namespace fracture {
 namespace {

@@ -16,7 +16,7 @@ inline constexpr double kFlat = 1e-3;
 bool flat_with_reflex_corner(std::span<const Vec3d> corners);
 
 /// Appends the n - 2 triangles of a polygon with n >= 3 corners, in its direction: corner k has the number first + k. Flat
-/// polygons with a reflex corner are divided like holes (solid/loop_triangulation.hpp; Barequet & Sharir 1995, Meisters 1975).
+/// polygons with a reflex corner are divided like holes (mesh/loop_triangulation.hpp; Barequet & Sharir 1995, Meisters 1975).
 /// Corners that are not finite give a fan.
 void append_polygon(std::span<const Vec3d> corners, std::uint32_t first,
                     std::vector<std::array<std::uint32_t, 3>>& triangles);

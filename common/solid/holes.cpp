@@ -5,7 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
-#include "common/solid/loop_triangulation.hpp"
+#include "common/mesh/loop_triangulation.hpp"
 #include "common/solid/polled.hpp"
 #include "common/solid/seams.hpp"
 

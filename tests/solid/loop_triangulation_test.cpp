@@ -1,4 +1,4 @@
-#include "common/solid/loop_triangulation.hpp"
+#include "common/mesh/loop_triangulation.hpp"
 
 #include <gtest/gtest.h>
 
