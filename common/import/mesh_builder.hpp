@@ -35,6 +35,7 @@ class MeshBuilder {
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }
+  std::vector<Dropped>& dropped() { return mesh_.dropped; }
   void set_library(MaterialLibrary library);
   void set_copyright(std::string copyright) { mesh_.copyright = std::move(copyright); }
 

@@ -12,6 +12,7 @@
 #include "common/base/id.hpp"
 #include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
+#include "common/mesh/dropped.hpp"
 
 namespace fracture {
 
@@ -73,7 +74,9 @@ struct Mesh {
   /// The rest of the scene, which is not fractured (mesh/selection.hpp) and is written unchanged with the
   /// fragments. Has the same frame, node_names and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;
-  Remarks remarks;  ///< what the importer changed or left out (baked skins, animations left out, …)
+  Remarks remarks;  ///< what the importer changed (baked skins, …)
+  std::vector<Dropped>
+      dropped;  ///< what the importer left out (lights, animations, …); see shorten_dropped()
 };
 
 }  // namespace fracture

@@ -105,6 +105,7 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false));
   Mesh kept = part_of(mesh, selected, true);
   kept.remarks = std::move(mesh.remarks);
+  kept.dropped = std::move(mesh.dropped);
   kept.passed_through = std::move(rest);
   mesh = std::move(kept);
   return {};

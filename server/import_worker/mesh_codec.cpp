@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x33524d46;  // "FMR3"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x34524d46;  // "FMR4"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -82,6 +82,9 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.text(mesh.copyright);
   write_texts(out, mesh.remarks.warnings);
   write_texts(out, mesh.remarks.notes);
+  out.value<std::uint64_t>(mesh.dropped.size());
+  for (const Dropped& entry : mesh.dropped)
+    for (const std::string* text : {&entry.what, &entry.name, &entry.reason}) out.text(*text);
 }
 
 void require(bool promise, const char* what) {
@@ -206,6 +209,12 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   require(is_utf8(mesh.copyright), "the copyright is not UTF-8");
   mesh.remarks.warnings = read_texts(in);
   mesh.remarks.notes = read_texts(in);
+  mesh.dropped.resize(in.length(3 * sizeof(std::uint64_t)));
+  for (Dropped& entry : mesh.dropped)
+    for (std::string* text : {&entry.what, &entry.name, &entry.reason}) {
+      *text = in.text();
+      require(is_utf8(*text), "a text is not UTF-8");
+    }
   require(in.at_end(), "the mesh ends early or late");
   check_mesh(mesh, limits);
   return mesh;

@@ -22,6 +22,7 @@ struct AnswerSummary {
   bool partition = true;  ///< fragments are a partition; false: only closed (dual=barycenter)
   bool judged = true;     ///< false: the server that made it did not count caps without a mirror image
   Remarks remarks;
+  std::vector<Dropped> dropped{};  ///< what the source contains and the answer does not
 };
 
 AnswerSummary summary_of(const FracturedSolid& fractured);

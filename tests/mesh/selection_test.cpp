@@ -34,6 +34,7 @@ Mesh scene() {
   mesh.attributes.uvs.emplace_back();
   for (const Vec3f& p : mesh.positions) mesh.attributes.uvs[0].push_back({p.x, p.y});
   mesh.remarks = {{"kept"}, {"kept too"}};
+  mesh.dropped = {{"light", "Lamp", "why"}};
   return mesh;
 }
 
@@ -73,6 +74,7 @@ TEST(Selection, ANameStandsForEveryNodeOfThatNameAndTheRestPassesThrough) {
   EXPECT_EQ(mesh.passed_through->library, mesh.library);
   EXPECT_EQ(mesh.passed_through->node_names[mesh.passed_through->node[0]], "wall");
   EXPECT_EQ(mesh.remarks, (Remarks{{"kept"}, {"kept too"}}));
+  EXPECT_EQ(mesh.dropped, (std::vector<Dropped>{{"light", "Lamp", "why"}}));
   for (const Mesh* part : {static_cast<const Mesh*>(&mesh), mesh.passed_through.get()})
     for (std::size_t w = 0; w < part->positions.size(); ++w)
       EXPECT_EQ(part->attributes.uvs[0][w], (Vec2f{part->positions[w].x, part->positions[w].y}));

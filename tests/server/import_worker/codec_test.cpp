@@ -47,6 +47,7 @@ Mesh full_mesh() {
   mesh.library = std::make_shared<const MaterialLibrary>(std::move(library));
   mesh.copyright = "me";
   mesh.remarks = {{"an image was left out"}, {"skins were baked"}};
+  mesh.dropped = {{"light", "L\xc3\xa9", "fragments have no lights"}, {"camera", "", "none"}};
   return mesh;
 }
 
@@ -88,6 +89,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.library->extensions_required, mesh.library->extensions_required);
   EXPECT_EQ(back.copyright, "me");
   EXPECT_EQ(back.remarks, mesh.remarks);
+  EXPECT_EQ(back.dropped, mesh.dropped);
 }
 
 TEST(MeshCodec, AnErrorComesBackWithItsFiguresButNotWithEveryCode) {
