@@ -116,6 +116,7 @@ void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t
   }
   json.key("extras").begin_object().key("fracture");
   write_fragment_extras(json, fractured, index, options);
+  write_source_extras(json, *fractured.set.source, f.node);
   json.end_object().end_object();
 }
 
@@ -157,7 +158,7 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
           .end_object();
   }
   for (std::size_t k = 0; k < whole.size(); ++k)
-    json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k).end_object();
+    write_whole_node(json, whole[k].name, layout.mesh_count() + k, whole[k].extras);
   intact.write_nodes(json, options);
   clusters.write(json, options);
   json.end_array();

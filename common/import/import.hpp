@@ -8,6 +8,7 @@
 // The preflight is needed because the loaders trust the numbers in a file. tinygltf accepts an accessor with
 // 2^31 elements. RapidJSON inside Assimp overflows the stack on 400 KB of '['. A PLY file of 186 bytes that
 // declares 10^7 vertices takes seconds. Both libraries open any local file that a uri names.
+// README.md in this folder says which features of each format are kept, applied, dropped or refused.
 #pragma once
 
 #include <cstddef>

@@ -32,6 +32,8 @@ class MeshBuilder {
   std::uint32_t add_group(std::string name, std::uint32_t parent);
   /// Begins a mesh instance in a group (kNoIndex: none). The surfaces added next belong to it.
   void begin_node(std::string name, std::uint32_t group = kNoIndex);
+  /// Sets the extras of the mesh instance begun last (Mesh::node_extras).
+  void set_extras(std::string members);
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }

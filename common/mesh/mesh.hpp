@@ -67,6 +67,9 @@ struct Mesh {
   std::vector<NodeGroup> groups{};      ///< parents come before their children
   std::vector<std::uint32_t>
       group_of_node{};  ///< per node: its innermost group, or kNoIndex; empty: no groups
+  /// Per node: the members of its extras, as JSON text without the braces ("\"hp\":120"); an empty text: none. Empty: no node
+  /// has any. Without the members `fracture` and `intact`, which answers write themselves.
+  std::vector<std::string> node_extras{};
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();

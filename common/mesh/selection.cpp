@@ -65,6 +65,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.material = gathered(mesh.material, triangles);
   part.node = gathered(mesh.node, triangles);
   part.node_names = mesh.node_names;
+  part.node_extras = mesh.node_extras;
   part.groups = mesh.groups;
   part.group_of_node = mesh.group_of_node;
   part.triangle_color = gathered(mesh.triangle_color, triangles);

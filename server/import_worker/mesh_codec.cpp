@@ -63,6 +63,7 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(mesh.node);
   out.array(mesh.triangle_color);
   write_texts(out, mesh.node_names);
+  write_texts(out, mesh.node_extras);
   out.value<std::uint64_t>(mesh.groups.size());
   for (const NodeGroup& group : mesh.groups) {
     out.text(group.name);
@@ -118,6 +119,15 @@ json read_json(ByteReader& in, const ImportLimits& limits) {
   return std::move(read->value);
 }
 
+/// The text is written into answers as it is, so it must be the members of an object.
+void check_extras(const std::string& members, const ImportLimits& limits) {
+  if (members.empty()) return;
+  const auto read = fracture::read_json("{" + members + "}", {limits.max_json_depth + 8, kMaxListBytes});
+  require(read && read->value.is_object() && !read->value.empty(), "the extras of a node are not JSON");
+  require(!read->value.contains("fracture") && !read->value.contains("intact"),
+          "the extras of a node are those of an answer");
+}
+
 json read_objects(ByteReader& in, const ImportLimits& limits) {
   json list = read_json(in, limits);
   require(list.is_array(), "a list of the material library is not an array");
@@ -159,6 +169,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
   for (std::size_t k = 0; k < mesh.groups.size(); ++k)
     require(mesh.groups[k].parent < k || mesh.groups[k].parent == kNoIndex,
             "a group of nodes is not in a tree");
+  require(mesh.node_extras.empty() || mesh.node_extras.size() == mesh.node_names.size(),
+          "the extras are not given for every node");
   require(mesh.group_of_node.empty() || mesh.group_of_node.size() == mesh.node_names.size(),
           "the group is not given for every node");
   for (const std::uint32_t group : mesh.group_of_node)
@@ -184,6 +196,8 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.node = in.array<std::uint32_t>();
   mesh.triangle_color = in.array<SurfaceColor>();
   mesh.node_names = read_texts(in);
+  mesh.node_extras = read_texts(in);
+  for (const std::string& extras : mesh.node_extras) check_extras(extras, limits);
   mesh.groups.resize(in.length(sizeof(std::uint64_t) + sizeof(std::uint32_t)));
   for (NodeGroup& group : mesh.groups) {
     group.name = in.text();

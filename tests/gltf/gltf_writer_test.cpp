@@ -71,6 +71,26 @@ TEST(GltfWriter, PrimitivesShareAttributesAndCoverTheIndicesInOrder) {
   }
 }
 
+TEST(GltfWriter, FragmentsCarryTheExtrasOfTheirSourceNodes) {
+  FracturedSolid made = two_halves();
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
+  mesh->node_names = {"crate", "lid"};
+  made.set.source = mesh;
+  made.set.fragments[1].node = 1;
+  const std::vector<std::uint8_t> without = write_glb(made, {});
+  mesh->node_extras = {"\"hp\":120,\"loot\":[\"gem\"]", ""};
+  const Glb glb(write_glb(made, {}));
+  json extras = glb.document["nodes"][1]["extras"];
+  EXPECT_EQ(extras["hp"], 120);
+  EXPECT_EQ(extras["loot"], json::array({"gem"}));
+  EXPECT_EQ(extras.size(), 3u) << "and those of the fragment";
+  extras.erase("hp");
+  extras.erase("loot");
+  const Glb plain(without);
+  EXPECT_EQ(extras, plain.document["nodes"][1]["extras"]);
+  EXPECT_EQ(glb.document["nodes"][2], plain.document["nodes"][2]) << "the lid has none";
+}
+
 TEST(GltfWriter, SourceMaterialsComeFirstInOrderThenTheInterior) {
   const FracturedSolid made = two_halves();
   const Glb glb(write_glb(made, {}));

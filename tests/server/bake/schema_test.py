@@ -7,10 +7,8 @@ program refuses them as well, with exit code 2.
 Usage: schema_test.py FRACTURE_SERVER [unittest arguments]. Exit code 77: Debian's python3-jsonschema is
 missing.
 """
-import base64
 import json
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
@@ -22,6 +20,8 @@ except ImportError:
     print("skipped: the Python package jsonschema is missing")
     sys.exit(77)
 
+from gltf_box import box_with_camera
+
 PROGRAM = ""
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "proto" / "bake"
 
@@ -30,26 +30,6 @@ v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 """
 OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-
-
-def holed():
-    """Returns a glTF: a box without half of one face, and a camera. The program fills the hole, which it notes, and drops the camera."""
-    lines = [line.split() for line in BOX.splitlines()]
-    points = [float(word) for line in lines if line[0] == "v" for word in line[1:]]
-    faces = [[int(word) - 1 for word in line[1:]] for line in lines if line[0] == "f"]
-    corners = [face[k] for face in faces for second in (1, 2) for k in (0, second, second + 1)][:-3]
-    buffer = struct.pack("<24f", *points) + struct.pack("<33H", *corners)
-    uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
-    return json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
-        "nodes": [{"mesh": 0, "name": "box"}, {"camera": 0, "name": "eye"}],
-        "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
-                      {"bufferView": 1, "componentType": 5123, "count": 33, "type": "SCALAR"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 66}],
-        "buffers": [{"byteLength": len(buffer), "uri": uri}]})
-
 
 FITS, BREAKS = True, False
 MANIFESTS = [
@@ -124,7 +104,7 @@ class Schemas(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        for name, text in {"box.obj": BOX, "open.obj": OPEN, "holed.gltf": holed()}.items():
+        for name, text in {"box.obj": BOX, "open.obj": OPEN, "holed.gltf": box_with_camera(missing=1)}.items():
             (self.folder / name).write_text(text, encoding="utf-8")
 
     def bake(self, *arguments):
@@ -159,7 +139,7 @@ class Schemas(unittest.TestCase):
                              ["made", "made", "refused", "unreadable", "unwritable", "refused"], turn)
             self.assertIn("contains nothing of the mesh", lines[1]["warnings"][0])
             self.assertIn("1 hole was filled", lines[1]["notes"][0])
-            self.assertIn({"what": "camera", "name": "eye"}, [{k: v for k, v in entry.items() if k != "reason"}
+            self.assertIn({"what": "camera", "name": "eye <1>"}, [{k: v for k, v in entry.items() if k != "reason"}
                                                               for entry in lines[1]["dropped"]])
             self.assertFalse({"warnings", "notes", "dropped"} & set(lines[0]), "nothing to say of a box")
             self.assertEqual(lines[5]["problem"]["known"], ["lid"])

@@ -31,6 +31,7 @@ Mesh full_mesh() {
   mesh.material = {0, kNoIndex};
   mesh.node = {0, 1};
   mesh.node_names = {"left", "r\xc3\xa9"};
+  mesh.node_extras = {"\"hp\":120", ""};
   mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
   mesh.group_of_node = {1, kNoIndex};
   mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
@@ -81,6 +82,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.triangles[1], (std::array<std::uint32_t, 3>{0, 3, 1}));
   EXPECT_EQ(back.material, (std::vector<std::uint32_t>{0, kNoIndex}));
   EXPECT_EQ(back.node_names, mesh.node_names);
+  EXPECT_EQ(back.node_extras, mesh.node_extras);
   EXPECT_EQ(back.groups, mesh.groups);
   EXPECT_EQ(back.group_of_node, mesh.group_of_node);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
@@ -128,6 +130,11 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.attributes.uvs.resize(65); }), HasSubstr("too many attribute sets"));
   EXPECT_THAT(broken([](Mesh& m) { m.frame.metres = 0; }), HasSubstr("unit"));
   EXPECT_THAT(broken([](Mesh& m) { m.node_names[0] = "\xff"; }), HasSubstr("UTF-8"));
+  EXPECT_THAT(broken([](Mesh& m) { m.dropped[0].reason = "\xff"; }), HasSubstr("UTF-8"));
+  EXPECT_THAT(broken([](Mesh& m) { m.node_extras.pop_back(); }), HasSubstr("every node"));
+  for (const char* extras : {"\"hp\":", "5", "\"a\":1},{\"b\":2", "\"a\":1,\"a\":2"})
+    EXPECT_THAT(broken([&](Mesh& m) { m.node_extras[1] = extras; }), HasSubstr("not JSON")) << extras;
+  EXPECT_THAT(broken([](Mesh& m) { m.node_extras[1] = "\"fracture\":{}"; }), HasSubstr("an answer"));
   EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));
