@@ -56,12 +56,15 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   Mesh& mesh = *mesh_;
   mesh.frame = source.frame;
   mesh.node_names = source.node_names;
+  mesh.node_extras = source.node_extras;
+  mesh.empty_nodes = source.empty_nodes;
   mesh.groups = source.groups;
   mesh.group_of_node = source.group_of_node;
   mesh.library = source.library;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;
   mesh.remarks = source.remarks;
+  mesh.dropped = source.dropped;
 
   const Copier copier(execution);
   copier.copy(source.positions, wedges, mesh.positions);

@@ -1,7 +1,9 @@
 #include "common/import/gltf_dropped.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -130,6 +132,24 @@ void add_scenes(const json& document, std::vector<Dropped>& dropped) {
 /// The members of a node's extras that are the results of an earlier fracture.
 bool is_result(const std::string& member) { return member == "fracture" || member == "intact"; }
 
+/// Returns whether a glTF node can have the transform: translation, rotation and scale. Tolerance: rounding to floats.
+bool is_node_transform(const Transform& m) {
+  const double x = length(m.x), y = length(m.y), z = length(m.z);
+  const auto fits = [](double value) { return std::abs(value) <= std::numeric_limits<float>::max(); };
+  constexpr double kRounding = 1e-6;
+  return x > 0 && y > 0 && z > 0 && fits(x) && fits(y) && fits(z) && fits(m.t.x) && fits(m.t.y) &&
+         fits(m.t.z) && std::abs(dot(m.x, m.y)) <= kRounding * x * y &&
+         std::abs(dot(m.y, m.z)) <= kRounding * y * z && std::abs(dot(m.z, m.x)) <= kRounding * z * x;
+}
+
+/// Keeps the node, or returns why that is not possible.
+const char* keep_empty(const json& node, const Transform& world, std::vector<EmptyNode>& kept) {
+  if (!is_node_transform(world)) return "its transform is sheared, flat or too large for a single node";
+  if (kept.size() >= kMostEmptyNodes) return "an answer has at most 1,000 nodes without a mesh";
+  kept.push_back({name_or(node, "empty"), world.x, world.y, world.z, world.t, carried_extras(node)});
+  return nullptr;
+}
+
 }  // namespace
 
 std::vector<Dropped> dropped_from(const json& document) {
@@ -142,7 +162,7 @@ std::vector<Dropped> dropped_from(const json& document) {
       document, list_in(document, "cameras"), "cameras", "camera", "answers have no cameras",
       [](const json& node) { return index_in(node, "camera"); }, dropped);
   add_all(list_in(document, "animations"), "animations", "animation", "fragments are not animated", dropped);
-  add_all(list_in(document, "skins"), "skins", "bones", "their pose is applied; fragments have no bones",
+  add_all(list_in(document, "skins"), "skins", "skin", "its pose is applied; fragments have no bones",
           dropped);
   add_all(list_in(extension_in(document, "KHR_materials_variants"), "variants"),
           "extensions/KHR_materials_variants/variants", "material variant",
@@ -177,8 +197,7 @@ std::string carried_extras(const json& node) {
   return members;
 }
 
-std::vector<Dropped> dropped_nodes(const json& document, const tinygltf::Model& model,
-                                   const GltfScene& scene) {
+OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const GltfScene& scene) {
   enum : std::uint8_t { kElsewhere, kShown, kHidden };
   const std::size_t count = model.nodes.size();
   std::vector<std::uint8_t> state(count, kElsewhere);
@@ -201,12 +220,14 @@ std::vector<Dropped> dropped_nodes(const json& document, const tinygltf::Model& 
       mesh_shown[static_cast<std::size_t>(node.mesh)] = true;
   }
 
-  std::vector<Dropped> dropped;
+  OtherNodes result;
+  std::vector<Dropped>& dropped = result.dropped;
   const json& nodes = list_in(document, "nodes");
   for (std::size_t n = 0; n < std::min(count, nodes.size()); ++n) {
     const json& node = nodes[n];
     const std::string name = name_or(node, pointer_to("nodes", n));
     const bool has_mesh = model.nodes[n].mesh >= 0;
+    bool in_answer = has_mesh && state[n] == kShown;
     const auto drop = [&](const char* reason) { dropped.push_back({"node", name, reason}); };
     if (state[n] == kElsewhere)
       drop("it is not in the default scene");
@@ -214,17 +235,22 @@ std::vector<Dropped> dropped_nodes(const json& document, const tinygltf::Model& 
       drop("KHR_node_visibility hides it");
     else if (!has_mesh && mesh_below[n])
       drop("its transform is applied; fragments are below the root node");
-    else if (!has_mesh && !is_joint[n])
-      drop("it has no mesh");
-    if (has_extras(node) && !(state[n] == kShown && has_mesh && !carried_extras(node).empty())) {
+    else if (!has_mesh && is_joint[n])
+      dropped.push_back({"bone", name, "its pose is applied; fragments have no bones"});
+    else if (!has_mesh) {
+      const char* const reason = keep_empty(node, *scene.world[n], result.kept);
+      in_answer = reason == nullptr;
+      if (reason != nullptr) drop(reason);
+    }
+    if (has_extras(node) && !(in_answer && !carried_extras(node).empty())) {
       const json& extras = node["extras"];
       const bool only_results =
           extras.is_object() && std::all_of(extras.items().begin(), extras.items().end(),
                                             [](const auto& member) { return is_result(member.key()); });
       if (!only_results)
         dropped.push_back({"extras", name,
-                           !has_mesh || state[n] != kShown ? "their node is not in the answer"
-                           : extras.is_object()            ? "they are too long to be copied to each fragment"
+                           !in_answer           ? "their node is not in the answer"
+                           : extras.is_object() ? "they are too long to be copied to each fragment"
                                                 : "only an object can be added to a fragment's extras"});
     }
     add_instances(node, name, dropped);
@@ -234,7 +260,7 @@ std::vector<Dropped> dropped_nodes(const json& document, const tinygltf::Model& 
     if (!mesh_shown[m])
       dropped.push_back(
           {"mesh", name_or(meshes[m], pointer_to("meshes", m)), "no visible node of the scene shows it"});
-  return dropped;
+  return result;
 }
 
 }  // namespace fracture

@@ -333,7 +333,9 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
     const tinygltf::Model model = load_gltf_model(document);
     const MeshReader reader(model, material_count, builder);
     const GltfScene scene = walk_gltf_scene(model, document.center);
-    std::ranges::move(dropped_nodes(document.json, model, scene), std::back_inserter(builder.dropped()));
+    OtherNodes others = other_nodes(document.json, model, scene);
+    std::ranges::move(others.dropped, std::back_inserter(builder.dropped()));
+    builder.set_empty_nodes(std::move(others.kept));
     std::vector<std::uint32_t> group_above(model.nodes.size(), kNoIndex);
     for (const int index : scene.order) {  // parents come before their children
       const auto at = static_cast<std::size_t>(index);

@@ -38,6 +38,7 @@ class MeshBuilder {
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }
   std::vector<Dropped>& dropped() { return mesh_.dropped; }
+  void set_empty_nodes(std::vector<EmptyNode> nodes) { mesh_.empty_nodes = std::move(nodes); }
   void set_library(MaterialLibrary library);
   void set_copyright(std::string copyright) { mesh_.copyright = std::move(copyright); }
 

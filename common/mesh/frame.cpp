@@ -32,6 +32,17 @@ void turn(Vector& v) {
   v.z = 0.0f - y;
 }
 
+/// Turns the node like the positions, and its own axes with it: what stands upright on its z axis stands on its y axis
+/// afterwards.
+void turn_axes(EmptyNode& node) {
+  const auto turned = [](const Vec3d& v) { return Vec3d{v.x, v.z, 0.0 - v.y}; };
+  const Vec3d y = turned(node.z), z = -1.0 * turned(node.y);
+  node.x = turned(node.x);
+  node.y = y;
+  node.z = z;
+  node.t = turned(node.t);
+}
+
 }  // namespace
 
 const char* name_of(FrameReport::From from) {
@@ -68,6 +79,10 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
                         std::to_string(metres) + " m).",
                     "unit", {{"vertex", v}});
     }
+  for (EmptyNode& node : mesh.empty_nodes) {
+    node.t = metres * node.t;
+    if (z_up) turn_axes(node);
+  }
   if (z_up) {
     for (Vec3f& p : mesh.positions) turn(p);
     for (Vec3f& n : mesh.attributes.normals) turn(n);

@@ -107,6 +107,7 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   Mesh kept = part_of(mesh, selected, true);
   kept.remarks = std::move(mesh.remarks);
   kept.dropped = std::move(mesh.dropped);
+  kept.empty_nodes = std::move(mesh.empty_nodes);
   kept.passed_through = std::move(rest);
   mesh = std::move(kept);
   return {};

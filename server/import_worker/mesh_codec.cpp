@@ -64,6 +64,12 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(mesh.triangle_color);
   write_texts(out, mesh.node_names);
   write_texts(out, mesh.node_extras);
+  out.value<std::uint64_t>(mesh.empty_nodes.size());
+  for (const EmptyNode& node : mesh.empty_nodes) {
+    out.text(node.name);
+    out.text(node.extras);
+    for (const Vec3d& column : {node.x, node.y, node.z, node.t}) out.value(column);
+  }
   out.value<std::uint64_t>(mesh.groups.size());
   for (const NodeGroup& group : mesh.groups) {
     out.text(group.name);
@@ -126,6 +132,18 @@ void check_extras(const std::string& members, const ImportLimits& limits) {
   require(read && read->value.is_object() && !read->value.empty(), "the extras of a node are not JSON");
   require(!read->value.contains("fracture") && !read->value.contains("intact"),
           "the extras of a node are those of an answer");
+}
+
+void read_empty_node(ByteReader& in, const ImportLimits& limits, EmptyNode& node) {
+  node.name = in.text();
+  node.extras = in.text();
+  require(is_utf8(node.name) && is_utf8(node.extras), "a text is not UTF-8");
+  check_extras(node.extras, limits);
+  for (Vec3d* column : {&node.x, &node.y, &node.z, &node.t}) {
+    *column = in.value<Vec3d>();
+    require(std::isfinite(column->x) && std::isfinite(column->y) && std::isfinite(column->z),
+            "a node's transform is not finite");
+  }
 }
 
 json read_objects(ByteReader& in, const ImportLimits& limits) {
@@ -198,6 +216,8 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.node_names = read_texts(in);
   mesh.node_extras = read_texts(in);
   for (const std::string& extras : mesh.node_extras) check_extras(extras, limits);
+  mesh.empty_nodes.resize(in.length(2 * sizeof(std::uint64_t) + 4 * sizeof(Vec3d)));
+  for (EmptyNode& node : mesh.empty_nodes) read_empty_node(in, limits, node);
   mesh.groups.resize(in.length(sizeof(std::uint64_t) + sizeof(std::uint32_t)));
   for (NodeGroup& group : mesh.groups) {
     group.name = in.text();

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {
@@ -56,8 +59,45 @@ TEST(GltfDropped, LightsCamerasAndAnimationsAreNamedByThemselvesOrByTheirNodes) 
   EXPECT_THAT(dropped_by(tet),
               UnorderedElementsAre("extension KHR_lights_punctual", "light Lamp", "light Torch",
                                    "light /extensions/KHR_lights_punctual/lights/2", "camera Eye",
-                                   "animation Spin", "animation /animations/1", "node Eye", "node Torch"));
-  EXPECT_TRUE(import_ok(tet).remarks.empty()) << "the list says it";
+                                   "animation Spin", "animation /animations/1"));
+  const Mesh mesh = import_ok(tet);
+  EXPECT_TRUE(mesh.remarks.empty()) << "the list says it";
+  ASSERT_EQ(mesh.empty_nodes.size(), 2u) << "the places of the camera and the light";
+  EXPECT_EQ(mesh.empty_nodes[0].name, "Eye");
+}
+
+TEST(GltfDropped, NodesWithoutAMeshKeepTheirPlaceInTheSceneAndTheirExtras) {
+  Tetrahedron tet;
+  tet.json["nodes"] = {
+      {{"name", "House"}, {"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}, {"children", {1, 2}}},
+      {{"mesh", 0}, {"name", "Wall"}},
+      {{"name", "socket"}, {"translation", {1, 0, 0}}, {"children", {3}}},
+      {{"name", "tip"}, {"translation", {0, 0, 3}}}};
+  tet.json["nodes"][2]["extras"] = {{"socket", true}, {"fracture", 1}};
+  const Mesh mesh = import_ok(tet);
+  const EmptyNode socket{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 0}, "\"socket\":true"},
+      tip{"tip", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 6}, ""};
+  EXPECT_THAT(mesh.empty_nodes, ElementsAre(socket, tip));
+  EXPECT_THAT(dropped_by(tet), ElementsAre("node House")) << "which has a mesh below it";
+}
+
+TEST(GltfDropped, NodesWhoseTransformANodeCannotHaveAndThoseBeyondTheLimitAreNamed) {
+  Tetrahedron tet;
+  const double h = 0.70710678118654752440;  // a turn by an eighth below an uneven scale is a shear
+  tet.json["nodes"] = {
+      {{"mesh", 0}, {"name", "tet"}},
+      {{"name", "uneven"}, {"scale", {1, 3, 1}}, {"children", {2}}},
+      {{"name", "sheared"}, {"rotation", {0, 0, std::sqrt((1 - h) / 2), std::sqrt((1 + h) / 2)}}},
+      {{"name", "flat"}, {"scale", {1, 0, 1}}}};
+  tet.json["scenes"][0]["nodes"] = {0, 1, 3};
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat"));
+  EXPECT_EQ(import_ok(tet).empty_nodes.size(), 1u);
+  for (int k = 0; k < 1'010; ++k) {
+    tet.json["scenes"][0]["nodes"].push_back(tet.json["nodes"].size());
+    tet.json["nodes"].push_back({{"name", "socket"}, {"translation", {0, 0, k}}});
+  }
+  EXPECT_EQ(import_ok(tet).empty_nodes.size(), 1'000u);
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat", "node socket"));
 }
 
 TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
@@ -69,9 +109,11 @@ TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
                        {{"name", "Alone"}},
                        json::object()};
   tet.json["scenes"] = {{{"nodes", {0, 5}}}, {{"nodes", {3}}, {"name", "Other"}}};
-  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node House", "node socket_fx", "node Elsewhere",
-                                                    "node Alone", "node /nodes/5", "scene Other"));
-  EXPECT_EQ(import_ok(tet).node_names, std::vector<std::string>{"Wall"});
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("node House", "node Elsewhere", "node Alone", "scene Other"));
+  const Mesh mesh = import_ok(tet);
+  EXPECT_EQ(mesh.node_names, std::vector<std::string>{"Wall"});
+  EXPECT_THAT(mesh.empty_nodes, ElementsAre(EmptyNode{.name = "socket_fx"}, EmptyNode{.name = "empty"}));
 }
 
 TEST(GltfDropped, AMeshThatNoNodeShowsIsNamed) {
@@ -116,8 +158,8 @@ TEST(GltfDropped, BonesVariantsAndMorphTargetsAreNamed) {
   tet.json["nodes"].push_back({{"name", "Bone"}});
   tet.json["scenes"][0]["nodes"] = {0, 1};
   EXPECT_THAT(dropped_by(tet),
-              UnorderedElementsAre("extension KHR_materials_variants", "material variant winter", "bones Rig",
-                                   "morph targets Box"));
+              UnorderedElementsAre("extension KHR_materials_variants", "material variant winter", "skin Rig",
+                                   "bone Bone", "morph targets Box"));
 }
 
 TEST(GltfDropped, ExtrasOfNodesAreKeptAndOthersAreNamed) {
@@ -167,6 +209,54 @@ TEST(GltfDropped, UnknownExtensionsAreNamedAndThoseInExtrasAreNone) {
   tet.node()["extras"]["extensions"]["ACME_text"] = json::object();
   tet.json["extensionsUsed"] = {"ACME_holograms", "KHR_materials_unlit", "KHR_mesh_quantization"};
   EXPECT_THAT(dropped_by(tet), ElementsAre("extension ACME_holograms"));
+}
+
+/// Collects the value of each member `name`, except those of scenes.
+void collect_names(const json& value, std::vector<std::string>& names) {
+  for (const auto& [key, child] : value.items()) {
+    if (key == "name" && child.is_string()) names.push_back(child.get<std::string>());
+    if (key != "scenes" && child.is_structured()) collect_names(child, names);
+  }
+}
+
+TEST(GltfDropped, EveryNameInTheFileIsInTheMeshOrListed) {
+  Tetrahedron tet;
+  std::string numbers;
+  put<float>(numbers, {1, 2, 3, 4});
+  tet.primitive()["attributes"]["_HEAT"] = tet.add_accessor(numbers, 5126, 4, "SCALAR");
+  tet.primitive()["material"] = 0;
+  tet.json["materials"] = {{{"name", "Paint"}}, {{"name", "Unused"}}};
+  tet.json["meshes"][0]["name"] = "Box";
+  tet.json["meshes"].push_back({{"name", "Spare"}, {"primitives", tet.json["meshes"][0]["primitives"]}});
+  tet.json["extensions"] = {
+      {"KHR_lights_punctual", {{"lights", json::array({{{"type", "point"}, {"name", "lamp"}}})}}},
+      {"KHR_materials_variants", {{"variants", json::array({{{"name", "snow"}}})}}}};
+  tet.json["cameras"] = json::array({{{"type", "orthographic"}, {"name", "lens"}}});
+  tet.json["skins"] = json::array({{{"name", "rig"}, {"joints", {6}}}});
+  tet.json["animations"] =
+      json::array({{{"name", "spin"}, {"channels", json::array()}, {"samplers", json::array()}}});
+  tet.json["nodes"] = {
+      {{"name", "\u684c\u5b50"}, {"mesh", 0}},
+      {{"name", "group"}, {"children", {2}}},
+      {{"name", "in group"}, {"mesh", 0}},
+      {{"name", "cam"}, {"camera", 0}},
+      {{"name", "lamp holder"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+      {{"name", "socket_fx"}},
+      {{"name", "bone"}},
+      {{"name", "outside"}, {"mesh", 0}},
+      {{"name", "hidden"}, {"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}}};
+  tet.json["scenes"][0]["nodes"] = {0, 1, 3, 4, 5, 6, 8};
+  const Mesh mesh = import_ok(tet);
+  std::string found = mesh.library->materials.dump();
+  for (const std::string& name : mesh.node_names) found += "|" + name + "|";
+  for (const NodeGroup& group : mesh.groups) found += "|" + group.name + "|";
+  for (const EmptyNode& node : mesh.empty_nodes) found += "|" + node.name + "|";
+  for (const Dropped& entry : mesh.dropped) found += "|" + entry.name + "|";
+  std::vector<std::string> names;
+  collect_names(tet.json, names);
+  EXPECT_EQ(names.size(), 18u);
+  for (const std::string& name : names) EXPECT_NE(found.find(name), std::string::npos) << name;
+  EXPECT_NE(found.find("_HEAT"), std::string::npos);
 }
 
 // -- extensions that a file requires

@@ -32,6 +32,7 @@ Mesh full_mesh() {
   mesh.node = {0, 1};
   mesh.node_names = {"left", "r\xc3\xa9"};
   mesh.node_extras = {"\"hp\":120", ""};
+  mesh.empty_nodes = {{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 2, 3}, "\"a\":1"}};
   mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
   mesh.group_of_node = {1, kNoIndex};
   mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
@@ -83,6 +84,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.material, (std::vector<std::uint32_t>{0, kNoIndex}));
   EXPECT_EQ(back.node_names, mesh.node_names);
   EXPECT_EQ(back.node_extras, mesh.node_extras);
+  EXPECT_EQ(back.empty_nodes, mesh.empty_nodes);
   EXPECT_EQ(back.groups, mesh.groups);
   EXPECT_EQ(back.group_of_node, mesh.group_of_node);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
@@ -135,6 +137,9 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   for (const char* extras : {"\"hp\":", "5", "\"a\":1},{\"b\":2", "\"a\":1,\"a\":2"})
     EXPECT_THAT(broken([&](Mesh& m) { m.node_extras[1] = extras; }), HasSubstr("not JSON")) << extras;
   EXPECT_THAT(broken([](Mesh& m) { m.node_extras[1] = "\"fracture\":{}"; }), HasSubstr("an answer"));
+  EXPECT_THAT(broken([&](Mesh& m) { m.empty_nodes[0].t.y = kNan; }), HasSubstr("not finite"));
+  EXPECT_THAT(broken([](Mesh& m) { m.empty_nodes[0].extras = "}"; }), HasSubstr("not JSON"));
+  EXPECT_THAT(broken([](Mesh& m) { m.empty_nodes[0].name = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));
