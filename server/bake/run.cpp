@@ -17,6 +17,7 @@
 
 #include "common/base/printable.hpp"
 #include "common/gltf/report_text.hpp"
+#include "common/mesh/dropped.hpp"
 #include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
 #include "server/bake/explain.hpp"

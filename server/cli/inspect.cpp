@@ -15,6 +15,7 @@
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
 #include "common/gltf/report_text.hpp"
+#include "common/mesh/dropped.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "server/bake/failure.hpp"

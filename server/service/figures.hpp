@@ -10,6 +10,7 @@
 #include "common/base/json_reader.hpp"
 #include "common/base/remarks.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/mesh/dropped.hpp"
 #include "server/service/engine.hpp"
 
 namespace fracture {
