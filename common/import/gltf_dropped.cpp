@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -17,6 +18,10 @@ namespace {
 using nlohmann::json;
 
 const json kNothing = json::array();
+
+/// Extensions that make a node a body, a collider or a joint.
+constexpr const char* kPhysics[] = {"KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_joint",
+                                    "OMI_collider", "MSFT_physics_rigid_bodies"};
 
 /// Returns the array `object[key]`, or an empty one.
 const json& list_in(const json& object, const char* key) {
@@ -142,8 +147,17 @@ bool is_node_transform(const Transform& m) {
          std::abs(dot(m.y, m.z)) <= kRounding * y * z && std::abs(dot(m.z, m.x)) <= kRounding * z * x;
 }
 
-/// Keeps the node, or returns why that is not possible.
+/// Returns whether the node is a part of the source's physics, such as the collider of a compound.
+bool is_physical(const json& node) {
+  const auto extensions = node.find("extensions");
+  if (extensions == node.end() || !extensions->is_object()) return false;
+  return std::any_of(std::begin(kPhysics), std::end(kPhysics),
+                     [&](const char* name) { return extensions->contains(name); });
+}
+
+/// Keeps the node, or returns why that is not done.
 const char* keep_empty(const json& node, const Transform& world, std::vector<EmptyNode>& kept) {
+  if (is_physical(node)) return "fragments have bodies and colliders of their own";
   if (!is_node_transform(world)) return "its transform is sheared, flat or too large for a single node";
   if (kept.size() >= kMostEmptyNodes) return "an answer has at most 1,000 nodes without a mesh";
   kept.push_back({name_or(node, "empty"), world.x, world.y, world.z, world.t, carried_extras(node)});

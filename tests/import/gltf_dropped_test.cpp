@@ -100,6 +100,16 @@ TEST(GltfDropped, NodesWhoseTransformANodeCannotHaveAndThoseBeyondTheLimitAreNam
   EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat", "node socket"));
 }
 
+TEST(GltfDropped, CollidersOfTheSourceAreNoEmptyNodes) {
+  Tetrahedron tet;
+  tet.json["nodes"].push_back({{"name", "tet_00_collider"}});
+  tet.json["nodes"][1]["extensions"]["KHR_physics_rigid_bodies"]["collider"] = json::object();
+  tet.node()["children"] = json::array({1});
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("extension KHR_physics_rigid_bodies", "node tet_00_collider"));
+  EXPECT_THAT(import_ok(tet).empty_nodes, IsEmpty());
+}
+
 TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
   Tetrahedron tet;
   tet.json["nodes"] = {{{"name", "House"}, {"children", {1, 2}}},
